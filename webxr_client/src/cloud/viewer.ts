@@ -70,6 +70,7 @@ export class Viewer {
   private readonly size = new Vector2();
 
   constructor(readonly canvas: HTMLCanvasElement) {
+    antialiasHeadset(canvas);
     this.renderer = new WebGLRenderer({
       canvas,
       antialias: false,
@@ -343,6 +344,25 @@ export class Viewer {
     renderer.clear();
     renderer.render(this.scene, camera);
   }
+}
+
+/** Attributes as three.js asks for them: a context that is there already keeps its own. */
+const CONTEXT: WebGLContextAttributes = {
+  alpha: true,
+  depth: true,
+  stencil: false,
+  antialias: false,
+  powerPreference: 'high-performance',
+};
+
+/**
+ * Let the headset's pictures be antialiased though the desk's are not, whose points are drawn aside:
+ * three.js makes a session's layer like the canvas's context, so that this one claims to be.
+ */
+function antialiasHeadset(canvas: HTMLCanvasElement): void {
+  const gl = canvas.getContext('webgl2', CONTEXT);
+  const attributes = gl?.getContextAttributes();
+  if (gl && attributes) gl.getContextAttributes = () => ({ ...attributes, antialias: true });
 }
 
 function isSoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {

@@ -175,7 +175,7 @@ export class Cockpit {
     parts.add(() => this.engine.viewer.backdrop.follow(this.rig.head));
     for (const panel of this.panels.all) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
-    parts.add(() => pointers.teach(seconds));
+    parts.add(() => pointers.teach(seconds, this.painter.painting));
     parts.add(() =>
       this.objectSign.update(this.rig, this.painter.tip, this.brush?.tracked === true),
     );

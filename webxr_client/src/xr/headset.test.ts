@@ -8,6 +8,7 @@ import { Headset } from './headset';
 /** A browser that has these modes, and whose sessions end when they are told to. */
 function browser(modes: readonly string[]) {
   const ended: (() => void)[] = [];
+  const offer = { take: (): void => undefined };
   const session = {
     addEventListener: (type: string, run: () => void) => type === 'end' && ended.push(run),
     requestReferenceSpace: () => Promise.resolve({}),
@@ -20,15 +21,22 @@ function browser(modes: readonly string[]) {
     addEventListener: () => undefined,
     isSessionSupported: (mode: string) => Promise.resolve(modes.includes(mode)),
     requestSession: vi.fn(() => Promise.resolve(session)),
+    offerSession: vi.fn(() => new Promise((taken) => (offer.take = () => taken(session)))),
   };
   vi.stubGlobal('navigator', { xr });
-  return { xr, session };
+  vi.stubGlobal('document', { documentElement: { toggleAttribute: () => false } });
+  return { xr, session, offer };
 }
 
 /** An engine whose renderer takes no session. */
 function engine(): Engine {
   const refused = (): Promise<never> => Promise.reject(new Error('no layer for this display'));
-  const xr = { setSession: refused, setReferenceSpaceType: () => undefined };
+  const nothing = (): void => undefined;
+  const xr = {
+    setSession: refused,
+    setReferenceSpaceType: nothing,
+    setFramebufferScaleFactor: nothing,
+  };
   return {
     viewer: {
       camera: new PerspectiveCamera(),
@@ -63,5 +71,15 @@ describe('the headset', () => {
     );
     await actions.enterVR();
     expect(xr.requestSession).toHaveBeenCalledWith('immersive-ar', expect.anything());
+  });
+
+  it('lets the browser offer a session, takes it, and offers again once it has ended', async () => {
+    const { offer, session, xr } = browser(['immersive-vr']);
+    new Headset(engine());
+    await vi.waitFor(() => expect(xr.offerSession).toHaveBeenCalledOnce());
+    offer.take();
+    await vi.waitFor(() => expect(session.end).toHaveBeenCalledOnce());
+    await vi.waitFor(() => expect(xr.offerSession).toHaveBeenCalledTimes(2));
+    expect(xr.requestSession).not.toHaveBeenCalled();
   });
 });

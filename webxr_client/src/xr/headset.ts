@@ -2,17 +2,26 @@
 import { Matrix4 } from 'three';
 import { bindActions } from '../actions';
 import type { Engine } from '../engine/engine';
+import { peek } from '../peek';
 import { isStroke, notify, patch, state } from '../state';
 import { Cockpit } from './cockpit';
 import { Poses } from './poses';
+import { xrSettings } from './settings';
+import { follow } from '../watch';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 
-const OPTIONAL = ['local-floor', 'bounded-floor', 'hand-tracking', 'layers'];
+const WANTED: XRSessionInit = {
+  optionalFeatures: ['local-floor', 'bounded-floor', 'hand-tracking', 'layers'],
+};
 /** More pictures a second than this are not worth points. */
 const BEST_RATE = 90;
 const DEFAULT_RATE = 72;
-const FOVEATION = 0.5;
+
+/** Browsers that can offer a session beside the page's address (WebXR: `offerSession`). */
+type Offering = XRSystem & {
+  offerSession?(mode: Mode, init: XRSessionInit): Promise<XRSession>;
+};
 
 const NO_WEBXR = 'This browser has no WebXR. Open this page in the headset’s own browser.';
 const NOT_SECURE = 'Browsers allow WebXR over HTTPS only: serve with --tls, or open localhost.';
@@ -22,6 +31,9 @@ export class Headset {
   cockpit: Cockpit | null = null;
   private session: XRSession | null = null;
   private leaving = false;
+  /** An offer stands in the browser's own bar. */
+  private offered = false;
+  private unfollow: (() => void) | null = null;
   /** Why the session that ends now could not begin. */
   private trouble = '';
   /** Where the desk's camera was, and its near and far plane. */
@@ -42,6 +54,12 @@ export class Headset {
       patch(state.xr, { supported: false, detail });
       return;
     }
+    // A page that nobody sees costs pictures: its panels are away meanwhile.
+    follow(() => {
+      const presenting = state.xr.value.session === 'running';
+      document.documentElement.toggleAttribute('data-presenting', presenting);
+      if (state.xr.value.session !== 'running') void this.offer(xr);
+    });
     xr.addEventListener('devicechange', () => void this.look(xr));
     void this.look(xr);
   }
@@ -57,15 +75,32 @@ export class Headset {
     patch(state.xr, { supported, enters, passthrough: vr && ar, ...(idle ? { detail } : {}) });
   }
 
+  /** Let the browser offer to enter, beside the page's address or in its own menu. */
+  private async offer(xr: Offering): Promise<void> {
+    const { supported, enters, session } = state.xr.peek();
+    if (!xr.offerSession || this.offered || !supported || session === 'starting') return;
+    const mode = enters === 'AR' ? 'immersive-ar' : 'immersive-vr';
+    this.offered = true;
+    const taken = await xr.offerSession(mode, WANTED).catch(() => null);
+    this.offered = false;
+    // Entered by the button, the browser takes its offer back.
+    if (!taken) return;
+    patch(state.xr, { session: 'starting', detail: '' });
+    await this.attempt(() => this.begin(taken, mode));
+  }
+
   async enter(mode: Mode = 'immersive-vr'): Promise<void> {
     const { xr } = navigator;
     if (!xr || state.xr.peek().session === 'running' || state.xr.peek().session === 'starting')
       return;
     patch(state.xr, { session: 'starting', detail: '' });
+    await this.attempt(async () => this.begin(await xr.requestSession(mode, WANTED), mode));
+  }
+
+  private async attempt(begin: () => Promise<void>): Promise<void> {
     this.trouble = '';
     try {
-      const session = await xr.requestSession(mode, { optionalFeatures: OPTIONAL });
-      await this.begin(session, mode);
+      await begin();
     } catch (error) {
       await this.giveUp(error instanceof Error ? error.message : String(error));
     }
@@ -93,17 +128,34 @@ export class Headset {
     const floor = await hasFloor(session);
     xr.enabled = true;
     xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
+    xr.setFramebufferScaleFactor(peek(xrSettings).sharpness);
     await xr.setSession(session);
-    xr.setFoveation(FOVEATION);
     pacing.show(1000 / (await chooseRate(session)));
+    session.addEventListener('frameratechange', () => {
+      pacing.show(1000 / (session.frameRate ?? DEFAULT_RATE));
+    });
     viewer.backdrop.showSky(mode === 'immersive-vr');
     const poses = new Poses(await session.requestReferenceSpace('viewer'));
     // It may have ended while it began.
     if (this.session !== session) return;
+    this.unfollow = this.followEdges();
     this.cockpit = new Cockpit(this.engine, session, poses, floor, mode);
     // At the desk one may have been looking about; here one walks.
     if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
     patch(state.xr, { session: 'running', detail: '' });
+  }
+
+  /** Draw the edges as coarse as is wished; the budget of points begins anew with each change. */
+  private followEdges(): () => void {
+    const { viewer, pacing } = this.engine;
+    let before = NaN;
+    return follow(() => {
+      const { foveation } = xrSettings.value;
+      if (foveation === before) return;
+      before = foveation;
+      viewer.renderer.xr.setFoveation(foveation);
+      pacing.reset();
+    });
   }
 
   async exit(): Promise<void> {
@@ -114,6 +166,8 @@ export class Headset {
   private ended(): void {
     const { viewer, pacing } = this.engine;
     this.session = null;
+    this.unfollow?.();
+    this.unfollow = null;
     this.cockpit?.dispose();
     this.cockpit = null;
     const { position, quaternion, scale } = viewer.camera;

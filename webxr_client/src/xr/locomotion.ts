@@ -15,6 +15,15 @@ const GLIDE = 1.8;
 /** Radians a second. */
 const SPIN = 1.6;
 
+/** Milliseconds for which the picture is black after a teleport, and until it is all there again. */
+const BLINK = { black: 40, over: 100 } as const;
+
+/** Return how dark a picture is so many milliseconds after a teleport, 0 to 1. */
+export function blinkAt(since: number): number {
+  const clear = (since - BLINK.black) / (BLINK.over - BLINK.black);
+  return 1 - Math.min(1, Math.max(0, clear));
+}
+
 const VIGNETTE_VERTEX = /* glsl */ `
 in vec3 position;
 out vec2 place;
@@ -27,10 +36,11 @@ const VIGNETTE_FRAGMENT = /* glsl */ `
 precision mediump float;
 in vec2 place;
 uniform float strength;
+uniform float blink;
 out vec4 result;
 void main() {
   float dark = smoothstep(0.85 - 0.4 * strength, 1.25 - 0.4 * strength, length(place));
-  result = vec4(0.0, 0.0, 0.0, dark * strength);
+  result = vec4(0.0, 0.0, 0.0, max(blink, dark * strength));
 }`;
 
 export class Locomotion {
@@ -39,6 +49,8 @@ export class Locomotion {
   private readonly vignette: Mesh<PlaneGeometry, RawShaderMaterial>;
   private aiming = false;
   private strength = 0;
+  /** Milliseconds since one jumped. */
+  private readonly sinceJump = Float64Array.of(BLINK.over);
   private readonly target = new Vector3();
   private readonly point = new Vector3();
   private readonly by = new Vector3();
@@ -61,7 +73,7 @@ export class Locomotion {
       glslVersion: GLSL3,
       vertexShader: VIGNETTE_VERTEX,
       fragmentShader: VIGNETTE_FRAGMENT,
-      uniforms: { strength: { value: 0 } },
+      uniforms: { strength: { value: 0 }, blink: { value: 0 } },
       transparent: true,
       depthTest: false,
       depthWrite: false,
@@ -157,7 +169,9 @@ export class Locomotion {
   }
 
   private go(): void {
-    if (this.valid) this.rig.moveTo(this.target);
+    if (!this.valid) return;
+    this.rig.moveTo(this.target);
+    this.sinceJump[0] = 0;
   }
 
   private aim(hand: Pointer | null): void {
@@ -193,7 +207,12 @@ export class Locomotion {
   private shade(moving: boolean, seconds: Float64Array): void {
     const goal = moving && xrSettings.peek().vignette ? 1 : 0;
     this.strength += (goal - this.strength) * Math.min(1, seconds[0]! * 8);
-    this.vignette.visible = this.strength > 0.02;
-    this.vignette.material.uniforms['strength']!.value = this.strength;
+    const { sinceJump, vignette } = this;
+    const { uniforms } = vignette.material;
+    const blink = blinkAt(sinceJump[0]!);
+    sinceJump[0] = sinceJump[0]! + 1000 * seconds[0]!;
+    vignette.visible = this.strength > 0.02 || blink > 0;
+    uniforms['strength']!.value = this.strength;
+    uniforms['blink']!.value = blink;
   }
 }

@@ -1,17 +1,13 @@
 /** Simple bodies for controllers and hands: own geometry, nothing is fetched. */
-import { BufferGeometry, CapsuleGeometry, CylinderGeometry, DynamicDrawUsage, Float32BufferAttribute, InstancedMesh, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, SphereGeometry, TorusGeometry, Matrix4, type Object3D, type Vector3 } from 'three'; // prettier-ignore
+import { BufferGeometry, CapsuleGeometry, CylinderGeometry, Float32BufferAttribute, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, TorusGeometry, type Object3D, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Device } from './devices';
-import type { Model } from './kinds/kind';
 import { tint } from './tint';
 
 const BODY = 0x2b3440;
 const LIGHT = 0x8b98a8;
-const JOINTS = 25;
-/** Positions of the finger tips among the joints. */
-const THUMB = 4;
-const INDEX = 9;
-const ORDER = 110;
+/** Hands and controllers are drawn behind the panels, which hide what is behind them. */
+export const ORDER = 110;
 
 /** A part of one colour, moved and turned about x. */
 function part(
@@ -56,69 +52,6 @@ export function controllerModel(device: Device): Mesh {
   mesh.renderOrder = ORDER;
   mesh.frustumCulled = false;
   return mesh;
-}
-
-/** A hand as its 25 joints. */
-export class HandModel implements Model {
-  readonly gripped = false;
-  readonly mesh: InstancedMesh;
-  private readonly matrices = new Float32Array(16 * JOINTS);
-  private readonly radii = new Float32Array(JOINTS);
-  private readonly spaces: XRJointSpace[] = [];
-  private readonly matrix = new Matrix4();
-
-  constructor(hand: XRHand) {
-    for (const space of hand.values()) this.spaces.push(space);
-    const material = new MeshBasicMaterial({ color: LIGHT, transparent: true });
-    this.mesh = new InstancedMesh(new SphereGeometry(1, 10, 8), material, JOINTS);
-    this.mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-    this.mesh.frustumCulled = false;
-    this.mesh.renderOrder = ORDER;
-  }
-
-  update(frame: XRFrame, space: XRReferenceSpace): void {
-    const seen =
-      frame.fillPoses?.(this.spaces, space, this.matrices) &&
-      frame.fillJointRadii?.(this.spaces, this.radii);
-    this.mesh.visible = Boolean(seen);
-    if (!seen) return;
-    for (let i = 0; i < this.spaces.length; i++) {
-      const radius = this.radii[i]! || 0.008;
-      this.matrix.fromArray(this.matrices, 16 * i);
-      const e = this.matrix.elements;
-      for (let k = 0; k < 12; k++) e[k]! *= radius;
-      e[3] = e[7] = e[11] = 0;
-      this.mesh.setMatrixAt(i, this.matrix);
-    }
-    this.mesh.instanceMatrix.needsUpdate = true;
-  }
-
-  /** The place between the tips of thumb and index finger, in the headset's space. */
-  pinch(out: Vector3): boolean {
-    const { matrices: m } = this;
-    out.set(
-      (m[16 * THUMB + 12]! + m[16 * INDEX + 12]!) / 2,
-      (m[16 * THUMB + 13]! + m[16 * INDEX + 13]!) / 2,
-      (m[16 * THUMB + 14]! + m[16 * INDEX + 14]!) / 2,
-    );
-    return this.mesh.visible;
-  }
-
-  /** The tip of the index finger, in the headset's space. */
-  fingertip(out: Vector3): boolean {
-    const { matrices: m } = this;
-    out.set(m[16 * INDEX + 12]!, m[16 * INDEX + 13]!, m[16 * INDEX + 14]);
-    return this.mesh.visible;
-  }
-
-  get object(): Object3D {
-    return this.mesh;
-  }
-
-  dispose(): void {
-    disposeModel(this.mesh);
-    this.mesh.dispose();
-  }
 }
 
 /** The pointing ray: a line from the hand to what it is on. */

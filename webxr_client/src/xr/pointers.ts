@@ -193,12 +193,15 @@ export class Pointers {
     this.changes.say(`The headset does not see the ${nameOf(pointer, pointer.kind.name)}`);
   }
 
-  /** Show what the buttons do, as far as it is not learnt; what points at a panel needs none. */
-  teach(seconds: Float64Array): void {
+  /**
+   * Show what the buttons do, as far as it is not learnt; what points at a panel needs none, and
+   * none stands in the picture while one paints.
+   */
+  teach(seconds: Float64Array, painting: boolean): void {
     const { tips } = xrSettings.peek();
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
-      body.tips.update(seconds, tips && body.on === null, this.rig.headInRig);
+      body.tips.update(seconds, tips && !painting && body.on === null, this.rig.headInRig);
     }
   }
 

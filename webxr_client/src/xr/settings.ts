@@ -15,6 +15,10 @@ export interface XrSettings {
   /** Narrow the view while one is moved. */
   readonly vignette: boolean;
   readonly seated: boolean;
+  /** Pixels drawn for one of the display along each side, from the next session on. */
+  readonly sharpness: number;
+  /** Coarser picture towards the edges of the view, 0 to 1. */
+  readonly foveation: number;
   /** Tracking runs stop where they become unsure. */
   readonly stopUnsure: boolean;
   /** Explain the buttons again. */
@@ -28,6 +32,8 @@ export const DEFAULTS: XrSettings = {
   snap: 30,
   vignette: true,
   seated: false,
+  sharpness: 1,
+  foveation: 0.5,
   stopUnsure: true,
   tips: true,
 };

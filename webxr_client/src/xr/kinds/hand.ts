@@ -1,6 +1,6 @@
 /** A bare hand: a pinch presses, a fingertip pokes panels. */
 import { deviceFor } from '../devices';
-import { HandModel } from '../model';
+import { HandModel } from '../hand-model';
 import { buttonValue, type Kind } from './kind';
 
 export const hand: Kind = {

@@ -45,7 +45,24 @@ function checksOf({ hand, move, vignette, seated, tips }: XrSettings): readonly 
   ];
 }
 
-function buttonsOf({ snap }: XrSettings): readonly (readonly [string, Partial<XrSettings>])[] {
+/** Shares of the display's own pixels, and of the edges' coarseness with its names. */
+const SHARPNESS = [0.8, 1, 1.2, 1.4] as const;
+const FOVEATION = [0, 0.5, 1] as const;
+const EDGES = ['sharp', 'softer', 'soft'] as const;
+
+function buttonsOf({
+  snap,
+  sharpness,
+  foveation,
+}: XrSettings): readonly (readonly [string, Partial<XrSettings>])[] {
   const turn = snap > 0 ? `Turn ${snap}°` : 'Turn evenly';
-  return [[turn, { snap: next<number>(TURNS, snap) }]];
+  const edges = EDGES[FOVEATION.indexOf(foveation as (typeof FOVEATION)[number])] ?? '';
+  return [
+    [turn, { snap: next<number>(TURNS, snap) }],
+    [
+      `Sharpness ${Math.round(100 * sharpness)} %, when entered anew`,
+      { sharpness: next<number>(SHARPNESS, sharpness) },
+    ],
+    [`Edges ${edges}`, { foveation: next<number>(FOVEATION, foveation) }],
+  ];
 }
