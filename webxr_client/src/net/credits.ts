@@ -1,0 +1,48 @@
+/** What the page can still take in: credits let the server send, held back while the page lags. */
+import type { Credit } from '../protocol/messages';
+import type { Decoded, Pace } from './wire';
+
+/** Segments that the page may have waiting before the server must wait too. */
+const MOST_WAITING = 6;
+
+export class Credits {
+  /** Segments that the page has not taken in yet. */
+  private waiting = 0;
+  private owed: Credit[] = [];
+  private pace: Pace = { points: null };
+
+  /** A new connection: what is owed to the last one is owed to nobody. */
+  reset(): void {
+    this.owed = [];
+  }
+
+  /** The decoder is done with a frame; returns the credit to send, or null while the page lags. */
+  decoded({ nbytes, decodeMs }: Decoded): Credit | null {
+    this.waiting += 1;
+    const credit: Credit = {
+      type: 'credit',
+      frames: 1,
+      nbytes,
+      decode_ms: decodeMs,
+      ...this.pace,
+    };
+    // A page that is busy drawing takes segments in late; the link is not to blame for that.
+    if (this.waiting <= MOST_WAITING) return credit;
+    this.owed.push(credit);
+    return null;
+  }
+
+  /** The page took in a segment; returns a credit that was held back, or null. */
+  applied(pace: Pace): Credit | null {
+    this.pace = pace;
+    this.waiting -= 1;
+    const credit = this.owed.shift();
+    return credit ? { ...credit, ...pace } : null;
+  }
+
+  /** The page's pace changed by itself. */
+  paced(pace: Pace): Credit {
+    this.pace = pace;
+    return { type: 'credit', frames: 0, ...pace };
+  }
+}
