@@ -39,6 +39,7 @@ class Frame:
     viewpoint: NDArray[np.float64] | None = None
     pose: NDArray[np.float64] | None = None
     intensity: NDArray[np.float32] | None = None
+    lattice: None = None
 
     @cached_property
     def kdtree(self) -> cKDTree:

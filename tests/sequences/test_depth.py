@@ -17,6 +17,8 @@ from pointbrush.sequences import Manifest, Sequence, import_frames, open_sequenc
 from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.sensors.camera import find_lens
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera
 
 
@@ -122,6 +124,17 @@ def test_a_lattice_is_kept_by_the_manifest_as_it_is(sequence: Sequence) -> None:
     assert again.lattice == sequence.manifest.lattice
     assert lattice_of(sequence).bands[0].level == 0
     assert all(a.level <= b.level for a, b in pairwise(lattice_of(sequence).bands))
+
+
+def test_tracking_takes_the_lattice_from_the_manifest(sequence: Sequence) -> None:
+    lattice, stored = lattice_of(sequence), sequence[0]
+    lens = find_lens(stored, options=TrackerOptions())
+    assert lens is not None
+    assert lens.pitch == lattice.pitch
+    pixels, _ = decode_depth(lattice, chunks_of(sequence, 0))
+    margin = TrackerOptions().lens.margin_px
+    rows, columns = np.divmod(lens.cells(stored.xyz, TrackerOptions().lens).cell, lens.shape[1])
+    assert np.array_equal((rows - margin) * lattice.width + columns - margin, pixels.pixel)
 
 
 def test_bytes_that_were_cut_off_are_refused(sequence: Sequence) -> None:

@@ -16,6 +16,7 @@ from pointbrush.sequences import kdtree
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.columns import from_local
+from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles
 from pointbrush.sequences.manifest import Manifest
 
@@ -65,7 +66,7 @@ class StoredFrame:
         index = files.index
         self.index, self.count, self.large = index, files.count, files.large
         self._files, self._identity = files, manifest.identity
-        self._shift = np.array(manifest.shift)
+        self._shift, self._lattice = np.array(manifest.shift), manifest.lattice
         pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
         self.pose = None if pose is None else np.array(pose).reshape(4, 4)
         self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
@@ -117,6 +118,11 @@ class StoredFrame:
         """Intrinsics when the frame came from a depth image."""
         camera = self._files.meta.get("camera")
         return None if camera is None else DepthCamera(**camera)
+
+    @property
+    def lattice(self) -> Lattice | None:
+        """The pixels that the frame's points lie on, as the import found them, or None."""
+        return None if self.depth_ends is None else self._lattice
 
     @property
     def source_dtype(self) -> np.dtype[Any]:

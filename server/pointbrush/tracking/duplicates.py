@@ -24,6 +24,7 @@ from pointbrush.tracking.interface import (
     FrameResult,
     Frames,
     Known,
+    PixelLattice,
     Seed,
     TrackFrame,
     TrackOptions,
@@ -91,6 +92,11 @@ class DistinctFrame:
     def pose(self) -> F64 | None:
         """``T_world_frame``."""
         return self.whole.pose
+
+    @property
+    def lattice(self) -> PixelLattice | None:
+        """The camera's pixels."""
+        return self.whole.lattice
 
 
 class DistinctFrames:

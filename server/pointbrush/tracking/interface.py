@@ -28,12 +28,45 @@ PAINTED = 1
 """Provenance of a point that a person painted."""
 
 
+class PixelLattice(Protocol):
+    """Pixels that a frame's points lie on, as ``sequences`` keeps them: ``Lattice`` is one."""
+
+    @property
+    def width(self) -> int:
+        """Columns of the image."""
+
+    @property
+    def height(self) -> int:
+        """Rows of the image."""
+
+    @property
+    def axis(self) -> int:
+        """The axis of the frame along which the camera looks."""
+
+    @property
+    def sign(self) -> float:
+        """1 where it looks to greater coordinates, else -1."""
+
+    @property
+    def tangent(self) -> tuple[float, float]:
+        """Tangents of the first column and row, along the other two axes."""
+
+    @property
+    def pitch(self) -> tuple[float, float]:
+        """Tangents from column to column and row to row."""
+
+    @property
+    def eye(self) -> tuple[float, float, float]:
+        """The camera's place, local metres."""
+
+
 class TrackFrame(Protocol):
     """One frame as tracking sees it; ``StoredFrame`` is one.
 
     ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``intensity`` (N,) float32 or
     None; ``kdtree`` over ``xyz``; ``viewpoint`` (3,) sensor position or None where unknown;
-    ``pose`` (4, 4) ``T_world_frame`` or None where the sensor stands still.
+    ``pose`` (4, 4) ``T_world_frame`` or None where the sensor stands still; ``lattice`` the
+    pixels of its camera, where the import found them, or None.
     """
 
     @property
@@ -59,6 +92,10 @@ class TrackFrame(Protocol):
     @property
     def pose(self) -> F64 | None:
         """``T_world_frame``."""
+
+    @property
+    def lattice(self) -> PixelLattice | None:
+        """The camera's pixels, where the import found them."""
 
 
 Frames = Callable[[int], TrackFrame]

@@ -210,6 +210,11 @@ class MovedFrame:
         """``T_world_frame``: not known."""
         return None
 
+    @property
+    def lattice(self) -> None:
+        """The camera's pixels: where it is after the jump, they are others."""
+        return None
+
 
 @dataclass(frozen=True)
 class AcrossJumps:

@@ -33,6 +33,7 @@ class _Frame:
     made: PointFrame
     pose: NDArray[np.float64] | None = None
     intensity: None = None
+    lattice: None = None
 
     @property
     def rgb(self) -> NDArray[np.uint8] | None:

@@ -19,6 +19,7 @@ class Frame:
     intensity: np.ndarray | None = None
     viewpoint: np.ndarray | None = None
     pose: np.ndarray | None = None
+    lattice: None = None
 
     @cached_property
     def kdtree(self) -> cKDTree:

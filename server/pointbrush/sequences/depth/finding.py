@@ -30,6 +30,7 @@ class _Seen:
     rgb: None = None
     intensity: None = None
     pose: None = None
+    lattice: None = None
 
 
 def find_lattice(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
-from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
+from pointbrush.tracking.interface import F32, F64, I64, PixelLattice, TrackFrame
 from pointbrush.tracking.options import LensOptions, TrackerOptions
 from pointbrush.tracking.sensors.scanner import reach_of
 
@@ -122,6 +122,7 @@ def find_lens(
 ) -> Lens | None:
     """The pixel grid of a pinhole-like frame, None where it has none.
 
+    As the import found it, else as the points show it.
     ``place`` (3,): where its sensor may have been, if it does not say it; the origin else.
     A sensor that ``moves`` has one only where its lattice shows, or it sees no farther than depth
     cameras do: a lidar's front view is better followed as one that looks all round.
@@ -129,6 +130,8 @@ def find_lens(
     xyz = np.asarray(frame.xyz)
     if len(xyz) < options.lens.min_points:
         return None
+    if frame.lattice is not None:
+        return _told(frame.lattice, options=options.lens)
     told = frame.viewpoint is not None
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
@@ -171,6 +174,17 @@ def find_lens(
     if lens is None or not _sees(lens, xyz, told, least, options=options.lens):
         return None
     return replace(lens, lattice=False)
+
+
+def _told(lattice: PixelLattice, options: LensOptions) -> Lens:
+    """The pixel grid that the import found, with a margin about the image as if found here."""
+    margin = options.margin_px
+    least, up = (
+        start - margin * pitch for start, pitch in zip(lattice.tangent, lattice.pitch, strict=True)
+    )
+    shape = lattice.height + 2 * margin, lattice.width + 2 * margin
+    eye = np.array(lattice.eye, np.float32)
+    return Lens(eye, None, lattice.axis, lattice.sign, (least, up), lattice.pitch, shape)
 
 
 def _lens(
