@@ -40,7 +40,7 @@ from pointbrush.settings import Settings
 from pointbrush.tracking import TrackOptions
 from pointbrush.work import checking, exporting, palettes, place, thumbnails
 from pointbrush.work.annotate import accepting, copying, flooring, layers
-from pointbrush.work.annotate.placing import Placement, placements
+from pointbrush.work.annotate.placing import Placement, placements, require_overlaid
 from pointbrush.work.annotate.splitting import Split, split_label
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
 from pointbrush.work.backup import make_backup, restore_one
@@ -504,6 +504,7 @@ class Workspace:
         recording = self.recording(sequence)
         _ = recording[frame]
         frames = range(max(0, frame - before), min(len(recording), frame + after + 1))
+        require_overlaid(recording, frame, frames)
         shift = np.asarray(recording.manifest.shift, np.float64)
         return placements(self.store, recording, frame, frames), shift
 
@@ -613,7 +614,7 @@ class Workspace:
         author: str,
         edit: str | None = None,
     ) -> Commit:
-        """Take labels from all of their points in frames, as one edit."""
+        """Take labels from all of their points in frames, painted ones too, as one edit."""
         recording = self.recording(sequence)
         return copying.clear_labels(self.store, recording, frames, labels, author, edit_id(edit))
 

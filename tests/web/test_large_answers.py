@@ -195,3 +195,32 @@ def test_a_clipped_stroke_takes_the_same_points_by_rest_and_socket(both: Served)
             np.testing.assert_array_equal(workspace.annotation(sequence, 0)[0], expected)
             workspace.undo(sequence, workspace.store.edits(sequence)[0].author)
             np.testing.assert_array_equal(workspace.annotation(sequence, 0)[0], before)
+
+
+def test_frames_that_are_octrees_are_not_laid_over_one_another(tmp_path: Path) -> None:
+    settings = settings_in(tmp_path)
+    folder = settings.workspace / "sequences" / "large"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(importer, "LARGE_POINTS", 8_000)
+        import_frames([scan(), scan()], folder, sequence_id="large", name="scan", fps=1.0)
+    with serving(settings) as served:
+        served.workspace.create_label("large", "somebody", name="pin")
+        frame = f"{served.url}/api/v1/sequences/large/frames/0"
+        stroke = {"label": 1, "samples": [{"origin": [448_020.0, 5_411_018.0, 320.0]}]}
+        answers = [
+            httpx.post(f"{frame}/strokes", json={**stroke, "frames": [1]}, headers=served.headers),
+            httpx.get(f"{frame}/placements?before=1&after=1", headers=served.headers),
+        ]
+        for answer in answers:
+            assert answer.status_code == 422, answer.text
+            assert "paint its frames one by one" in answer.json()["detail"]
+        assert not served.workspace.annotation("large", 1)[0].any()
+
+        async def scenario() -> None:
+            async with viewer(served.url, served.token) as client:
+                await client.open("large")
+                await client.send(type="seek", frame=0, around=[1])
+                told = await client.until("error")
+                assert "paint its frames one by one" in told["detail"]
+
+        run(scenario)

@@ -151,7 +151,10 @@ class Frame(Part[L]):
 
     @steps
     def clear(self, labels: Sequence[int], stop: int | None = None) -> Steps[Edit]:
-        """Take labels from all of their points in this frame, or up to ``stop`` (included)."""
+        """Take labels from all of their points in this frame, or up to ``stop`` (included).
+
+        Painted points too; ``recording.clear`` takes back only what tracking found.
+        """
         body = {"labels": list(labels)} | ({} if stop is None else {"stop": stop})
         return (yield from self._edit("/clear", body))
 

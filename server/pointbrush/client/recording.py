@@ -141,7 +141,10 @@ class Recording(Part[L]):
 
     @steps
     def clear(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
-        """Take back what tracking found in frames ``start`` to ``stop``; painted points stay."""
+        """Take back what tracking found in frames ``start`` to ``stop``; painted points stay.
+
+        ``frames[i].clear`` takes the labels from painted points too.
+        """
         body = {"labels": list(labels), "start": start, "stop": stop}
         return (yield from self._edit("POST", "/clear", body))
 

@@ -28,6 +28,7 @@ from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
 from pointbrush.streaming.viewer import CREDITS, Send, SendEach, Viewer
+from pointbrush.work.annotate.placing import require_overlaid
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""
@@ -303,6 +304,7 @@ class ViewerSession(Viewer):
 
     def _seek(self, message: messages.Seek) -> None:
         around = [self._require_frame(frame) for frame in message.around]
+        require_overlaid(self.require_room().recording, message.frame, around)
         self.plan.seek(self._require_frame(message.frame), around)
         self.outbox.wake.set()
 

@@ -3,6 +3,7 @@
  * shortcuts, and the command palette offers all of it.
  */
 import { actions, type ViewPreset } from '../actions';
+import { stepFindings } from '../reviewing/store';
 import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/open';
 import { pickFiles } from '../panels/import-files';
 import { frameRange } from '../panels/range';
@@ -103,6 +104,8 @@ const MORE: readonly KeyBinding[] = [
     when: () => true,
     run: () => (helpOpen.value = true),
   },
+  key('z', 'Z', 'Time', 'Next suspicious place', () => stepFindings(1)),
+  key('shift+z', 'Shift Z', 'Time', 'Previous suspicious place', () => stepFindings(-1)),
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
     actions.nextUnlabelled(-1),

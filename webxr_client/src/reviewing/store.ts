@@ -88,6 +88,13 @@ export function step(direction: 1 | -1): void {
   else notify('info', 'Nothing suspicious is left');
 }
 
+/** The same by a key: findings are looked for first where that is still to be done. */
+export async function stepFindings(direction: 1 | -1): Promise<void> {
+  reviewOpen.value = true;
+  if (!checks.peek()) await refresh();
+  if (checks.peek()) step(direction);
+}
+
 /** A reviewer says that it is right as it is; on to the next. */
 export async function settle(finding: Finding): Promise<void> {
   const next = stepFrom(waiting.peek(), finding.id, state.frame.peek(), 1);

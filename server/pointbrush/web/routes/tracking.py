@@ -57,7 +57,10 @@ def copy(seq: SequenceId, i: FramePath, body: CopyBody, workspace: Ws, who: Call
 
 @router.post("/sequences/{seq}/frames/{i}/clear", responses=responses(404, 409))
 def clear(seq: SequenceId, i: FramePath, body: ClearBody, workspace: Ws, who: Caller) -> EditOut:
-    """Take labels from all of their points in a range of frames; one edit."""
+    """Take labels from all of their points in a range of frames, painted ones too; one edit.
+
+    `POST /sequences/{seq}/clear` takes back only what tracking found.
+    """
     stop = i if body.stop is None else body.stop
     frames = range(min(i, stop), max(i, stop) + 1)
     return EditOut.of(workspace.clear_labels(seq, frames, body.labels, who.author, body.id))
@@ -74,6 +77,7 @@ def clear_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller
     """Take back what tracking found of the labels in a stretch of frames; one edit.
 
     Painted points stay, and the frames are in doubt no more.
+    `POST /sequences/{seq}/frames/{i}/clear` takes the labels from painted points too.
     """
     return EditOut.of(workspace.clear_range(seq, body.frames, body.labels, who.author, body.id))
 

@@ -32,6 +32,16 @@ class Placement:
     moving: Mapping[int, Matrix] = field(default_factory=dict)
 
 
+def require_overlaid(recording: Recording, frame: int, others: Iterable[int]) -> None:
+    """Raise BadInputError where ``others`` cannot be laid over a frame, as frames are octrees."""
+    if recording.manifest.large and set(others) - {frame}:
+        name = recording.manifest.id
+        raise BadInputError(
+            f"frames: expected a recording whose frames are in one piece, '{name}' "
+            "stores them as octrees: show and paint its frames one by one"
+        )
+
+
 def placements(
     store: LabelStore, recording: Recording, shown: int, frames: Iterable[int]
 ) -> list[Placement]:

@@ -16,7 +16,7 @@ from pointbrush.selection import Stroke
 from pointbrush.selection.overlay import OverlaySelector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import PaintedFrame
-from pointbrush.work.annotate.placing import placements
+from pointbrush.work.annotate.placing import placements, require_overlaid
 
 
 def edit_id(given: object) -> str:
@@ -54,6 +54,7 @@ class LiveStroke:
         self._brush = self._source_brush.to_local(self._shift)
         if self._brush.tool == "paint":
             view.require_paintable(self._brush.label, self._brush.hidden)
+        require_overlaid(recording, frame, self._brush.frames)
         self._painted = [
             PaintedFrame(view, recording, placement, self._brush)
             for placement in placements(store, recording, frame, self._brush.frames)

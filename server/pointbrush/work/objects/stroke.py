@@ -16,7 +16,7 @@ from pointbrush.selection.near import near, reach_of
 from pointbrush.selection.rigid import inverse, transformed
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import PaintedFrame
-from pointbrush.work.annotate.placing import placements
+from pointbrush.work.annotate.placing import placements, require_overlaid
 from pointbrush.work.annotate.strokes import write_of
 from pointbrush.work.objects.service import Level, Objects
 
@@ -50,6 +50,7 @@ class ObjectStroke:
             raise BadInputError("tool: expected paint, erase or delete for an object, got restore")
         if self._brush.tool == "paint":
             store.require_paintable(recording.manifest.id, self._brush.label, self._brush.hidden)
+        require_overlaid(recording, frame, self._brush.frames)
         self._placed = placements(store, recording, frame, self._brush.frames)
         self._fields = fields
         self._samples: list[Mapping[str, Any]] = []
