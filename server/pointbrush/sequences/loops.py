@@ -52,21 +52,24 @@ def _differences(vertices: Bytes, start: int, points: int, words: int, values: B
     for lane in range(stride):
         for place in range(points, -(-points // GROUP) * GROUP):
             values[lane, place] = 0
-    for place in range(points):
-        now = start + place
-        before = max(now - 1, 0)
-        for lane in range(0, words, 2):
+    before = max(start - 1, 0)
+    for lane in range(0, words, 2):
+        old = np.int32(vertices[before, lane]) | np.int32(vertices[before, lane + 1]) << 8
+        for place in range(points):
+            now = start + place
             new = np.int32(vertices[now, lane]) | np.int32(vertices[now, lane + 1]) << 8
-            old = np.int32(vertices[before, lane]) | np.int32(vertices[before, lane + 1]) << 8
             step = np.int32(np.int16(new - old))
             zigzag = (step << 1) ^ (step >> 15)
             values[lane, place] = np.uint8(zigzag & 255)
             values[lane + 1, place] = np.uint8((zigzag >> 8) & 255)
-        for lane in range(words, stride):
-            change = np.int32(
-                np.int8(np.int32(vertices[now, lane]) - np.int32(vertices[before, lane]))
-            )
-            values[lane, place] = np.uint8(((change << 1) ^ (change >> 7)) & 255)
+            old = new
+    for lane in range(words, stride):
+        last = vertices[before, lane]
+        for place in range(points):
+            value = vertices[start + place, lane]
+            change = np.int8(np.uint8(value - last))
+            values[lane, place] = np.uint8(np.uint8(change << 1) ^ np.uint8(change >> 7))
+            last = value
 
 
 @innermost
