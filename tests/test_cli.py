@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import signal
@@ -243,11 +244,40 @@ def test_tokens_are_added_listed_and_revoked(capsys: pytest.CaptureFixture[str])
     assert "revoked" in capsys.readouterr().out
 
 
-def test_help_imports_nothing_that_it_does_not_need() -> None:
+HEAVY = (
+    "numpy", "scipy", "numba", "sqlalchemy", "psycopg", "pydantic", "fastapi", "uvicorn", "viser",
+    "pointbrush.tracking", "pointbrush.streaming", "pointbrush.web", "pointbrush.review",
+    "pointbrush.samples",
+)  # fmt: skip
+"""Packages that take their time to import."""
+STORED = {"numpy", "sqlalchemy", "psycopg"}
+"""What reading a workspace needs."""
+
+
+@pytest.mark.parametrize(
+    ("command", "may"),
+    [
+        (["--help"], set()),
+        (["serve", "--help"], set()),
+        (["info"], STORED),
+        (["token", "list"], STORED),
+        (["export", "none", "--format", "ply", "--out", "out"], STORED),
+        (["check"], STORED),
+    ],
+    ids=" ".join,
+)
+def test_a_command_imports_nothing_that_it_does_not_need(
+    tmp_path: Path, command: list[str], may: set[str]
+) -> None:
     code = (
-        "import sys; from pointbrush.cli import parser; parser();"
-        "heavy = ('numpy', 'scipy', 'numba', 'sqlalchemy', 'fastapi');"
-        "print([name for name in heavy if name in sys.modules])"
+        "import contextlib, sys\n"
+        "from pointbrush.cli import main\n"
+        "with contextlib.suppress(SystemExit):\n"
+        "    main(sys.argv[1:])\n"
+        f"print([name for name in {HEAVY} if name in sys.modules])"
     )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    place = [] if "--help" in command else ["--workspace", str(tmp_path)]
+    line = [sys.executable, "-c", code, *command, *place]
+    found = subprocess.run(line, capture_output=True, text=True, check=True)
+    imported = set(ast.literal_eval(found.stdout.splitlines()[-1]))
+    assert imported <= may, found.stderr

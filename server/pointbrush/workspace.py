@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,6 @@ from pointbrush.private import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
-from pointbrush.tracking import TrackOptions
 from pointbrush.work import checking, exporting, palettes, place, thumbnails
 from pointbrush.work.annotate import accepting, copying, flooring, layers
 from pointbrush.work.annotate.placing import Placement, placements, require_overlaid
@@ -71,8 +71,10 @@ from pointbrush.work.objects import (
 from pointbrush.work.palettes import NamedLabel
 from pointbrush.work.readiness import require_room
 from pointbrush.work.reviewing import Reviewing
-from pointbrush.work.tracking.job import load_default_method
-from pointbrush.work.tracking.runs import TRACK, Runs, TrackRequest
+from pointbrush.work.tracking import TRACK
+
+if TYPE_CHECKING:
+    from pointbrush.work.tracking.runs import Runs
 
 __all__ = [
     "Answer",
@@ -124,7 +126,6 @@ class Workspace:
         self._objects = Objects(
             self.store, settings.workspace.absolute() / "objects", settings.selector, self._publish
         )
-        self._runs = Runs(self.store, self.runner, self._publish, settings.database_url)
         begin = {
             IMPORT: self._imports.again,
             SAMPLE: self._imports.again,
@@ -132,7 +133,12 @@ class Workspace:
             TRACK: lambda job: self._runs.again(self._recording_of(job), job),
         }
         self._job_book = JobBook(
-            self.store, self.runner, self._publish, begin, self._runs.keep, self.paths.hide
+            self.store,
+            self.runner,
+            self._publish,
+            begin,
+            lambda job: self._runs.keep(job),
+            self.paths.hide,
         )
         self._deletion = Deletion(self.library, self.store)
         self.reviewing = Reviewing(self.store, self.recording)
@@ -177,7 +183,16 @@ class Workspace:
 
     def expect_tracking(self) -> None:
         """Have a worker process made ready for a run, unless jobs have begun one already."""
+        from pointbrush.work.tracking.job import load_default_method
+
         self.runner.make_ready(load_default_method)
+
+    @cached_property
+    def _runs(self) -> Runs:
+        """Runs of tracking, whose code most commands do without."""
+        from pointbrush.work.tracking.runs import Runs
+
+        return Runs(self.store, self.runner, self._publish, self.settings.database_url)
 
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
         """Call ``listener`` at every event, from any thread; returns what undoes it."""
@@ -571,6 +586,9 @@ class Workspace:
         it is painted with ``until_painted``.  ``stop_unsure`` ends the run at the first frame that
         a person should look at.
         """
+        from pointbrush.tracking import TrackOptions
+        from pointbrush.work.tracking.runs import TrackRequest
+
         options = TrackOptions(
             overwrite=overwrite,  # type: ignore[arg-type]  # checked by `start`
             continue_lost=continue_lost,

@@ -5,13 +5,16 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit
-from pointbrush.tracking import FrameResult
+
+if TYPE_CHECKING:
+    from pointbrush.tracking import FrameResult
 
 
 @dataclass(frozen=True, eq=False)

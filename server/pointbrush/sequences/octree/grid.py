@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import to_local
-from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.octree.order import MAX_POINTS
 from pointbrush.sequences.octree.quantise import base_step, coarsest_step
@@ -60,6 +59,9 @@ def _lattice(
     """The lattice of whole frames; parts of one are of no depth camera."""
     if len(frames) != 1 or len(frames[0]) > MAX_POINTS:
         return None
+    # Here, since it loads the tracker's sensors, which only an import needs.
+    from pointbrush.sequences.depth.finding import find_lattice
+
     return find_lattice(frames[0], to_local(frames[0].xyz, shift), shift, step)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 
 from pointbrush.errors import BadInputError
@@ -15,7 +16,11 @@ class Chosen:
     """A selector and the name by which another process makes the same."""
 
     name: str
-    selector: Selector
+
+    @cached_property
+    def selector(self) -> Selector:
+        """The selector, made when it is first asked for.  Raises BadInputError."""
+        return make_selector(self.name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +48,9 @@ class Selectors:
             named[recording] = name
         made: dict[str, Chosen] = {}
         for name in {*named.values(), BUILT_IN}:
-            made[name] = Chosen(name, make_selector(name))
+            made[name] = Chosen(name)
+            if name != BUILT_IN:  # which is there, and loads much that no other command needs
+                _ = made[name].selector
         common = made[named.pop("", BUILT_IN)]
         return cls(common, MappingProxyType({key: made[name] for key, name in named.items()}))
 

@@ -13,11 +13,8 @@ from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work.events import Event, Provisional, Retracted
+from pointbrush.work.tracking import TRACK, told
 from pointbrush.work.tracking import job as tracking
-from pointbrush.work.tracking import told
-
-TRACK = "track"
-"""Of a job's request: a tracking run."""
 
 
 @dataclass(frozen=True)
