@@ -40,7 +40,7 @@ JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60
 END_SECONDS = 2.0
-"""How long the work of a server that is stopped may take to heed it."""
+"""Time that the work of a server that is stopped may take to heed it."""
 TRIES = 2
 """A job whose worker dies is begun once more."""
 SUBMISSIONS = 5
@@ -71,11 +71,11 @@ class Job:
     edit: str | None = None
     """The edit that it makes, if any."""
     request: Mapping[str, Any] | None = None
-    """What begins it again when its server has ended, as JSON; None when nothing does."""
+    """Request that begins it again when its server has ended, as JSON; None when nothing does."""
 
 
 class Book(Protocol):
-    """Where jobs are written down, for whoever comes after this process."""
+    """Record of jobs, for whoever comes after this process."""
 
     def begun(self, job: Job) -> None:
         """Note a job before it is handed out; what this raises keeps it from being so."""

@@ -26,7 +26,7 @@ _CONTINUE_NUMBERS = (
 )
 
 _INTERRUPT = "UPDATE jobs SET state = 'failed', error = ? WHERE state IN (?, ?)"
-"""What ran as a copy was made does not run in the copy."""
+"""End jobs in a copy: those that ran as it was made do not run there."""
 
 
 def back_up(database: Database, target: Path) -> None:

@@ -21,7 +21,7 @@ KEPT_JOBS = 1000
 UNDER_WAY = ("queued", "running")
 INTERRUPTED = "a backup was made while it ran; begin it again"
 Wish = Literal["", "cancel", "keep"]
-"""What somebody at another server asks of a job: to stop, or to stop and keep what it found."""
+"""Wish of somebody at another server for a job: to stop, or to stop and keep what it found."""
 _JSON = ("result", "request")
 
 
@@ -41,7 +41,7 @@ class JobRecord:
     author: str | None
     edit: str | None
     request: dict[str, Any] | None
-    """What begins it again on another server; None when nothing does."""
+    """Request that begins it again on another server; None when nothing does."""
     lost: int = 0
     """Servers that have gone without a word while it ran."""
     wish: Wish = ""

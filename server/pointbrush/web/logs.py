@@ -23,7 +23,7 @@ SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush[_-]?session=)[^\s&\"';,]+
 HIDDEN = "[hidden]"
 REQUEST_ID = re.compile(r"[\w.-]{1,64}", re.ASCII)
 MORE = ("method", "path", "status", "milliseconds", "edit", "job", "sequence", "revision", "state")
-"""What a line may say besides its message; each is an attribute of the record."""
+"""Fields of a line besides its message; each is an attribute of the record."""
 
 log = logging.getLogger(__name__)
 request_id: ContextVar[str] = ContextVar("request_id", default="")

@@ -17,9 +17,9 @@ from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
 log = logging.getLogger(__name__)
 
 LOOK_SECONDS = 2.0
-"""How often it is looked what other servers do, and ask."""
+"""Interval of looks at what other servers do, and ask."""
 BEAT_SECONDS = 5.0
-"""How often a server says how far its jobs are."""
+"""Interval at which a server says how far its jobs are."""
 MOST_LOST = 3
 """Servers that may die under a job until it is left alone: it may be what kills them."""
 WAITS = "its server has ended; it begins again"

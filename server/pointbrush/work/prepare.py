@@ -105,7 +105,7 @@ def track(recording: Recording, method: str, moved: float = 0.0, leaves: int = 0
 
 
 def track_people() -> None:
-    """Track a juggler and his pins, and a person who leaves."""
+    """Track a juggler and pins, and a person who leaves."""
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
     track(generate("walking", 1, 2), "auto", leaves=1)
 

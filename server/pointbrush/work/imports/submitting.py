@@ -40,7 +40,7 @@ class ImportRequest:
 
     @property
     def source(self) -> str:
-        """What the recording's manifest says of where it is from."""
+        """Origin of the recording as its manifest says."""
         return importing.source_of(self.paths)
 
     def as_json(self) -> dict[str, Any]:
