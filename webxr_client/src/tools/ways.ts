@@ -2,6 +2,7 @@
  * The ways of taking points, one object each: tool bar, keys, pointer, controller and palette are
  * made from this table.
  */
+import { peek } from '../peek';
 import type { IconName } from '../panels/icons';
 import type { Brush } from '../protocol/messages';
 import { state, type BrushShape } from '../state';
@@ -152,8 +153,8 @@ export function wayOf(name: WayName): Way {
 
 /** Shapes by which the hand in the room takes points. */
 export function roomWay(): Way {
-  const { shape } = state.brush.peek();
-  const tip = xrSettings.peek().tip;
+  const { shape } = peek(state.brush);
+  const tip = peek(xrSettings).tip;
   return WAYS.find((way) => way.shape === shape && (shape !== 'brush' || way.name === tip))!;
 }
 

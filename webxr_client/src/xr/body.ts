@@ -10,7 +10,8 @@ import type { Pointer } from './pointer';
 import type { Lessons } from './lessons';
 import { Tips } from './tips';
 
-/** Metres before a panel at which a fingertip is on it, and at which it has let go again. */
+/** Metres before a panel at which a fingertip comes near, is on it, and has let go again. */
+const APPROACH = 0.12;
 const HOVER = 0.05;
 const LET_GO = 0.008;
 
@@ -64,7 +65,7 @@ export class Body {
   point(panels: readonly Panel[], painter: Painter | null): void {
     const { pointer } = this;
     const free = pointer.tracked && !painter?.painting;
-    const poked = free && pointer.hasFingertip ? this.nearest(panels, true) : null;
+    const poked = free && pointer.hasFingertip ? this.poked(panels) : null;
     if (this.poking && !poked) this.leave();
     this.poking = poked !== null;
     const nearest = poked ?? (free ? this.nearest(panels, false) : null);
@@ -96,7 +97,7 @@ export class Body {
       const panel = panels[i]!;
       if (held ? panel !== held : !panel.isFree) continue;
       const met = poking
-        ? panel.touched(pointer.fingertip, HOVER)
+        ? panel.touched(pointer.fingertip, APPROACH)
         : panel.meet(pointer.origin, pointer.direction);
       if (!met || (nearest && panel.away[0]! >= nearest.away[0]!)) continue;
       nearest = panel;
@@ -104,10 +105,16 @@ export class Body {
     return nearest;
   }
 
+  /** The panel that the fingertip is at; one that it comes near to is noted. */
+  private poked(panels: readonly Panel[]): Panel | null {
+    const near = this.nearest(panels, true);
+    if (near && near.away[0]! > LET_GO) this.before = near;
+    return near && near.away[0]! <= HOVER ? near : null;
+  }
+
   /** How far the fingertip presses: 1 once it went through the panel from before. */
   private touchOf(panel: Panel): number {
     const away = panel.away[0]!;
-    if (away > LET_GO) this.before = panel;
     if (this.before !== panel || away > LET_GO) return 0;
     return away <= 0 ? 1 : 0.5;
   }

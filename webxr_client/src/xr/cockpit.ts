@@ -162,7 +162,7 @@ export class Cockpit {
   private divide(): void {
     const { parts, pointers, seconds } = this;
     parts.add(() => this.panels.update(pointers.palette, this.painter.painting, seconds));
-    parts.add(() => this.moveWorld());
+    parts.add((now) => this.moveWorld(now));
     parts.add(() => this.place.update());
     parts.add(() => pointers.point(this.panels.all, this.panels.far, this.painter));
     parts.add(() => this.carryPanels());
@@ -207,10 +207,11 @@ export class Cockpit {
     }
   }
 
-  private moveWorld(): void {
+  private moveWorld(now: number): void {
     const { brush, other } = this.pointers;
     const { world } = this.engine.viewer;
     const was = this.grab.active;
+    if (other?.hasGrip === false && other.edge.click === 1) this.painter.withdraw(now);
     // Both triggers make a box between the hands.
     const busy = this.painter.painting || roomWay().name === 'box';
     const grown = this.grab.update(

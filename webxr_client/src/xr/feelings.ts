@@ -1,4 +1,5 @@
 /** What the brush hand feels besides painting: a frame passed, a run ended, a label was locked. */
+import { peek } from '../peek';
 import { isActive, state } from '../state';
 import { BUMP, FRAME_TICK, type Pulse } from './haptics';
 import { follow } from '../watch';
@@ -13,10 +14,10 @@ export class Feelings {
 
   /** Once per picture. */
   update(): void {
-    const frame = state.frame.peek();
+    const frame = peek(state.frame);
     if (frame === this.frame) return;
     // While it plays the hand would only buzz.
-    if (this.frame >= 0 && !state.playing.peek()) this.feel(FRAME_TICK);
+    if (this.frame >= 0 && !peek(state.playing)) this.feel(FRAME_TICK);
     this.frame = frame;
   }
 

@@ -1,4 +1,5 @@
 /** Moving oneself: teleport by an arc, turn in steps, glide if one likes that better. */
+import { peek } from '../peek';
 import { BufferGeometry, DoubleSide, DynamicDrawUsage, Float32BufferAttribute, GLSL3, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
 import { Switch } from './pad';
 import type { Pointer } from './pointer';
@@ -115,7 +116,7 @@ export class Locomotion {
    * aims when that was asked for, unless it is `busy` with a panel.
    */
   update(hand: Pointer | null, brush: Pointer | null, busy: boolean, seconds: Float64Array): void {
-    const { move, snap } = xrSettings.peek();
+    const { move, snap } = peek(xrSettings);
     const x = hand ? hand.pad.x : 0;
     const y = hand ? hand.pad.y : 0;
     const smooth = move === 'smooth' && hand?.device.pad === 'stick';
@@ -205,7 +206,7 @@ export class Locomotion {
 
   /** Narrow the view while it moves by itself. */
   private shade(moving: boolean, seconds: Float64Array): void {
-    const goal = moving && xrSettings.peek().vignette ? 1 : 0;
+    const goal = moving && peek(xrSettings).vignette ? 1 : 0;
     this.strength += (goal - this.strength) * Math.min(1, seconds[0]! * 8);
     const { sinceJump, vignette } = this;
     const { uniforms } = vignette.material;

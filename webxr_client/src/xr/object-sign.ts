@@ -45,7 +45,7 @@ export function objectText(): string {
   if (view.levels > 0) {
     lines.push(`${view.level + 1} of ${view.levels} · ${shortCount(view.points)} points`);
   }
-  if (view.completes) lines.push('Press the stick: object');
+  if (view.completes) lines.push('Stick pressed, or Complete: object');
   else if (view.taken) lines.push('Trigger adds, eraser removes');
   if (!view.ready) lines.push('Preparing this frame …');
   return lines.join('\n');

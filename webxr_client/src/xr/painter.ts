@@ -23,6 +23,8 @@ import type { Level } from './pressure';
 const SAMPLE_STEP = 0.15;
 const RAY_EVERY_MS = 16;
 const PICK_RADIUS = 0.03;
+/** Two pinches that begin within this are one gesture. */
+const TOGETHER_MS = 250;
 /** A far pointer looks for the surface so often, and finds points that are so near to its ray. */
 const DEPTH_EVERY_MS = 60;
 const DEPTH_RADIUS = 0.03;
@@ -50,6 +52,7 @@ export class Painter {
   private readonly local = new Vector3();
   private readonly aim = new Vector3();
   private lastDepth = 0;
+  private pressedAt = 0;
   /** `local` and `aim` in the words of strokes. */
   private readonly sample: { origin: Triple; direction: Triple } = {
     origin: [0, 0, 0],
@@ -123,7 +126,7 @@ export class Painter {
     const level = hand.pressure.update(this.free ? hand.trigger : 0, now);
     this.measureBall();
     this.aimTip(hand, level, now);
-    if (level !== this.level) this.turnTo(level, hand, head);
+    if (level !== this.level) this.turnTo(level, hand, head, now);
     if (this.level > 0) this.go(hand, other, now);
     const way = this.level > 0 ? this.way : roomWay();
     if (this.level === 0) this.askAhead(!blocked, way, hand, now);
@@ -176,6 +179,15 @@ export class Painter {
     hand?.disarm();
   }
 
+  /** The stroke is given up if it began just now: its press was half of a gesture of two hands. */
+  withdraw(now: number): void {
+    if (!this.stroke || now - this.pressedAt > TOGETHER_MS) return;
+    this.stroke.cancel();
+    this.stroke = null;
+    this.finish();
+    this.free = false;
+  }
+
   private measureBall(): void {
     const { radius } = peek(state.brush);
     this.radius[0] = this.level === 0.5 ? radius * 0.5 : radius;
@@ -209,12 +221,13 @@ export class Painter {
     if (hit) hand.depth[0] = hit.distance * this.place.scale;
   }
 
-  private turnTo(level: Level, hand: Pointer, head: Vector3): void {
+  private turnTo(level: Level, hand: Pointer, head: Vector3, now: number): void {
     const before = this.level;
     if (before > 0) this.finish(head);
     this.level = level;
     this.measureBall();
     if (level === 0) return;
+    if (before === 0) this.pressedAt = now;
     if (before === 0) this.pointing = !isStroke(peek(state.tool));
     if (this.pointing) {
       this.way = wayOf('ball');

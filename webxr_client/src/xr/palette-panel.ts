@@ -9,7 +9,7 @@ import { floorPlaces } from '../engine/floor';
 import { drawComfort } from './pages/comfort';
 import { drawFloor } from './pages/floor';
 import { drawNew } from './pages/new-label';
-import { drawTools } from './pages/tools';
+import { drawTools, offered } from './pages/tools';
 import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { xrSettings } from './settings';
@@ -60,6 +60,7 @@ export class PalettePanel extends Panel {
         redo,
         unsure,
         floorPlaces,
+        offered,
         xrSettings,
       ],
       this.touch,

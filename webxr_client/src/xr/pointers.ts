@@ -1,4 +1,5 @@
 /** All that points: who comes and goes, what each does, what their rays are on. */
+import { peek } from '../peek';
 import { Body } from './body';
 import { KINDS, kindOf, unknownInput } from './kinds';
 import type { Painter } from './painter';
@@ -146,7 +147,7 @@ export class Pointers {
   assign(): void {
     const before = this.roles;
     const pointers = this.bodies.map(({ pointer }) => pointer);
-    this.roles = rolesOf(pointers, xrSettings.peek().hand);
+    this.roles = rolesOf(pointers, peek(xrSettings).hand);
     if (before.brush !== this.brush) {
       this.changes.brushGone();
       // What came just now to press is meant; a trigger that was held before is not.
@@ -198,7 +199,7 @@ export class Pointers {
    * none stands in the picture while one paints.
    */
   teach(seconds: Float64Array, painting: boolean): void {
-    const { tips } = xrSettings.peek();
+    const { tips } = peek(xrSettings);
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
       body.tips.update(seconds, tips && !painting && body.on === null, this.rig.headInRig);

@@ -1,11 +1,12 @@
 /** What the trigger does, and how it takes points. */
+import { computed } from '@preact/signals';
 import { actions } from '../../actions';
 import { metres } from '../../panels/format';
 import type { IconName } from '../../panels/icons';
 import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../../state';
 import { roomWay, WAYS, type Way } from '../../tools/ways';
 import { change, xrSettings } from '../settings';
-import type { Ui } from '../ui';
+import type { ButtonLook, Ui } from '../ui';
 
 const TOOLS: readonly (readonly [Tool, IconName, string])[] = [
   ['paint', 'brush', 'Paint'],
@@ -33,7 +34,38 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
   drawBrush(ui, x, top, inner, way);
 }
 
+/** What the palette says of an object: drawn anew when it changes. */
+export const offered = computed(() => {
+  const { levels = 0, level = 0, completes = false } = state.object.value ?? {};
+  return `${level} of ${levels} ${completes}`;
+});
+
 function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): void {
+  const { em } = ui;
+  const completes = state.object.peek()?.completes === true;
+  if (completes || way.samples === 'clicks') drawObject(ui, x, top + em * 11.4, inner, completes);
+  else drawSize(ui, x, top, inner, way);
+  checksOf(way).forEach(([text, on, set], i) => {
+    ui.check(x, top + em * (14 + 1.9 * i), inner, em * 1.8, text, on, set);
+  });
+}
+
+/** The levels of an object, from part to group; or to take what a stroke lies on. */
+function drawObject(ui: Ui, x: number, y: number, inner: number, completes: boolean): void {
+  const { em } = ui;
+  const { levels = 0, level = 0 } = state.object.peek() ?? {};
+  const buttons: readonly [ButtonLook, () => void][] = [
+    [{ text: 'Smaller', disabled: level <= 0 }, () => actions.stepObject(-1)],
+    [{ text: 'Larger', disabled: level >= levels - 1 }, () => actions.stepObject(1)],
+    [{ text: 'Complete', disabled: !completes }, () => actions.completeObject()],
+  ];
+  const w = inner / buttons.length;
+  buttons.forEach(([look, act], i) => {
+    ui.button(x + i * w, y, w - em * 0.2, em * 2.2, { ...look, strong: true }, act);
+  });
+}
+
+function drawSize(ui: Ui, x: number, top: number, inner: number, way: Way): void {
   const { em } = ui;
   const { radius } = state.brush.peek();
   const share = Math.log(radius / RADIUS_MIN) / Math.log(RADIUS_MAX / RADIUS_MIN);
@@ -50,9 +82,6 @@ function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): voi
       actions.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to);
     },
   );
-  checksOf(way).forEach(([text, on, set], i) => {
-    ui.check(x, top + em * (14 + 1.9 * i), inner, em * 1.8, text, on, set);
-  });
 }
 
 type CheckRow = readonly [text: string, on: boolean, set: (on: boolean) => void];

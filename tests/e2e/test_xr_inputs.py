@@ -1,0 +1,220 @@
+"""In the headset: every kind of input, alone, side by side, coming and going."""
+
+from __future__ import annotations
+
+from tests.e2e.headset import Headset, Wear
+from tests.e2e.inputs import Input, inject
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
+from tests.e2e.server import LiveServer
+
+PALETTE = "hs.headset.cockpit.panels.palette.mesh"
+WORLD = "pb.engine.viewer.world"
+SAID = "hs.headset.cockpit.hud.sign.text"
+
+
+def lay_down(headset: Headset, *sides: str) -> None:
+    """Switch controllers off."""
+    for side in sides:
+        headset.ask(f"(device.controllers.{side}.connected = false)")
+        headset.until(f"hs.pointers().every((one) => one.side !== '{side}')")
+
+
+def roles(headset: Headset) -> dict[str, str]:
+    """Role → the side and kind of what has it."""
+    return {
+        role: f"{one['side']} {one['kind']}"
+        for one in headset.ask("hs.pointers()")
+        for role in one["roles"]
+    }
+
+
+def test_what_has_no_place_paints_where_its_ray_hits_and_drags_at_that_depth(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    inject(headset)
+    lay_down(headset, "left", "right")
+    # The palette hangs beside the timeline, where eyes and a pinch put it away.
+    headset.until(f"{PALETTE}.visible")
+    headset.frames(4)
+    look = Input(headset, "away", "transient-pointer", "right")
+    look.look_at("palette", "Put away")
+    look.select(True)
+    look.select(False)
+    look.go()
+    headset.until(f"!{PALETTE}.visible")
+    x, y, z = truth(0, PERSON)
+    before = 0
+    for mode, up in (("transient-pointer", 0.0), ("screen", 0.15), ("gaze", 0.3)):
+        source = Input(headset, mode, mode, "right" if mode == "transient-pointer" else "none")
+        source.look([x, y + up, z])
+        source.select(True)
+        headset.until(f"(pb.labels()[1] ?? 0) > {before}")
+        source.look([x, y + up + 0.05, z])
+        source.select(False)
+        source.go()
+        headset.settled()
+        count = painted(server, 0)
+        assert count > before + 3, mode
+        before = count
+    assert roles(headset) == {}
+    # A lasso is drawn in the air, and closed by the pinch that goes with its source.
+    headset.ask("(pb.state.brush.value = { ...pb.state.brush.value, shape: 'lasso' })")
+    look = Input(headset, "lasso", "transient-pointer", "right")
+    look.look([x - 0.3, y - 0.4, z])
+    look.select(True)
+    for dx, dy in ((0.3, -0.4), (0.3, 0.1), (-0.3, 0.1)):
+        look.look([x + dx, y + dy, z])
+    headset.ask("(window.inputs.select('lasso', false), window.inputs.go('lasso'))")
+    headset.frames(4)
+    headset.settled()
+    assert painted(server, 0) > before
+
+
+def test_look_and_pinch_scrubs_moves_scales_and_undoes_nothing_by_itself(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    inject(headset)
+    lay_down(headset, "left", "right")
+    look = Input(headset, "right", "transient-pointer", "right")
+    look.look_at("timeline", "ruler", 0.05)
+    look.select(True)
+    look.look_at("timeline", "ruler", 0.95)
+    look.select(False)
+    look.go()
+    headset.until("pb.state.frame.value === 5 && pb.shown().frame === 5")
+    # Two pinches: the left one takes hold, the right one joins in; apart they scale the room.
+    hands = {side: Input(headset, side, "transient-pointer", side) for side in ("left", "right")}
+    for side, at in (("left", -0.1), ("right", 0.1)):
+        hands[side].move([at, 2.5, -1.0], [at, 1.2, -0.4])
+        hands[side].select(True)
+    for side, at in (("left", -0.2), ("right", 0.2)):
+        hands[side].move([at, 2.5, -1.0], [at, 1.2, -0.4])
+    for source in hands.values():
+        source.select(False)
+        source.go()
+    assert abs(headset.ask(f"{WORLD}.scale.x") - 2) < 0.1
+    headset.settled()
+    assert painted(server, 5) == 0
+
+
+def test_who_comes_and_goes_never_leaves_one_without_a_brush(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    inject(headset)
+    both = {"brush": "right controller", "other": "left controller", "palette": "left controller"}
+    assert roles(headset) == both
+    # A hand beside the controller of its side takes nothing from it.
+    bare = "device.hands.right.inputSource"
+    headset.ask(f"window.inputs.come('bare', '', '', '', {bare})")
+    assert roles(headset) == both
+    x, y, z = truth(0, PERSON)
+    headset.paint([[x, y, z]])
+    headset.settled()
+    first = painted(server, 0)
+    assert first > 5
+    headset.ask("window.inputs.go('bare')")
+    headset.frames()
+    assert roles(headset) == both
+    # One controller alone paints, also the left one of somebody who is right-handed.
+    lay_down(headset, "right")
+    assert roles(headset) == {"brush": "left controller"}
+    headset.reach([x, y + 0.2, z], "left")
+    headset.trigger(1, "left")
+    headset.trigger(0, "left")
+    headset.settled()
+    second = painted(server, 0)
+    assert second > first
+    # One that wakes with its trigger held paints once that was let go.
+    headset.ask("device.controllers.right.updateButtonValue('trigger', 1)")
+    headset.reach([x, y + 0.4, z])
+    headset.ask("(device.controllers.right.connected = true)")
+    headset.until("hs.pointers().length === 2")
+    headset.frames(4)
+    # … and so does one that was held while the system's menu was open.
+    headset.trigger(0)
+    headset.trigger(1)
+    headset.until("hs.headset.cockpit.painter.painting")
+    headset.ask("device.updateVisibilityState('visible-blurred')")
+    headset.until("!hs.headset.cockpit.painter.painting")
+    headset.ask("device.updateVisibilityState('visible')")
+    headset.reach([x, y - 0.3, z])
+    headset.frames(4)
+    assert not headset.ask("hs.headset.cockpit.painter.painting")
+    headset.trigger(0)
+    headset.settled()
+    edits = server.request("GET", f"sequences/{SEQUENCE}/edits").json()
+    assert len(edits) <= 4
+    # What nobody knows is told in words.
+    headset.ask("window.inputs.come('cap', 'brain-waves', 'none', 'acme-cap')")
+    headset.until(f"{SAID} === 'This kind of input is not known here:\\nbrain-waves (acme-cap)'")
+
+
+def test_a_bare_hand_does_what_a_controller_does(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    headset.lay_down_controllers()
+    # The palette stands over the left hand: the right forefinger presses it.
+    finger = "hs.headset.cockpit.pointers.of('right').fingertip.clone()"
+
+    def poke(panel: str, name: str) -> None:
+        headset.until(f"hs.areas('{panel}').some((area) => area.name === '{name}')")
+        area = next(a for a in headset.ask(f"hs.areas('{panel}')") if a["name"] == name)
+        u, v = area["x"] + area["w"] / 2, area["y"] + area["h"] / 2
+        for away in (0.15, 0.04, -0.01, 0.15):
+            headset.frames()
+            headset.ask(
+                f"""(() => {{
+                  const {{ at, out }} = hs.onPanel('{panel}', {u}, {v});
+                  const tip = hs.headset.cockpit.rig.group.worldToLocal({finger}).toArray();
+                  const {{ position }} = device.hands.right;
+                  const to = at.map((a, i) => a + (out[i] - a) * {away} / 0.2 - tip[i]);
+                  position.set(position.x + to[0], position.y + to[1], position.z + to[2]);
+                }})()"""
+            )
+            headset.frames()
+
+    headset.move("left", [-0.2, 1.2, -0.4])
+    poke("palette", "Tools")
+    poke("palette", "Erase")
+    headset.until("pb.state.tool.value === 'erase'")
+    poke("palette", "Paint")
+    poke("palette", "Object")
+    headset.until("pb.state.brush.value.shape === 'object'")
+    # An object by a pinch, another level of it by the palette.
+    x, y, z = headset.ask(f"hs.place({truth(0, PERSON)})")
+    headset.move("right", [x, y, z + 0.8], [x, y, z])
+    headset.until("pb.state.object.value?.levels > 1 && pb.state.object.value.ready")
+    headset.trigger(1)
+    headset.trigger(0)
+    headset.until("pb.state.object.value?.taken")
+    headset.settled()
+    first = painted(server, 0)
+    level = headset.ask("pb.state.object.value.level")
+    poke("palette", "Smaller" if level > 0 else "Larger")
+    headset.until(f"pb.state.object.value.level !== {level}")
+    headset.settled()
+    headset.until(f"(pb.labels()[1] ?? 0) !== {first}")
+    headset.settled()
+    assert painted(server, 0) not in (0, first)
+    # Going there: asked for on the palette, aimed by the hand, gone to with a pinch.
+    poke("palette", "View")
+    poke("palette", "Go there")
+    before = headset.ask("hs.headset.cockpit.rig.head.toArray()")
+    headset.move("right", [0.4, 1.2, -0.2], [1.4, 1.0, -0.4])
+    headset.trigger(1)
+    headset.trigger(0)
+    after = headset.ask("hs.headset.cockpit.rig.head.toArray()")
+    assert abs(after[2] - before[2]) + abs(after[0] - before[0]) > 0.5
+    # Two pinches scale the room: the left one takes hold, the right one joins in.
+    for side, at in (("left", -0.1), ("right", 0.1)):
+        headset.move(side, [at, 1.2, -0.3], [at, 2.2, -0.3])
+        headset.trigger(1, side)
+    for side, at in (("left", -0.2), ("right", 0.2)):
+        headset.move(side, [at, 1.2, -0.3], [at, 2.2, -0.3])
+    assert headset.ask(f"{WORLD}.scale.x") > 1.5
+    for side in ("left", "right"):
+        headset.trigger(0, side)
