@@ -38,6 +38,19 @@ def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk:
     desk.page.reload()
     desk.page.get_by_role("button", name="No headset here").click()
     desk.page.get_by_text("This browser has no WebXR").first.wait_for()
+    # That of a headset on plain HTTP is told unasked where to go, and by which address.
+    desk.page.add_init_script(
+        "Object.defineProperty(window, 'isSecureContext', { value: false });"
+        "Object.defineProperty(navigator, 'userAgent', { value: 'Quest 3 OculusBrowser/37.0' });"
+    )
+    desk.page.reload()
+    told = desk.page.get_by_role("alert")
+    told.get_by_role("link", name="https://127.0.0.1").wait_for()
+    code = told.get_by_role("img")
+    code.evaluate("(image) => image.decode()")
+    desk.screenshot("headset-on-http")
+    told.get_by_role("button", name="Look around without entering").click()
+    told.wait_for(state="detached")
 
 
 def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(

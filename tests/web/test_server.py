@@ -54,7 +54,14 @@ def test_it_says_where_it_is_and_ends_in_order(tmp_path: Path) -> None:
             assert response.status_code == 303
             address = url.partition("/?")[0]
             assert client.get(f"{address}/api/v1/me").json()["role"] == "admin"
-            assert client.get(f"{address}/trust").status_code == 404
+            # A headset is told how to come to HTTPS, and where.
+            page = client.get(f"{address}/trust").text
+            assert address.replace("http://", "https://") + "/" in page
+            assert "--tls" in page
+            code = client.get(f"{address}/trust/address.svg")
+            assert code.headers["content-type"] == "image/svg+xml"
+            assert b"<svg" in code.content
+            assert client.get(f"{address}/trust/authority.crt").status_code == 404
     assert process.returncode in (0, -signal.SIGTERM)
 
 
@@ -117,6 +124,8 @@ def test_https_with_an_authority_that_is_kept(tmp_path: Path) -> None:
     assert b"PRIVATE" not in downloaded
     assert x509.load_pem_x509_certificate(downloaded).subject
     assert "{fingerprint}" not in page
+    for device in ("Quest", "Pico", "Galaxy XR", "Vision Pro", "Vive"):
+        assert device in page
     for name in ("authority.key", "server.key"):
         assert stat.S_IMODE((folder / name).stat().st_mode) == 0o600
     before = (folder / "authority.pem").read_bytes(), (folder / "server.pem").read_bytes()

@@ -19,6 +19,7 @@ OPEN = frozenset({
     ("GET", "/docs/{name}"),
     ("GET", "/openapi.json"),
     ("GET", "/trust"),
+    ("GET", "/trust/address.svg"),
     ("GET", "/trust/authority.crt"),
     ("GET", "/"),
     ("GET", "/{path:asset}"),

@@ -5,6 +5,7 @@ import { CommandPalette } from './command-palette';
 import { Help } from './help';
 import { ImportDialog } from './import-dialog';
 import { acceptDrops } from './import-files';
+import { InsecureHeadset } from './insecure';
 import { Palette } from './palette';
 import { Stage } from './stage';
 import { Timeline } from './timeline';
@@ -25,7 +26,7 @@ export function mountPanels(): () => void {
     ['palette', <AtTheDesk panel={Palette} />],
     ['overlay', <Stage />],
     ['timeline', <AtTheDesk panel={Timeline} />],
-    ['panels', [<Tooltip />, <Help />, <CommandPalette />, <ImportDialog />]],
+    ['panels', [<Tooltip />, <Help />, <CommandPalette />, <ImportDialog />, <InsecureHeadset />]],
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
   const layout = follow(() => {

@@ -1,0 +1,31 @@
+/** Tells a headset's browser on plain HTTP what to do: it has no WebXR there, and says nothing. */
+import { useState } from 'preact/hooks';
+import { headsetOf, securePage } from '../xr/browsers';
+
+/** Only over HTTPS, or from the machine itself, a browser has WebXR. */
+export function InsecureHeadset() {
+  const [closed, close] = useState(false);
+  const headset = headsetOf(navigator.userAgent);
+  if (closed || isSecureContext || headset === null) return null;
+  const address = securePage(location.href);
+  const server = (path: string): string => new URL(path, document.baseURI).href;
+  return (
+    <section class="insecure" role="alert">
+      <h2>Your {headset} enters over HTTPS only</h2>
+      <p>
+        On the computer, start the server with <code>pointbrush serve --host 0.0.0.0 --tls</code>,
+        then open here:
+      </p>
+      <p>
+        <a href={address}>{address}</a>
+      </p>
+      <img src={server('trust/address.svg')} alt="QR code of that address" width="180" />
+      <p>
+        <a href={server('trust')}>Step by step, for your device</a>
+      </p>
+      <button type="button" class="button primary" onClick={() => close(true)}>
+        Look around without entering
+      </button>
+    </section>
+  );
+}
