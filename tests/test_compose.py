@@ -1,51 +1,139 @@
-"""The Compose file and the Dockerfile, checked by the Compose specification's rules."""
+"""The Compose file, its Dockerfiles and the proxy: the specification's rules and our own."""
 
 from __future__ import annotations
 
+import re
+import subprocess
 from pathlib import Path
+from typing import Any
 
+import pytest
 import yaml
 
+from pointbrush.cli import parser
+from pointbrush.settings import options
+
 ROOT = Path(__file__).parent.parent
+DEPLOY = ROOT / "deploy"
 SERVICE_KEYS = {
     "build", "image", "command", "ports", "environment", "volumes", "restart", "read_only",
     "tmpfs", "cap_drop", "security_opt", "depends_on", "healthcheck", "user", "profiles",
+    "secrets", "networks", "deploy", "logging", "stop_grace_period", "shm_size",
 }  # fmt: skip
+EXACT = re.compile(r"\d+\.\d+(\.\d+)?([-.][a-z0-9]+)*")
+COMPOSE: dict[str, Any] = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
+SERVICES: dict[str, dict[str, Any]] = COMPOSE["services"]
+LASTING = {name: each for name, each in SERVICES.items() if "profiles" not in each}
+each_service = pytest.mark.parametrize("name", sorted(SERVICES))
 
 
-def compose() -> dict[str, dict[str, dict[str, object]]]:
-    loaded: dict[str, dict[str, dict[str, object]]] = yaml.safe_load(
-        (ROOT / "docker-compose.yml").read_text()
-    )
-    return loaded
+def test_the_topology_is_that_of_a_lab() -> None:
+    assert set(LASTING) == {
+        "caddy", "pointbrush-1", "pointbrush-2", "scheduler", "worker", "postgres",
+    }  # fmt: skip
+    top = {key for key in COMPOSE if not key.startswith("x-")}
+    assert top == {"name", "services", "volumes", "networks", "secrets"}
 
 
-def test_the_file_has_only_keys_of_the_specification() -> None:
-    assert set(compose()) <= {"name", "services", "volumes", "networks"}
-    for service in compose()["services"].values():
-        assert set(service) <= SERVICE_KEYS
-        assert ("build" in service) or ("image" in service)
+@each_service
+def test_a_service_has_only_keys_of_the_specification_and_names_that_exist(name: str) -> None:
+    service = SERVICES[name]
+    assert set(service) <= SERVICE_KEYS
+    assert set(service.get("secrets", [])) <= set(COMPOSE["secrets"])
+    assert set(service["networks"]) <= set(COMPOSE["networks"])
+    for other, wait in service.get("depends_on", {}).items():
+        assert wait == {"condition": "service_healthy"}
+        assert "test" in LASTING[other]["healthcheck"]
+    for volume in service.get("volumes", []):
+        source = volume.split(":")[0]
+        assert source.startswith(".") or source in COMPOSE["volumes"]
 
 
-def test_every_named_volume_is_declared() -> None:
-    for service in compose()["services"].values():
-        for volume in service.get("volumes", []):  # type: ignore[attr-defined]
-            source = str(volume).split(":")[0]
-            assert source.startswith((".", "/")) or source in compose()["volumes"]
+@each_service
+def test_a_service_runs_without_rights_and_within_limits(name: str) -> None:
+    service = SERVICES[name]
+    user = service["user"]
+    assert re.fullmatch(r"[1-9]\d*:[1-9]\d*", user), "not root, by number"
+    assert service["read_only"] is True
+    assert service["cap_drop"] == ["ALL"]
+    assert service["security_opt"] == ["no-new-privileges:true"]
+    assert {"cpus", "memory", "pids"} <= set(service["deploy"]["resources"]["limits"])
+    assert EXACT.fullmatch(service["image"].rpartition(":")[2])
+    assert ("test" in service["healthcheck"]) == (name in LASTING)
+    assert ("restart", "unless-stopped") in service.items() or name not in LASTING
 
 
-def test_the_server_is_published_on_loopback_only() -> None:
-    for service in compose()["services"].values():
-        for port in service.get("ports", []):  # type: ignore[attr-defined]
-            assert str(port).startswith("127.0.0.1:")
+def test_secrets_come_by_file_alone() -> None:
+    for service in SERVICES.values():
+        for variable, value in service.get("environment", {}).items():
+            if re.search("PASSWORD|TOKEN|SECRET", variable):
+                assert variable.endswith("_FILE")
+                assert value.removeprefix("/run/secrets/") in service["secrets"]
+    ignored = (ROOT / ".gitignore").read_text().splitlines()
+    for secret in COMPOSE["secrets"].values():
+        assert f"{Path(secret['file']).parent}/" in ignored
 
 
-def test_the_dockerfile_is_where_compose_looks_and_copies_what_exists() -> None:
-    build = compose()["services"]["pointbrush"]["build"]
-    assert isinstance(build, dict)
-    text = (ROOT / build["dockerfile"]).read_text()
-    assert "USER pointbrush" in text
+def test_only_the_proxy_is_published_and_on_loopback_unless_told() -> None:
+    published = {name: each["ports"] for name, each in SERVICES.items() if "ports" in each}
+    assert published == {"caddy": ["${POINTBRUSH_LISTEN:-127.0.0.1}:8443:8443"]}
+    assert COMPOSE["networks"]["inside"]["internal"] is True
+    assert [name for name, each in SERVICES.items() if "outside" in each["networks"]] == ["caddy"]
+
+
+def test_options_and_commands_are_those_of_the_program() -> None:
+    known = {each.variable for each in options()}
+    for name in ("pointbrush-1", "pointbrush-2", "backup"):
+        assert set(SERVICES[name]["environment"]) <= known
+    said = re.search(r"pointbrush (backup \S+)", " ".join(SERVICES["backup"]["command"]))
+    assert said is not None
+    assert parser().parse_args(said[1].split()).command == "backup"
+    restore = re.search(r"pointbrush (restore \S+)'", (DEPLOY / "restore.sh").read_text())
+    assert restore is not None
+    assert parser().parse_args(restore[1].split()).command == "restore"
+
+
+def test_the_servers_stop_after_their_drain() -> None:
+    for name in ("pointbrush-1", "pointbrush-2"):
+        assert int(SERVICES[name]["stop_grace_period"].removesuffix("s")) > 10
+
+
+def test_the_proxy_sends_to_both_servers_and_asks_whether_they_are_ready() -> None:
+    text = (DEPLOY / "Caddyfile").read_text()
+    proxied = re.search(r"reverse_proxy (.*) \{", text)
+    assert proxied is not None
+    assert proxied[1].split() == ["pointbrush-1:8080", "pointbrush-2:8080"]
+    assert "health_uri /readyz" in text
+    assert text.count("{") == text.count("}")
+    used = set(re.findall(r"\{\$(\w+)", text))
+    assert used <= set(SERVICES["caddy"]["environment"])
+
+
+def test_images_are_built_of_exact_versions_and_run_as_nobody_special() -> None:
+    for service in SERVICES.values():
+        if "build" not in service:
+            continue
+        build = service["build"]
+        text = (ROOT / build["context"] / build["dockerfile"]).read_text()
+        for base in re.findall(r"^FROM (\S+)", text, re.MULTILINE):
+            assert EXACT.fullmatch(base.rpartition(":")[2]), base
+        assert re.search(r"^USER (pointbrush|10001:10001)$", text, re.MULTILINE)
+    assert "--uid 10001" in (ROOT / "server" / "Dockerfile").read_text()
     assert (ROOT / "constraints.txt").is_file()
+
+
+def test_secrets_are_made_once(tmp_path: Path) -> None:
+    script = tmp_path / "deploy" / "secrets.sh"
+    script.parent.mkdir()
+    script.write_bytes((DEPLOY / "secrets.sh").read_bytes())
+    made = []
+    for _ in range(2):
+        subprocess.run(["sh", script], check=True)
+        made.append({path.name: path.read_text() for path in script.parent.glob("secrets/*")})
+    assert made[0] == made[1]
+    assert set(made[0]) == set(COMPOSE["secrets"])
+    assert all(len(secret) > 30 for secret in made[0].values())
+    assert (script.parent / "secrets").stat().st_mode & 0o077 == 0
 
 
 def test_the_build_context_holds_only_what_the_wheel_is_built_of() -> None:
