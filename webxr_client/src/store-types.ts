@@ -59,6 +59,12 @@ export interface SequenceSummary {
   readonly points: number;
   /** Fault, in a sentence: it cannot be opened; null when it is sound. */
   readonly damaged: string | null;
+  /** Date of the import, ISO 8601. */
+  readonly created: string | null;
+  /** Frames with labels. */
+  readonly labelled: number;
+  /** Of its import: pictures kept of another one are not shown. */
+  readonly identity: string | null;
 }
 
 /** A deleted recording that can still be brought back. */

@@ -58,7 +58,17 @@ describe('a recording that is deleted here', () => {
         ),
       );
     });
-    const wall = { id: 'wall', name: 'Wall', frames: 1, fps: 1, points: 1, damaged: null };
+    const wall = {
+      id: 'wall',
+      name: 'Wall',
+      frames: 1,
+      fps: 1,
+      points: 1,
+      damaged: null,
+      created: null,
+      labelled: 0,
+      identity: null,
+    };
     state.sequences.value = [wall];
   });
 

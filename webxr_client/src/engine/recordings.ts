@@ -44,12 +44,15 @@ export function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
 async function refreshSequences(): Promise<void> {
   const list = await listSequences();
   state.sequences.value = list.map(
-    ({ id, name, frames, fps, points, damaged }): SequenceSummary => ({
+    ({ id, name, frames, fps, points, damaged, created, labelled, identity }): SequenceSummary => ({
       id,
       name,
       frames,
       fps,
       damaged,
+      created,
+      labelled,
+      identity,
       points: points.reduce((most, count) => Math.max(most, count), 0),
     }),
   );

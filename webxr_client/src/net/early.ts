@@ -11,6 +11,9 @@ export interface SequenceOut {
   readonly fps: number;
   readonly points: readonly number[];
   readonly damaged: string | null;
+  readonly created: string | null;
+  readonly labelled: number;
+  readonly identity: string | null;
 }
 
 export class Early {

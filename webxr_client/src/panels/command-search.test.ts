@@ -27,7 +27,17 @@ describe('the command palette', () => {
     const label = { id: 4, name: 'left hand', category: '', color: '#ffffff' };
     state.palette.value = [{ ...label, locked: false, visible: true }];
     state.sequences.value = ['one', 'two'].map((id) => {
-      return { id, name: id, frames: 1, fps: 0, points: 1, damaged: null };
+      return {
+        id,
+        name: id,
+        frames: 1,
+        fps: 0,
+        points: 1,
+        damaged: null,
+        created: null,
+        labelled: 0,
+        identity: null,
+      };
     });
     const texts = commandsNow().map(({ what }) => what);
     expect(texts).toContain('Choose left hand');

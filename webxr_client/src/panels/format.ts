@@ -41,3 +41,10 @@ export function bytes(value: number): string {
   if (value < 1e9) return `${(value / 1e6).toFixed(1)} MB`;
   return `${(value / 1e9).toFixed(2)} GB`;
 }
+
+const days = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium' });
+
+/** A date as people write it here, from one as the server writes it. */
+export function day(iso: string): string {
+  return days.format(new Date(iso));
+}

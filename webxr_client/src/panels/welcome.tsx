@@ -1,12 +1,12 @@
 /** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
-import { canManage, state, type SequenceSummary } from '../state';
+import { canManage, state } from '../state';
 import { Button } from './controls';
-import { clock, plural, shortCount } from './format';
+import { day, plural } from './format';
 import { Icon } from './icon';
 import { pickFiles } from './import-files';
-import { RecordingName, renamingRecording, RecordingTools } from './recording-tools';
+import { Recordings } from './recordings';
 
 export function Welcome() {
   const { state: connection, detail } = state.connection.value;
@@ -72,49 +72,6 @@ function Empty() {
   );
 }
 
-function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
-  return (
-    <>
-      <header>
-        <h1>Recordings</h1>
-      </header>
-      <ul class="recordings">
-        {sequences.map((row) => (
-          <li key={row.id} class="recording-line">
-            {renamingRecording.value === row.id ? <RecordingName row={row} /> : <Row row={row} />}
-          </li>
-        ))}
-      </ul>
-    </>
-  );
-}
-
-function Row({ row }: { row: SequenceSummary }) {
-  return (
-    <>
-      <button
-        type="button"
-        class="recording"
-        disabled={row.damaged !== null}
-        onClick={() => actions.openSequence(row.id)}
-      >
-        <Icon name={row.damaged === null ? 'points' : 'warning'} />
-        <strong class="name">{row.name}</strong>
-        {row.damaged !== null && <span class="soft">Damaged: {row.damaged}</span>}
-        <span class="soft number" hidden={row.damaged !== null}>
-          {plural(row.frames, 'frame')}
-          {row.fps > 0 && row.frames > 1 ? ` · ${clock(row.frames / row.fps)}` : ''} ·{' '}
-          {shortCount(row.points)} points
-        </span>
-        <Icon name="next" />
-      </button>
-      <RecordingTools row={row} />
-    </>
-  );
-}
-
-const day = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium' });
-
 /** Recordings that were deleted and can be brought back. */
 function Deleted() {
   const [shown, setShown] = useState(false);
@@ -136,8 +93,7 @@ function Deleted() {
               <Icon name="trash" />
               <strong class="name">{row.name}</strong>
               <span class="soft">
-                Deleted {day.format(new Date(row.deleted))} · kept until{' '}
-                {day.format(new Date(row.until))}
+                Deleted {day(row.deleted)} · kept until {day(row.until)}
               </span>
               <Button
                 icon="restore"
