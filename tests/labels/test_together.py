@@ -1,0 +1,72 @@
+"""Edits that wait for a recording are committed together, and each is answered for itself."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pytest
+from sqlalchemy import event
+from waiting import eventually
+
+from pointbrush.errors import LockedLabelError, UnavailableError
+from pointbrush.labels import Commit, LabelStore, Write, journal
+
+SEQUENCE = "juggling"
+
+
+def paint(store: LabelStore, edit: str, label: int) -> Commit:
+    writes = {0: Write(np.arange(len(edit) * 100), label=label, provenance=1)}
+    return store.apply(
+        SEQUENCE, edit_id=edit, author=edit, kind="paint", writes=writes, summary=edit
+    )
+
+
+def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
+    store.create_label(SEQUENCE, "ann", name="open")
+    store.create_label(SEQUENCE, "ann", name="locked", locked=True)
+    begun: list[Any] = []
+    event.listen(store._database.engine, "begin", begun.append)
+    edits = [("a", 1), ("bb", 2), ("ccc", 1), ("a", 1), ("dddd", 1)]
+    with ThreadPoolExecutor(len(edits)) as threads:
+        with store._sessions.knowing(SEQUENCE) as state:
+            before, waiting = state.revision, []
+            for number, (edit, label) in enumerate(edits, start=1):
+                waiting.append(threads.submit(paint, store, edit, label))
+                eventually(lambda number=number: len(state.waiting) == number)
+        with pytest.raises(LockedLabelError):
+            waiting.pop(1).result()
+        done = [one.result() for one in waiting]
+    assert [commit.edit_id for commit in done] == ["a", "ccc", "a", "dddd"]
+    assert [commit.revision - before for commit in done] == [1, 2, 1, 3]
+    assert [commit.repeated for commit in done] == [False, False, True, False]
+    assert len(begun) == 1
+    assert store.check(SEQUENCE) == []
+
+
+def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
+    store: LabelStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store.create_label(SEQUENCE, "ann", name="open")
+    append = journal.append
+
+    def away(*given: Any) -> None:
+        append(*given)
+        if given[2].id == "bb":
+            raise UnavailableError("the database is away")
+
+    with ThreadPoolExecutor(2) as threads, monkeypatch.context() as patch:
+        patch.setattr(journal, "append", away)
+        with store._sessions.knowing(SEQUENCE) as state:
+            before, waiting = state.revision, []
+            for number, edit in enumerate(("a", "bb"), start=1):
+                waiting.append(threads.submit(paint, store, edit, 1))
+                eventually(lambda number=number: len(state.waiting) == number)
+        for one in waiting:
+            with pytest.raises(UnavailableError):
+                one.result()
+    assert store.revision(SEQUENCE) == before
+    assert not store.values(SEQUENCE, 0).label.any()
+    assert paint(store, "a", 1).revision == before + 1
+    assert store.check(SEQUENCE) == []
