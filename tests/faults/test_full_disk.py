@@ -126,7 +126,7 @@ def test_edits_are_refused_and_what_was_there_stays(disk: Path, server: ServerPr
 def test_an_import_fails_clearly_and_leaves_nothing(
     disk: Path, server: ServerProcess, tmp_path: Path
 ) -> None:
-    xyz = surface(600_000, 0).xyz
+    xyz = surface(2_000_000, 0).xyz
     source = tmp_path / "scan.npy"
     np.save(source, xyz)
     upload = io.BytesIO()

@@ -6,14 +6,15 @@ from numba.core import event
 
 from pointbrush.compiled import compiled
 from pointbrush.samples import generate
-from pointbrush.work.prepare import prepare, select_object, track
+from pointbrush.work.prepare import STEPS, select_object, track
 
 
 def test_after_preparing_no_run_waits_for_a_loop_to_be_compiled() -> None:
-    prepare()
+    for _, step in STEPS:
+        step()
     with event.install_recorder("numba:compile") as compiled_now:
         track(generate("tabletop", 2, 3), "auto")
-        select_object(generate("tabletop", 2, 1).frame(0))
+        select_object()
         for moved in (0.0, 0.02):
             track(generate("walking", 2, 3), "auto", moved, leaves=2)
     assert compiled_now.buffer == []
