@@ -244,10 +244,11 @@ class JobRunner:
         with self._lock:
             supervised = list(self._running.values())
         deadline = time.monotonic() + END_SECONDS
-        stopped = [running.ended.wait(deadline - time.monotonic()) for running in supervised]
+        for running in supervised:
+            running.ended.wait(deadline - time.monotonic())
         if self._executor is not None:
-            if not all(stopped):  # in the middle of a step, which may take as long as it likes
-                end_processes(self._executor)
+            # A step of work, or what makes a process ready, may take as long as it likes.
+            end_processes(self._executor)
             self._executor.shutdown(wait=True, cancel_futures=True)
         for running in supervised:
             running.ended.wait(END_SECONDS)
