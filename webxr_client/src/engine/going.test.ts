@@ -1,9 +1,13 @@
-import { Vector3 } from 'three';
+import { Group, Vector3 } from 'three';
 import { expect, it } from 'vitest';
+import type { CloudFrame } from '../cloud/frame';
+import { Lens } from '../cloud/lens';
 import { frameOf, wall } from '../cloud/testing';
 import { whereIs } from '../cloud/whereabouts';
 import { addBookmark, bookmarks, openBookmarks, removeBookmark, renameBookmark } from './bookmarks';
-import { nearestWith } from './going';
+import { DeskCamera } from '../desktop/camera';
+import { state } from '../state';
+import { followsObject, Going, nearestWith } from './going';
 
 it('finds where a label is, as shown', () => {
   const frame = frameOf(wall(20, 1000));
@@ -23,6 +27,57 @@ it('finds the nearest frame that has a label', () => {
   expect(nearestWith(row, 1)).toBe(0);
   expect(nearestWith({ ...row, points: none }, 1)).toBeNull();
   expect(nearestWith(undefined, 0)).toBeNull();
+});
+
+/** A frame with two points of a label whose middle is at these millimetres. */
+function withLabel(label: number, x: number, y: number, z: number): CloudFrame {
+  const frame = frameOf([[x - 5, y, z], [x + 5, y, z], [0, 0, 0]]); // prettier-ignore
+  frame.setOverlay('stroke', { indices: Uint32Array.of(0, 1), values: Uint16Array.of(label) });
+  return frame;
+}
+
+it('goes along with the active label from frame to frame', () => {
+  const camera = new DeskCamera(new Lens());
+  let frame: CloudFrame | null = withLabel(3, 1000, 500, 2000);
+  const room = new Group();
+  room.position.set(0, 1, 0);
+  room.updateMatrixWorld();
+  const going = new Going({
+    viewer: { room, invalidate: () => undefined },
+    camera,
+    frame: () => frame,
+    seek: () => undefined,
+  });
+  const eye = (): Vector3 => camera.camera.position.clone();
+  const show = (shown: CloudFrame | null): Vector3 => {
+    const before = eye();
+    frame = shown;
+    going.update();
+    return eye().sub(before);
+  };
+  state.activeLabel.value = 3;
+  const still = eye();
+  going.update();
+  expect(eye().equals(still)).toBe(true);
+
+  followsObject.value = true;
+  going.update();
+  expect(camera.pivot.distanceTo(new Vector3(1, 1.5, 2))).toBeLessThan(1e-5);
+  expect(show(withLabel(3, 1200, 600, 1900)).distanceTo(new Vector3(0.2, 0.1, -0.1))).toBeLessThan(1e-5); // prettier-ignore
+  // Lost for a frame: the camera waits, and catches up in the next that has it.
+  expect(show(withLabel(4, 9000, 9000, 9000)).length()).toBe(0);
+  expect(show(null).length()).toBe(0);
+  show(withLabel(3, 1500, 700, 1900));
+  expect(camera.pivot.distanceTo(new Vector3(1.5, 1.7, 1.9))).toBeLessThan(1e-5);
+  // A person's own turn is kept; another label is brought to the middle.
+  const direction = camera.camera.quaternion.clone();
+  show(withLabel(3, 1600, 700, 1900));
+  expect(camera.camera.quaternion.equals(direction)).toBe(true);
+  state.activeLabel.value = 5;
+  show(withLabel(5, 300, 200, 100));
+  expect(camera.pivot.distanceTo(new Vector3(0.3, 1.2, 0.1))).toBeLessThan(1e-5);
+  followsObject.value = false;
+  expect(show(withLabel(5, 900, 900, 900)).length()).toBe(0);
 });
 
 it('keeps views for each recording, and reads nothing that is no view', () => {

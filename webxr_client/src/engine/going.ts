@@ -16,7 +16,7 @@ const SHARE = 0.35;
 const SMALLEST = 0.05;
 
 export interface GoingDeps {
-  readonly viewer: Viewer;
+  readonly viewer: Pick<Viewer, 'room' | 'invalidate'>;
   readonly camera: DeskCamera;
   /** The frame on screen. */
   readonly frame: () => CloudFrame | null;
