@@ -39,7 +39,7 @@ class Share:
 
     def worst(self, numbers: bool = False) -> str:
         """The functions that allocate most, in words."""
-        most = (self.boxing if numbers else self.fits).most_common(PLACES)
+        most = (self.boxing if numbers else self.places).most_common(PLACES)
         return ", ".join(f"{name} {size:.0f}" for name, size in most)
 
 
@@ -76,7 +76,7 @@ def allocations(page: Tab, pictures: str, seconds: float) -> dict[str, Share]:
             share.boxing[name] += size * number / count
         elif number >= SELDOM * count:
             share.objects += size * number / count
-            share.fits[name] += size * number / count
+            share.places[name] += size * number / count
     return shares
 
 
