@@ -13,13 +13,17 @@ from tests.e2e.chromium import UNDRAWN
 
 PATIENCE = 60.0
 RESULTS = Path(__file__).parents[2] / "test-results"
+# Somebody who has left the tour of first steps, which comes unasked to who has not.
+TOUR_LEFT = "if (location.origin !== 'null') localStorage.setItem('pointbrush.tour', 'left');"
 
 
 class Desk:
     """One browser window.  Everything the page complains about is kept in ``complaints``."""
 
-    def __init__(self, context: BrowserContext, url: str) -> None:
+    def __init__(self, context: BrowserContext, url: str, *, newcomer: bool = False) -> None:
         self.context = context
+        if not newcomer:
+            context.add_init_script(TOUR_LEFT)
         self.page: Page = context.new_page()
         self.complaints: list[str] = []
         self.page.on("console", self._console)
@@ -97,12 +101,21 @@ class Desk:
 
 
 def launch(
-    browser: Browser, url: str, width: int = 1280, height: int = 720, *, drawn: bool = False
+    browser: Browser,
+    url: str,
+    width: int = 1280,
+    height: int = 720,
+    *,
+    drawn: bool = False,
+    newcomer: bool = False,
 ) -> Desk:
-    """A window; ``drawn``: with its points in it, which a program in place of a GPU draws."""
+    """Open a window; ``drawn``: with its points in it, which a program in place of a GPU draws.
+
+    ``newcomer``: somebody who has not seen the tour of first steps.
+    """
     context = browser.new_context(
         viewport={"width": width, "height": height}, accept_downloads=True
     )
     if not drawn:
         context.add_init_script(UNDRAWN)
-    return Desk(context, url)
+    return Desk(context, url, newcomer=newcomer)

@@ -14,6 +14,7 @@ from playwright.sync_api import Browser, expect
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import SEQUENCE, painted
 from tests.e2e.server import LiveServer
+from tests.e2e.test_accessibility import faults
 from tests.waiting import eventually
 
 # Pixels of the names beside the strips.
@@ -163,6 +164,50 @@ def test_help_lists_every_key_and_closes(desk: Desk) -> None:
         expect(dialog.get_by_text(what)).to_be_visible()
     desk.press("Escape")
     expect(dialog).to_have_count(0)
+
+
+def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: LiveServer) -> None:
+    window = launch(browser, server.page_url, newcomer=True)
+    page, card = window.page, window.page.get_by_role("dialog")
+    window.until("window.__pointbrush !== undefined")
+    window.ask("pb.setDrawing(false)")
+    window.until("document.querySelector('.tour') !== null")
+    for title, control in (
+        ("Look around", ".tools [aria-label=Look]"),
+        ("Choose a label", "#palette"),
+        ("Paint an object", "#toolbar [aria-label=Object]"),
+        ("Track it", "#toolbar button:has-text('Track')"),
+        ("Export", "#toolbar button:has-text('Export')"),
+    ):
+        expect(card.get_by_role("heading", name=title)).to_be_visible()
+        expect(page.locator(f"{control}[data-tour]")).to_be_visible()
+        expect(
+            card.get_by_role("button", name="Done" if title == "Export" else "Next")
+        ).to_be_focused()
+        assert faults(page, title, "[role=dialog]") == []
+        if title == "Choose a label":
+            card.get_by_role("button", name="Back").click()
+            expect(card.get_by_role("heading", name="Look around")).to_be_visible()
+            page.keyboard.press("Enter")
+        if title == "Track it":
+            page.get_by_role("button", name="Light theme").click()
+            card.get_by_role("button", name="Next").focus()
+        page.keyboard.press("Enter")
+    expect(card).to_have_count(0)
+    expect(page.locator("#view")).to_be_focused()
+    assert window.ask("[pb.state.tool.value, pb.state.brush.value.shape]") == ["paint", "object"]
+    page.reload()
+    window.ready()
+    expect(card).to_have_count(0)
+    window.press("?")
+    card.get_by_role("button", name="First steps").click()
+    expect(card.get_by_role("heading", name="Look around")).to_be_visible()
+    # From anywhere on the page, not from the card alone.
+    page.locator("#view").focus()
+    window.press("Escape")
+    expect(card).to_have_count(0)
+    window.context.close()
+    assert window.complaints == []
 
 
 def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:

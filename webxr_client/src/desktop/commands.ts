@@ -8,6 +8,7 @@ import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/open'
 import { pickFiles } from '../panels/import-files';
 import { frameRange } from '../panels/range';
 import { renaming } from '../panels/renaming';
+import { beginTour } from '../panels/tour-steps';
 import { trackOpen } from '../panels/track-form';
 import {
   activeLabel,
@@ -104,6 +105,7 @@ const MORE: readonly KeyBinding[] = [
     when: () => true,
     run: () => (helpOpen.value = true),
   },
+  plain('View', 'First steps: a tour of five cards', beginTour),
   key('z', 'Z', 'Time', 'Next suspicious place', () => stepFindings(1)),
   key('shift+z', 'Shift Z', 'Time', 'Previous suspicious place', () => stepFindings(-1)),
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),

@@ -4,7 +4,9 @@ import { COMMANDS } from '../desktop/commands';
 import { WALK_KEYS } from '../desktop/keys';
 import { found } from './command-search';
 import { Button } from './controls';
+import { state } from '../state';
 import { helpOpen } from './open';
+import { beginTour } from './tour-steps';
 
 const MOUSE = [
   ['Left drag', 'Use the tool'],
@@ -48,6 +50,18 @@ function Opened() {
             value={query}
             onInput={(event) => setQuery(event.currentTarget.value)}
           />
+          {state.sequence.value && (
+            <Button
+              label="First steps"
+              tip="A tour of five cards"
+              kind="outlined"
+              onClick={() => {
+                // Closed first: what had the focus has it again, and after the tour once more.
+                dialog.current?.close();
+                beginTour();
+              }}
+            />
+          )}
           <Button icon="close" tip="Close" keys="Esc" onClick={() => dialog.current?.close()} />
         </header>
         <div class="help-columns">

@@ -11,6 +11,7 @@ import { Stage } from './stage';
 import { Timeline } from './timeline';
 import { Toolbar } from './toolbar';
 import { Tooltip } from './tooltip';
+import { Tour } from './tour';
 import { follow } from '../watch';
 
 /** Nobody looks at these from inside a headset, and they would be drawn anew for every frame. */
@@ -26,7 +27,7 @@ export function mountPanels(): () => void {
     ['palette', <AtTheDesk panel={Palette} />],
     ['overlay', <Stage />],
     ['timeline', <AtTheDesk panel={Timeline} />],
-    ['panels', [<Tooltip />, <Help />, <CommandPalette />, <ImportDialog />, <InsecureHeadset />]],
+    ['panels', [<Tooltip />, <Help />, <CommandPalette />, <ImportDialog />, <InsecureHeadset />, <AtTheDesk panel={Tour} />]], // prettier-ignore
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
   const layout = follow(() => {

@@ -136,6 +136,7 @@ function TrackButton() {
         buttonRef={anchor}
         icon="track"
         label="Track…"
+        class="track-button"
         tip="Carry labels through the following or preceding frames"
         expanded={trackOpen.value}
         disabled={!canEdit.value || trackingJob.value !== null}
@@ -154,6 +155,7 @@ function ExportButton() {
         buttonRef={anchor}
         icon="export"
         label="Export"
+        class="export-button"
         tip="Download points and labels"
         expanded={exportOpen.value}
         onClick={() => (exportOpen.value = !exportOpen.value)}

@@ -1,0 +1,127 @@
+/** The first steps as five cards: what they say, where they point, and whether they were seen. */
+import { signal } from '@preact/signals';
+
+export interface TourStep {
+  readonly title: string;
+  readonly text: string;
+  /** Selector of the control that the card points at. */
+  readonly at: string;
+  /** A person who may only look is not shown how to change things. */
+  readonly edits: boolean;
+  /** The control is there only while objects are what a click takes. */
+  readonly objects?: true;
+}
+
+const TOUR: readonly TourStep[] = [
+  {
+    title: 'Look around',
+    text: 'Drag with the right button to move, with Alt held to turn; the wheel comes closer. With Look the left button turns.',
+    at: '.tools [aria-label="Look"]',
+    edits: false,
+  },
+  {
+    title: 'Choose a label',
+    text: 'A label is one thing to follow: a pin, a person. N makes one and asks for its name; a click on its row chooses it.',
+    at: '#palette',
+    edits: true,
+  },
+  {
+    title: 'Paint an object',
+    text: 'Object is chosen now. Point at a thing and it lights up; the wheel goes from part to group, a click paints it.',
+    at: '#toolbar .options [aria-label="Object"]',
+    edits: true,
+    objects: true,
+  },
+  {
+    title: 'Track it',
+    text: 'Tracking carries the label through the other frames. Keys , and . go to the frames that it was not sure of.',
+    at: '.track-button',
+    edits: true,
+  },
+  {
+    title: 'Export',
+    text: 'Points and labels leave as files that other programs read. Press ? for every key, and to see these cards again.',
+    at: '.export-button',
+    edits: false,
+  },
+];
+
+export function stepsFor(canEdit: boolean): readonly TourStep[] {
+  return TOUR.filter(({ edits }) => canEdit || !edits);
+}
+
+/** The card that is open, counted from 0; null: none. */
+export const tourStep = signal<number | null>(null);
+
+const KEY = 'pointbrush.tour';
+
+/** Whether nobody has left the tour in this browser.  One that keeps nothing shows no tour unasked. */
+export function tourIsNew(): boolean {
+  try {
+    return localStorage.getItem(KEY) === null;
+  } catch {
+    return false;
+  }
+}
+
+export function beginTour(): void {
+  tourStep.value = 0;
+}
+
+export function leaveTour(): void {
+  tourStep.value = null;
+  try {
+    localStorage.setItem(KEY, 'left');
+  } catch {
+    // It does not come unasked in such a browser.
+  }
+}
+
+/** Go on or back by cards; past the last of `count` the tour is over. */
+export function stepTour(by: number, count: number): void {
+  const step = tourStep.peek();
+  if (step === null) return;
+  if (step + by >= count) leaveTour();
+  else tourStep.value = Math.max(0, step + by);
+}
+
+export interface Box {
+  readonly left: number;
+  readonly top: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+type Size = Pick<Box, 'width' | 'height'>;
+
+export interface CardPlace {
+  readonly left: number;
+  readonly top: number;
+  /** Side of the control on which the card lies. */
+  readonly side: 'below' | 'right';
+  /** From the card's corner to the tip that points at the control, along the edge. */
+  readonly tip: number;
+}
+
+/** Pixels between control and card, between card and window, and from a corner to the tip. */
+const GAP = 12;
+const MARGIN = 8;
+const CORNER = 20;
+
+/** Return the card's place: below a control, or beside it where the control is taller than the rest. */
+export function placeCard(control: Box, card: Size, window: Size): CardPlace {
+  const within = (value: number, most: number): number => Math.max(MARGIN, Math.min(value, most - MARGIN)); // prettier-ignore
+  const below = control.top + control.height + GAP;
+  if (below + card.height + MARGIN <= window.height) {
+    const middle = control.left + control.width / 2;
+    const left = within(middle - CORNER, window.width - card.width);
+    return { left, top: below, side: 'below', tip: clampTip(middle - left, card.width) };
+  }
+  const left = within(control.left + control.width + GAP, window.width - card.width);
+  const top = within(control.top + CORNER, window.height - card.height);
+  return { left, top, side: 'right', tip: CORNER };
+}
+
+function clampTip(tip: number, edge: number): number {
+  return Math.max(CORNER, Math.min(tip, edge - CORNER));
+}
