@@ -34,6 +34,7 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "table-top": ("tabletop", {}),
     "walking people": ("walking", {}),
 }
+TOKEN = "benchmark-token-of-effort"
 FORGETFUL = ("icp", "color-icp")
 """The paper's methods remember nothing but the last frame."""
 
@@ -43,12 +44,12 @@ def serving(workspace: Path) -> Iterator[httpx.Client]:
     """A ``pointbrush serve`` of its own, and a client of it."""
     command = [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"]
     command += ["--workspace", str(workspace)]
-    environment = os.environ | {"POINTBRUSH_TOKEN": "benchmark-token-of-effort"}
+    environment = os.environ | {"POINTBRUSH_TOKEN": TOKEN}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
         try:
             assert server.stdout is not None
             found = next(filter(None, (re.search(r"http://[^/\s]+", s) for s in server.stdout)))
-            headers = {"Authorization": "Bearer benchmark-token-of-effort"}
+            headers = {"Authorization": f"Bearer {TOKEN}"}
             with httpx.Client(base_url=f"{found[0]}/api/v1", headers=headers, timeout=120) as api:
                 yield api
         finally:
