@@ -10,6 +10,8 @@ import pytest
 import scenes
 from runs import follow
 
+from pointbrush.frame import PointFrame
+from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.options import TrackerOptions
@@ -50,6 +52,17 @@ def test_a_camera_that_hardly_sways_is_not_taken_to_be_at_rest() -> None:
     way = way_of(frames)
     for number in range(len(frames)):
         assert apart(way.pose(number), true_pose(frames, number)) < 0.005
+
+
+def test_a_camera_whose_pixels_the_import_found_is_seen_to_sway(
+    swaying: list[scenes.Frame],
+) -> None:
+    first = swaying[0]
+    found = find_lattice(PointFrame(first.xyz, first.rgb), first.xyz, np.zeros(3), 0.001)
+    assert found is not None
+    way = way_of([replace(frame, lattice=found) for frame in swaying])
+    for number in (3, 9):
+        assert apart(way.pose(number), true_pose(swaying, number)) < 0.005
 
 
 def test_its_way_is_found_again_after_a_hand_was_before_the_lens(

@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pointbrush.tracking.interface import PixelLattice
+
 
 @dataclass(eq=False)
 class Frame:
@@ -19,7 +21,7 @@ class Frame:
     intensity: np.ndarray | None = None
     viewpoint: np.ndarray | None = None
     pose: np.ndarray | None = None
-    lattice: None = None
+    lattice: PixelLattice | None = None
 
     @cached_property
     def kdtree(self) -> cKDTree:

@@ -247,10 +247,12 @@ def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
     height, width = lens.shape
     seen = np.zeros(height * width + 1, np.bool_)
     seen[lens.cells(np.asarray(frame.xyz, np.float32), options=options.lens).cell] = True
-    image = seen[:-1].reshape(height, width)[
-        options.lens.margin_px : -options.lens.margin_px,
-        options.lens.margin_px : -options.lens.margin_px,
-    ]
+    image = seen[:-1].reshape(height, width)
+    if not image.any():
+        return False
+    # A pixel grid that the import found has a wider margin than one that is found here.
+    rows, columns = (np.flatnonzero(image.any(axis=axis)) for axis in (1, 0))
+    image = image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     band = max(1, int(options.visual_odometry.band_share * min(image.shape)))
     sides = (image[:band], image[-band:], image[:, :band], image[:, -band:])
     return float(np.mean([side.mean() for side in sides])) > options.visual_odometry.border_share
