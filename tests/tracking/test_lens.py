@@ -7,6 +7,7 @@ import pytest
 import scenes
 from scipy.spatial.transform import Rotation
 
+from pointbrush.tracking.interface import KnownSensor
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.camera import find_lens
@@ -108,6 +109,7 @@ def scene_of(xyz: np.ndarray) -> Scene:
         [0, 1],
         lambda world: np.ones(len(world), np.float32),
         ahead=False,
+        known=KnownSensor(),
         options=OPTIONS,
     )
 

@@ -12,6 +12,7 @@ from runs import follow
 from pointbrush.errors import BadInputError
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.compute.grid import bounds, cells_of
+from pointbrush.tracking.interface import KnownSensor
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Bending, OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
@@ -96,7 +97,12 @@ def test_a_street_in_the_worlds_coordinates_is_seen_by_a_lidar_that_moves(told: 
     """No pose: what is far away all round is a lidar's, and one that is told elsewhere moves."""
     world = in_the_world(told)
     scene = Scene(
-        world.__getitem__, [0, 1, 2], lambda xyz: np.zeros(len(xyz)), ahead=False, options=OPTIONS
+        world.__getitem__,
+        [0, 1, 2],
+        lambda xyz: np.zeros(len(xyz)),
+        ahead=False,
+        known=KnownSensor(),
+        options=OPTIONS,
     )
     for number in range(3):
         view = scene.view(number)

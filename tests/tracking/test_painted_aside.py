@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pointbrush.tracking.interface import KnownSensor
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.camera import find_lens
@@ -58,6 +59,7 @@ def test_noise_is_measured_beside_what_is_painted(frames: list[SimpleNamespace])
         lambda xyz: np.zeros(len(xyz)),
         painted,
         ahead=False,
+        known=KnownSensor(),
         options=OPTIONS,
     )
     assert scene.noise(scene.first, painted) < 2 * DEVIATION

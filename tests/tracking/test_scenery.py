@@ -7,6 +7,7 @@ import pytest
 import scenes
 
 from pointbrush.tracking import FrameResult
+from pointbrush.tracking.interface import KnownSensor
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import (
@@ -121,7 +122,9 @@ def test_what_moves_is_no_noise_where_it_was_cut_out_of_its_room() -> None:
     def frame(number: int) -> scenes.Frame:
         return scenes.Frame((rays[figure] * (0.6 - 0.03 * number)).astype(np.float32))
 
-    scene = Scene(frame, [0, 1], lambda world: world[:, 0], ahead=False, options=OPTIONS)
+    scene = Scene(
+        frame, [0, 1], lambda world: world[:, 0], ahead=False, known=KnownSensor(), options=OPTIONS
+    )
     assert scene.lens is not None
     assert scene.noise(scene.first, np.arange(1000)) < 0.006
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.tracking import TrackOptions
@@ -12,6 +12,7 @@ from pointbrush.tracking.compute.rigid import IcpStep
 from pointbrush.tracking.explanation import Explanation
 from pointbrush.tracking.registry import watched
 from pointbrush.work.tracking.job import Knowledge, prepare
+from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.workspace import Workspace
 
 
@@ -64,6 +65,8 @@ class Explaining:
         known = Knowledge(self.workspace.store, recording)
         options = TrackOptions(continue_lost=True)
         try:
+            if request.method == "auto":  # as a run does that is not explained
+                options = replace(options, sensor=sensor_of(recording))
             frames = recording.__getitem__
             for _ in self._method.track(frames, order, self._seeds, known, options):
                 if self._ended.is_set():

@@ -11,6 +11,8 @@ from pointbrush.sequences.manifest import FILE, read_manifest
 from pointbrush.sequences.octree.arrays import file_digest, read_array, read_layout
 
 CHECKSUMS = "checksums.json"
+SENSOR = "sensor.json"
+"""Facts about the recording's sensor that tracking keeps; the file may be missing."""
 
 
 def encode_checksums(checksums: dict[str, str]) -> bytes:
@@ -75,7 +77,7 @@ def note_checksums(path: Path) -> bool:
 
 def _files(path: Path) -> set[str]:
     here = {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
-    return here - {CHECKSUMS, FILE}
+    return here - {CHECKSUMS, FILE, SENSOR}
 
 
 def _unreadable(path: Path) -> list[str]:

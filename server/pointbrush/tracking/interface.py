@@ -124,6 +124,20 @@ Known = Callable[[int], FrameKnowledge | None]
 
 
 @dataclass(frozen=True, slots=True)
+class KnownSensor:
+    """Facts about a recording's sensor that hold for every run over it.
+
+    ``at_rest``    all of the recording shows it at rest; else a run has to look for itself.
+    ``place``      (x, y, z) of a camera that the recording does not tell, local metres, or None.
+    ``placeless``  such a place was looked for, and there is none.
+    """
+
+    at_rest: bool = False
+    place: tuple[float, float, float] | None = None
+    placeless: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class TrackOptions:
     """Options of a run: what it may overwrite, and when it stops.
 
@@ -137,6 +151,7 @@ class TrackOptions:
                        learn from; it yields nothing for them.
     ``painted``        the frames in which a person painted, None where that is not known.
     ``read_ahead``     a method may prepare the next frame in a thread of its own.
+    ``sensor``         what is known of the recording's sensor, so that a run need not find it.
     """
 
     overwrite: Overwrite = "tracked"
@@ -146,6 +161,7 @@ class TrackOptions:
     before: tuple[int, ...] = ()
     painted: frozenset[int] | None = None
     read_ahead: bool = False
+    sensor: KnownSensor = field(default_factory=KnownSensor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,6 +19,7 @@ from pointbrush.tracking.interface import (
     FrameResult,
     Frames,
     Known,
+    KnownSensor,
     Method,
     Seed,
     TrackFrame,
@@ -277,7 +278,7 @@ class AcrossJumps:
         seeds = [Seed(n, points) for n, points in last.assignments.items() if len(points)]
         if not seeds:
             return FrameResult(after, {}, {})
-        asked = replace(options, before=(), continue_lost=True)
+        asked = replace(options, before=(), continue_lost=True, sensor=KnownSensor())
         _, found = self.step.track(moved, [before, after], seeds, known, asked)
         tracks = {}
         for label, track in found.tracks.items():

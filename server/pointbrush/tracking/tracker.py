@@ -143,7 +143,13 @@ class Run:
         labelled = [*seeds, *self.companions.beginning]
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in labelled)])
         self.scene = Scene(
-            frames, order, self._reach, painted, options=self.options, ahead=asked.read_ahead
+            frames,
+            order,
+            self._reach,
+            painted,
+            options=self.options,
+            known=asked.sensor,
+            ahead=asked.read_ahead,
         )
 
     @property

@@ -176,6 +176,7 @@ class ScanOdometryOptions(Options):
     )
     # Frames after the first at which a sensor is asked whether it moved.
     asked_frames: tuple[int, int, int] = (1, 4, 12)
+    examined_frames: int = 12  # frames, all over a recording, that have to show its sensor at rest
     moved_cells: float = 0.25  # cells by which the scene is displaced, at the median, if it moved
     rest_pose: float = 0.0001  # metres and radians between the poses of a sensor told to be at rest
     on_plane_cells: float = 0.2  # cells off its plane up to which a point lies on it

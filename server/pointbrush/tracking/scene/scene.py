@@ -9,22 +9,29 @@ from itertools import pairwise
 
 import numpy as np
 
-from pointbrush.tracking.interface import F32, F64, I64, FrameResult, Frames, TrackFrame
+from pointbrush.tracking.interface import (
+    F32,
+    F64,
+    I64,
+    FrameResult,
+    Frames,
+    KnownSensor,
+    TrackFrame,
+)
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import Background, ImageBackground
 from pointbrush.tracking.scene.images import default_noise, measure_noise
 from pointbrush.tracking.scene.mapped import MapBackground, SurfaceMap, chart_of
 from pointbrush.tracking.scene.scans import PointBackground
 from pointbrush.tracking.sensors.camera import Lens, find_lens, steadied
+from pointbrush.tracking.sensors.examination import lens_at_rest
 from pointbrush.tracking.sensors.scan_odometry import find_trajectory
 from pointbrush.tracking.sensors.scanner import (
     find_eye,
     range_image_of,
-    reach_of,
 )
 from pointbrush.tracking.sensors.trajectory import Trajectory
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.sensors.viewpoint import find_camera
 from pointbrush.tracking.sensors.visual_odometry import framed
 
 
@@ -42,10 +49,12 @@ class Scene:
         painted: I64 | None = None,
         *,
         options: TrackerOptions,
+        known: KnownSensor,
         ahead: bool,
     ) -> None:
         """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame.
 
+        What is ``known`` of the sensor is not looked for.
         What is ``painted`` (M,) in the first frame may move, and tells nothing of the sensor.
         """
         self._frames, self._order, self.options = frames, order, options
@@ -54,11 +63,13 @@ class Scene:
         self._following = dict(pairwise(order))
         self._ready: tuple[int, Future[View]] | None = None
         first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
-        self.lens: Lens | None = _fixed(first, others, options=options)
+        self.lens: Lens | None = lens_at_rest(first, others, known, options=options)
         self._way: Trajectory | None = None
         self._about: F64 | None = None
         if self.lens is None:
-            self._way = find_trajectory(frames, order, painted, options=options)
+            self._way = find_trajectory(
+                frames, order, painted, at_rest=known.at_rest, options=options
+            )
             self.lens, self._about = _sensor(
                 first, others, moves=self._way is not None, options=options
             )
@@ -212,27 +223,6 @@ class Scene:
 
     def _views(self, numbers: Sequence[int]) -> list[View]:
         return [self._look(number) for number in numbers]
-
-
-def _fixed(first: TrackFrame, others: Sequence[TrackFrame], options: TrackerOptions) -> Lens | None:
-    """The pixel grid of a camera at rest whose frames lie in a room's coordinates.
-
-    It is looked for where no frame tells it; the ``others`` were seen from there as well.
-    """
-    xyz = np.asarray(first.xyz)
-    recorded = first.viewpoint is not None or first.pose is not None
-    if (
-        recorded
-        or reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
-        or find_lens(first, options=options) is not None
-    ):
-        return None
-    place = find_camera(xyz, options=options)
-    if place is None or any(
-        find_lens(f, place=place, options=options) is None for f in others if len(f.xyz)
-    ):
-        return None
-    return find_lens(first, place=place, options=options)
 
 
 def _sensor(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +18,13 @@ from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.scanner import find_eye, reach_of
 from pointbrush.tracking.sensors.trajectory import (
+    Motion,
     RecordedTrajectory,
     RegisteredTrajectory,
     Trajectory,
     recorded_pose,
 )
-from pointbrush.tracking.sensors.visual_odometry import CameraTrajectory, framed, moves
+from pointbrush.tracking.sensors.visual_odometry import CameraTrajectory, camera_motions, framed
 
 
 def likely_shifts(
@@ -234,70 +236,97 @@ def in_place(planes: Planes, target: cKDTree, T: F64, options: ScanOdometryOptio
     return float((np.abs(off) < options.on_plane_cells * planes.cell).sum() / len(moved))
 
 
-def stands(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
-    """Whether the sensor is at rest, as far as the first frames show it."""
-    first = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
+def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> Iterator[Motion]:
+    """Yield how the sensor seems to have moved from the first of some frames to each other one,
+    until one shows too little."""
+    number, *others = numbers
+    first = planes_of(np.asarray(frames(number).xyz, np.float64), options=options)
     if first is None:
-        return True
-    for ahead in options.scan_odometry.asked_frames:
-        if ahead >= len(order):
-            break
-        other = planes_of(np.asarray(frames(order[ahead]).xyz, np.float64), options=options)
+        return
+    for number in others:
+        other = planes_of(np.asarray(frames(number).xyz, np.float64), options=options)
         if other is None:
-            break
+            return
         before = in_place(first, other.tree, np.eye(4), options=options.scan_odometry)
         if before > options.scan_odometry.rest_share:
+            yield "rests"
             continue
         T, share = register_anywhere(first, other, [np.eye(4)], options=options.scan_odometry)
         shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
-        moved = (
-            share > options.scan_odometry.agreed_share
-            and 1.0 - share < options.scan_odometry.left_share * (1.0 - before)
-        )
-        if moved and float(np.median(shift)) > options.scan_odometry.moved_cells * first.cell:
-            return False
-    return True
+        agreed = share > options.scan_odometry.agreed_share
+        better = 1.0 - share < options.scan_odometry.left_share * (1.0 - before)
+        away = float(np.median(shift)) > options.scan_odometry.moved_cells * first.cell
+        if away:
+            yield "moves" if agreed and better else "unclear"
+        else:
+            yield "rests" if agreed else "unclear"
 
 
-def find_trajectory(
-    frames: Frames, order: Sequence[int], painted: I64 | None = None, *, options: TrackerOptions
-) -> Trajectory | None:
-    """The way of the sensor over ``order``, in the first frame of which the world is.
-
-    As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
-    first frame; None where the sensor is at rest.
+def told_trajectory(
+    frames: Frames, order: Sequence[int], options: TrackerOptions
+) -> tuple[Trajectory | None, F64 | None]:
+    """The way of the sensor over ``order`` as the recording tells it, None where it tells none or
+    rest; and the inverse pose (4, 4) of the first frame, None where it is not told.
     """
     first, *others = (
         recorded_pose(frames(order[at]), options=options.scan_odometry)
         for at in (0, len(order) // 2, -1)
     )
-    back = None if first is None else np.linalg.inv(first)
+    back = None if first is None else np.asarray(np.linalg.inv(first), np.float64)
     if back is not None and any(
         pose is not None and np.abs(back @ pose - np.eye(4)).max() > options.scan_odometry.rest_pose
         for pose in others
     ):
-        return RecordedTrajectory(frames, np.asarray(back, np.float64), options=options)
-    lens = find_lens(frames(order[0]), moves=True, options=options)
+        return RecordedTrajectory(frames, back, options=options), back
+    return None, back
+
+
+def shown_at_rest(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> bool:
+    """Whether each of some frames shows the sensor where it was in the first of them."""
+    first = frames(numbers[0])
+    lens = find_lens(first, moves=True, options=options)
+    if lens is None:
+        shown = motions(frames, numbers, options) if _of_one(first, options=options) else iter(())
+    elif framed(first, lens, options=options):
+        shown = camera_motions(frames, numbers, lens, options=options)
+    else:
+        return False
+    rests = list(takewhile(lambda motion: motion == "rests", shown))
+    return len(rests) == len(numbers) - 1
+
+
+def find_trajectory(
+    frames: Frames,
+    order: Sequence[int],
+    painted: I64 | None = None,
+    *,
+    at_rest: bool = False,
+    options: TrackerOptions,
+) -> Trajectory | None:
+    """The way of the sensor over ``order``, in the first frame of which the world is.
+
+    As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
+    first frame; None where the sensor is at rest, which may be known before.
+    """
+    told, back = told_trajectory(frames, order, options=options)
+    if told is not None:
+        return told
+    first, last = frames(order[0]), len(order) - 1
+    lens = find_lens(first, moves=True, options=options)
     if lens is not None:
-        last = len(order) - 1
-        asked = [
-            order[at]
-            for at in sorted({0, *options.scan_odometry.asked_frames, last // 2, last})
-            if at <= last
-        ]
-        at_rest = not framed(frames(order[0]), lens, options=options) or not moves(
-            frames, asked, lens, painted, options=options
-        )
-        return None if at_rest else CameraTrajectory(frames, order, options, lens, painted)
-    at_rest = not _of_one(frames(order[0]), options=options) or stands(
-        frames, order, options=options
-    )
-    if not at_rest:
-        return ScanTrajectory(frames, order, options)
+        if at_rest or not framed(first, lens, options=options):
+            return None
+        positions = sorted({0, *options.scan_odometry.asked_frames, last // 2, last})
+        asked = [order[at] for at in positions if at <= last]
+        moves = "moves" in camera_motions(frames, asked, lens, painted, options=options)
+        return CameraTrajectory(frames, order, options, lens, painted) if moves else None
+    if not at_rest and _of_one(first, options=options):
+        asked = [order[at] for at in (0, *options.scan_odometry.asked_frames) if at <= last]
+        if "moves" in motions(frames, asked, options=options):
+            return ScanTrajectory(frames, order, options)
     if not _goes_about(frames, order, options=options):
         return None
-    still = np.eye(4) if back is None else back
-    return RecordedTrajectory(frames, np.asarray(still, np.float64), options=options)
+    return RecordedTrajectory(frames, np.eye(4) if back is None else back, options=options)
 
 
 def _goes_about(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
 from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
+
+Motion = Literal["moves", "rests", "unclear"]
+"""Motion of a sensor between two frames, as far as they show it."""
 
 
 class Trajectory(ABC):

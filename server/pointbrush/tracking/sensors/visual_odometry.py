@@ -8,7 +8,7 @@ and McClure 1985.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
 from pointbrush.tracking.options import LensOptions, TrackerOptions, VisualOdometryOptions
 from pointbrush.tracking.sensors.camera import Lens
 from pointbrush.tracking.sensors.image_pyramid import Image, Layer, compared, equations, picture_of
-from pointbrush.tracking.sensors.trajectory import RegisteredTrajectory, Trajectory
+from pointbrush.tracking.sensors.trajectory import Motion, RegisteredTrajectory, Trajectory
 
 SPREAD = 1.4826
 """Standard deviation over median deviation, of normally distributed values."""
@@ -201,15 +201,15 @@ def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOpti
     return T
 
 
-def moves(
+def camera_motions(
     frames: Frames,
     numbers: Sequence[int],
     lens: Lens,
     painted: I64 | None = None,
     *,
     options: TrackerOptions,
-) -> bool:
-    """Whether the sensor has moved between the first of some frames and any other.
+) -> Iterator[Motion]:
+    """Yield how the sensor has moved from the first of some frames to each other one.
 
     What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell;
     nor does a frame that shows hardly anything of the scene, as behind who stops the recording.
@@ -226,17 +226,16 @@ def moves(
             options=options,
         )
         scale = fit.scale if scale is None else scale
-        better = (
-            fit.shift > options.visual_odometry.moved_px
-            and 1.0 - fit.agree < options.visual_odometry.left_share * (1.0 - fit.before)
-        )
-        if (
-            better
-            and _agreement(fit.off, scale, options=options.visual_odometry)
+        away = fit.shift > options.visual_odometry.moved_px
+        better = 1.0 - fit.agree < options.visual_odometry.left_share * (1.0 - fit.before)
+        agreed = (
+            _agreement(fit.off, scale, options=options.visual_odometry)
             >= options.visual_odometry.lost_agreement
-        ):
-            return True
-    return False
+        )
+        if not agreed or (away and not better):
+            yield "unclear"
+        else:
+            yield "moves" if away else "rests"
 
 
 def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:

@@ -25,6 +25,7 @@ from pointbrush.tracking import (
 )
 from pointbrush.tracking.permissions import FEWEST
 from pointbrush.work.compiling import compile_loops
+from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.worker import Channel
 
 LEAD = 20
@@ -62,12 +63,15 @@ class TrackingWork:
             before = lead(counts, [s.label for s in self.seeds], order, len(recording))
             painted = frozenset(frame for (frame, _), (_, by_hand) in counts.items() if by_hand)
             ahead = (os.cpu_count() or 1) > 1
+            options = replace(self.options, before=before, painted=painted, read_ahead=ahead)
+            if self.method == "auto":  # the others ask nothing of the sensor
+                options = replace(options, sensor=sensor_of(recording))
             results = METHODS[self.method]().track(
                 recording.__getitem__,
                 order,
                 self.seeds,
                 Knowledge(store, recording),
-                replace(self.options, before=before, painted=painted, read_ahead=ahead),
+                options,
             )
             for done, found in enumerate(results, start=1):
                 channel.item(found)
