@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
+import scenes
 
 from pointbrush.tracking.interface import KnownSensor
 from pointbrush.tracking.options import TrackerOptions
@@ -19,7 +18,7 @@ HEIGHT, WIDTH, FOCAL = 120, 160, 150.0
 DEVIATION = 0.004
 
 
-def picture(seed: int, aside: int, near: float) -> SimpleNamespace:
+def picture(seed: int, aside: int, near: float) -> scenes.Frame:
     """A plain wall behind somebody with stripes, who fills most of the picture."""
     rng = np.random.default_rng(seed)
     row, column = np.mgrid[:HEIGHT, :WIDTH]
@@ -32,18 +31,16 @@ def picture(seed: int, aside: int, near: float) -> SimpleNamespace:
     x, y = (column - WIDTH / 2) / FOCAL * depth, (row - HEIGHT / 2) / FOCAL * depth
     xyz = np.stack([x, y, depth], axis=-1).reshape(-1, 3).astype(np.float32)
     colour = np.clip(rgb.reshape(-1, 3), 0, 255).astype(np.uint8)
-    return SimpleNamespace(
-        xyz=xyz, rgb=colour, truth=body.ravel(), viewpoint=None, pose=None, intensity=None
-    )
+    return scenes.Frame(xyz, colour, body.ravel())
 
 
 @pytest.fixture(scope="module")
-def frames() -> list[SimpleNamespace]:
+def frames() -> list[scenes.Frame]:
     return [picture(0, 0, 1.6), picture(1, 3, 1.6)]
 
 
 def test_who_fills_the_picture_does_not_make_the_sensor_move(
-    frames: list[SimpleNamespace],
+    frames: list[scenes.Frame],
 ) -> None:
     assert find_lens(frames[0], moves=True, options=OPTIONS) is not None
     painted = np.flatnonzero(frames[0].truth)
@@ -51,7 +48,7 @@ def test_who_fills_the_picture_does_not_make_the_sensor_move(
     assert find_trajectory(frames.__getitem__, [0, 1], painted, options=OPTIONS) is None
 
 
-def test_noise_is_measured_beside_what_is_painted(frames: list[SimpleNamespace]) -> None:
+def test_noise_is_measured_beside_what_is_painted(frames: list[scenes.Frame]) -> None:
     painted = np.flatnonzero(frames[0].truth)
     scene = Scene(
         frames.__getitem__,
