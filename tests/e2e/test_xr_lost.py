@@ -60,6 +60,11 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     put_on: Wear, server: LiveServer, truth: Truth
 ) -> None:
     headset = put_on()
+    # The emulation calls every position emulated.
+    headset.ask(
+        "void Object.defineProperty(XRPose.prototype, 'emulatedPosition', "
+        "{ configurable: true, get: () => window.guesses === true })"
+    )
     headset.paint([truth(0, PERSON)], release=False)
     headset.ask("(device.controllers.right.connected = false)")
     headset.until("hs.headset.cockpit.pointers.of('right') === null")
@@ -72,7 +77,14 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     headset.until(f"{said} === false", 15)
     headset.trigger(0)
     count = painted(server, 0)
+    # Where the headset guesses that it is, it paints nothing, and that is said.
     x, y, z = truth(0, PERSON)
+    headset.ask("(window.guesses = true)")
+    headset.paint([[x, y + 0.15, z]])
+    headset.until(f"{said} === 'Not painted: out of the headset’s sight'")
+    headset.settled()
+    assert painted(server, 0) == count
+    headset.ask("(window.guesses = false)")
     headset.paint([[x, y + 0.15, z]])
     headset.settled()
     assert painted(server, 0) > count

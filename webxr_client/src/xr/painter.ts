@@ -5,7 +5,7 @@ import { DELETED } from '../cloud/piece';
 import type { Engine } from '../engine/engine';
 import type { Brush, StrokeResult } from '../protocol/messages';
 import { peek } from '../peek';
-import { canEdit, isStroke, state } from '../state';
+import { canEdit, isStroke, notify, state } from '../state';
 import { brushFor, refusal } from '../tools/brush';
 import type { PointerSample } from '../tools/sample';
 import type { Stroke } from '../tools/strokes';
@@ -28,6 +28,9 @@ const TOGETHER_MS = 250;
 /** A far pointer looks for the surface so often, and finds points that are so near to its ray. */
 const DEPTH_EVERY_MS = 60;
 const DEPTH_RADIUS = 0.03;
+
+const GUESSED =
+  'Where it is would be a guess. Bring it where the headset sees it, and press again.';
 
 type Triple = [number, number, number];
 
@@ -123,6 +126,7 @@ export class Painter {
     if (this.moved()) this.interrupt(hand);
     if (hand.trigger === 0) this.free = true;
     else if (blocked && !this.painting) this.free = false;
+    if (this.free && this.guesses(hand, other)) this.refuse(hand);
     const level = hand.pressure.update(this.free ? hand.trigger : 0, now);
     this.measureBall();
     this.aimTip(hand, level, now);
@@ -132,6 +136,19 @@ export class Painter {
     if (this.level === 0) this.askAhead(!blocked, way, hand, now);
     const color = this.look.show(!blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.material.color.set(color);
+  }
+
+  /** Where the brush is, or the other corner of a box, is not known but guessed. */
+  private guesses(hand: Pointer, other: Pointer | null): boolean {
+    const box = this.painting && this.way.name === 'box';
+    return hand.guessed || (box && other?.guessed === true);
+  }
+
+  /** A guess paints nothing: what was painted before it stays, and the press must be let go. */
+  private refuse(hand: Pointer): void {
+    this.interrupt(hand);
+    hand.disarm();
+    notify('info', 'Not painted: out of the headset’s sight', GUESSED);
   }
 
   /** Nobody is there to paint. */

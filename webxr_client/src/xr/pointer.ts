@@ -44,6 +44,8 @@ export class Pointer implements Present {
   readonly depth = Float64Array.of(DEPTH);
   /** How far it is pressed, 0..1; 0 until it is armed. */
   trigger = 0;
+  /** It is pressed where the headset only guesses that it is; what points from the eyes never is. */
+  guessed = false;
   readonly pad: Pad = { x: 0, y: 0, click: false };
   readonly pressure = new Pressure();
   readonly click = new Switch();
@@ -181,6 +183,12 @@ export class Pointer implements Present {
     edge.press = this.press.update(pad.click ? 1 : 0);
     edge.primary = this.primaryButton.update(this.chord.primary);
     edge.secondary = this.secondaryButton.update(this.chord.secondary);
+  }
+
+  /** Whether a press is at a place that is not known; asked only while one is held. */
+  judge(poses: Poses, frame: XRFrame, space: XRReferenceSpace): void {
+    const pressed = this.trigger > 0 && this.reach === 'near' && !this.leaving;
+    this.guessed = pressed && poses.guessed(this.input, frame, space);
   }
 
   /** Two buttons: its own, or the pad's while the grip is held. */

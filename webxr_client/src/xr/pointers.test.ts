@@ -125,6 +125,32 @@ describe('who comes and goes', () => {
   });
 });
 
+describe('a press where the headset guesses', () => {
+  it('is told while it is held, of what is held in a hand', () => {
+    const right = controller('right');
+    const worn = new Worn(right);
+    const told = (trigger: number, guessed: boolean): boolean => {
+      Object.assign(right, { trigger, guessed });
+      worn.go();
+      return worn.pointers.brush!.guessed;
+    };
+    told(0, true);
+    expect([told(0.5, false), told(0.5, true)]).toEqual([false, true]);
+    expect([told(0, true), told(0.5, true), told(0.5, false)]).toEqual([false, true, false]);
+  });
+
+  it('is none of what points from the eyes', () => {
+    const worn = new Worn();
+    const look = pinch('right');
+    look.guessed = true;
+    worn.change([look]);
+    worn.select(look, true);
+    worn.go();
+    expect(worn.pointers.brush?.trigger).toBe(1);
+    expect(worn.pointers.brush?.guessed).toBe(false);
+  });
+});
+
 describe('a press counts after a release was seen', () => {
   const pressed = (): { worn: Worn; right: TestSource } => {
     const right = controller('right');

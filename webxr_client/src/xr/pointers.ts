@@ -167,6 +167,7 @@ export class Pointers {
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
       body.pointer.update(this.poses, matrixWorld);
+      body.pointer.judge(this.poses, frame, space);
       body.follow(frame, space, matrixWorld);
       this.miss(body, seconds);
     }

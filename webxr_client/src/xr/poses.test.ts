@@ -1,16 +1,18 @@
 import { Matrix4, Vector3 } from 'three';
-import { describe, expect, it } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 import { Poses } from './poses';
 
-type Space = XRSpace & { x: number; seen: boolean };
+type Space = XRSpace & { x: number; seen: boolean; guessed?: boolean };
 const space = (x: number): Space => ({ x, seen: true }) as unknown as Space;
 const BASE = {} as unknown as XRReferenceSpace;
 
 /** A frame in which each space lies at its own x; `fills`: the browser has `fillPoses`. */
 function frameWith(fills: boolean): XRFrame {
   const matrix = ({ x }: Space): number[] => new Matrix4().makeTranslation(x, 0, 0).toArray();
-  const getPose = (one: Space): unknown =>
-    one.seen ? { transform: { matrix: Float32Array.from(matrix(one)) } } : null;
+  const getPose = (one: Space): unknown => {
+    const transform = { matrix: Float32Array.from(matrix(one)) };
+    return one.seen ? { transform, emulatedPosition: one.guessed === true } : null;
+  };
   const fillPoses = (spaces: Space[], _: unknown, out: Float32Array): boolean => {
     spaces.forEach((one, i) => {
       if (one.seen) out.set(matrix(one), 16 * i);
@@ -43,6 +45,22 @@ describe.each([true, false])('poses of a frame, fillPoses there: %s', (fills) =>
     expect(poses.add(right)).toBe(one);
     for (let more = 2; more < 8; more++) expect(poses.add(left)).toBe(more);
     expect(poses.add(left)).toBe(-1);
+  });
+
+  it('tell of a guessed position, asked of one input alone', () => {
+    const poses = new Poses(space(1));
+    const [known, guess] = [space(2), Object.assign(space(3), { guessed: true })];
+    const one = poses.add({ targetRaySpace: known } as unknown as XRInputSource);
+    const two = poses.add({ targetRaySpace: guess } as unknown as XRInputSource);
+    const frame = frameWith(fills);
+    poses.read(frame, BASE);
+    const asked = vi.spyOn(frame, 'getPose');
+    const told = (input: number): boolean => poses.guessed(input, frame, BASE);
+    // A device that never knew a place cannot say that this one is worse.
+    expect([told(two), told(one), told(two)]).toEqual([false, false, true]);
+    expect(asked.mock.calls.map(([of]) => of)).toEqual([guess, known, guess]);
+    poses.remove(two);
+    expect(told(two)).toBe(false);
   });
 
   it('are none while tracking is lost, and come back', () => {

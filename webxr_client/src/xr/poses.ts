@@ -19,6 +19,8 @@ export class Poses {
   private readonly places: number[] = [];
   private readonly taken: boolean[] = new Array<boolean>(INPUTS).fill(false);
   private readonly filled = new Float32Array(16 * PLACES);
+  /** A position was known once: devices that know none, and emulators, call each a guess. */
+  private knows = false;
 
   /** `head`: the session's viewer space. */
   constructor(head: XRSpace) {
@@ -89,6 +91,18 @@ export class Poses {
   /** An input's pointing ray: its origin, and its way along −z. */
   ray(input: number, out: Matrix4): boolean {
     return this.take(RAYS + input, out);
+  }
+
+  /**
+   * Whether the headset only guesses where an input points from.  `fillPoses` does not tell, and a
+   * pose costs objects: it is asked while something is pressed.
+   */
+  guessed(input: number, frame: XRFrame, base: XRReferenceSpace): boolean {
+    const at = this.places.indexOf(RAYS + input);
+    const pose = at < 0 ? undefined : frame.getPose(this.spaces[at]!, base);
+    if (!pose) return false;
+    if (!pose.emulatedPosition) this.knows = true;
+    return pose.emulatedPosition && this.knows;
   }
 
   /** Where an input is held. */

@@ -14,6 +14,11 @@ export interface SourceLook {
   readonly axes?: number[];
 }
 
+interface TestSpace {
+  seen: boolean;
+  guessed: boolean;
+}
+
 /** A source whose poses and trigger a test sets. */
 export class TestSource {
   readonly targetRayMode: string;
@@ -21,8 +26,8 @@ export class TestSource {
   readonly profiles: readonly string[];
   readonly hand: ReadonlyMap<string, unknown> | undefined;
   readonly gamepad: { axes: number[]; buttons: { value: number }[] } | undefined;
-  readonly targetRaySpace: { seen: boolean };
-  readonly gripSpace: { seen: boolean } | undefined;
+  readonly targetRaySpace: TestSpace;
+  readonly gripSpace: TestSpace | undefined;
   seen = true;
 
   constructor({ mode = 'tracked-pointer', side = 'right', profile, hand, axes = [] }: SourceLook) {
@@ -32,7 +37,7 @@ export class TestSource {
     this.hand = hand ? new Map() : undefined;
     const buttons = Array.from({ length: 6 }, () => ({ value: 0 }));
     if (mode === 'tracked-pointer' && !hand) this.gamepad = { axes, buttons };
-    this.targetRaySpace = { seen: true };
+    this.targetRaySpace = { seen: true, guessed: false };
     if (mode === 'tracked-pointer') this.gripSpace = this.targetRaySpace;
   }
 
@@ -48,6 +53,11 @@ export class TestSource {
     this.gamepad!.buttons[1]!.value = value;
   }
 
+  /** Its position is a guess of the headset. */
+  set guessed(value: boolean) {
+    this.targetRaySpace.guessed = value;
+  }
+
   set tracked(value: boolean) {
     this.targetRaySpace.seen = value;
   }
@@ -55,8 +65,10 @@ export class TestSource {
 
 /** Every space that is seen lies at the origin. */
 export const FRAME = {
-  getPose: ({ seen }: { seen: boolean }) =>
-    seen ? { transform: { matrix: new Float32Array(new Matrix4().elements) } } : null,
+  getPose: ({ seen, guessed }: TestSpace) => {
+    const transform = { matrix: new Float32Array(new Matrix4().elements) };
+    return seen ? { transform, emulatedPosition: guessed } : null;
+  },
 } as unknown as XRFrame;
 export const BASE = {} as unknown as XRReferenceSpace;
 
