@@ -7,6 +7,7 @@ import numpy as np
 from tests.e2e.headset import PAINTING, TICK, Headset
 from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
+from tests.waiting import eventually
 
 # ── painting ─────────────────────────────────────────────────────────────────────────────────
 
@@ -205,6 +206,21 @@ def test_makes_chooses_locks_and_picks_labels(
     assert rows[1]["name"] == "pin 1"
     assert rows[1]["category"] == "pin"
     assert rows[1]["color"] != rows[0]["color"]
+    # Another name and colour; deleted when asked again, and brought back by undo.
+    for pressed in ("Edit", "hand 1", "#2fd5e0"):
+        headset.click("palette", pressed)
+
+    def kept() -> list[tuple[str, str]]:
+        rows = server.request("GET", f"sequences/{SEQUENCE}/labels").json()[1:]
+        return [(row["name"], row["color"]) for row in rows]
+
+    eventually(lambda: kept() == [("hand 1", "#2fd5e0")])
+    headset.click("palette", "Delete")
+    headset.click("palette", "Delete it")
+    eventually(lambda: kept() == [])
+    headset.until("pb.state.palette.value.length === 1 && pb.state.undo.value !== null")
+    headset.click("palette", headset.ask("pb.state.undo.value"))
+    eventually(lambda: kept() == [("hand 1", "#2fd5e0")])
     count = painted(server, 0, 1)
     headset.click("palette", "Pick")
     target = headset.ask(f"hs.place({truth(0, PERSON)})")

@@ -128,6 +128,15 @@ export class Cockpit {
     };
     space?.addEventListener('reset', moved);
     undo.push(() => space?.removeEventListener('reset', moved));
+    // Another recording lies elsewhere: one stands before it once its first frame is there.
+    let open = peek(state.sequence)?.id;
+    undo.push(
+      follow(() => {
+        const { value } = state.sequence;
+        if (value && value.id !== open) moved();
+        open = value?.id ?? open;
+      }),
+    );
     let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {

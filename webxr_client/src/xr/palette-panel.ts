@@ -1,14 +1,17 @@
 /** The panel on the other hand: labels, tools, view. */
 import { actions } from '../actions';
 import { unsure } from '../engine/review';
-import { state } from '../state';
+import { activeLabel, state } from '../state';
 import { Glow } from './glow';
 import { SystemKeyboard } from './keyboard';
 import { LabelsPage, ROWS } from './pages/labels';
 import { floorPlaces } from '../engine/floor';
 import { drawComfort } from './pages/comfort';
+import { EditPage } from './pages/edit-label';
 import { drawFloor } from './pages/floor';
+import { LettersPage, type AskName } from './pages/letters';
 import { drawNew } from './pages/new-label';
+import { RecordingsPage } from './pages/recordings';
 import { drawTools, offered } from './pages/tools';
 import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
@@ -17,7 +20,9 @@ import { SIZES } from './sizes';
 import type { Ui } from './ui';
 import { watch } from '../watch';
 
-type Tab = 'labels' | 'tools' | 'view' | 'comfort' | 'new';
+type Tab = 'labels' | 'tools' | 'view' | 'comfort';
+/** What a tab leads on to. */
+type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
 
 const TABS = [
   ['labels', 'Labels'],
@@ -26,6 +31,12 @@ const TABS = [
   ['comfort', 'Comfort'],
 ] as const;
 
+/** The tab that a page is reached from. */
+function tabOf(page: Page): Tab {
+  if (page === 'recordings') return 'view';
+  return page === 'new' || page === 'edit' || page === 'letters' ? 'labels' : page;
+}
+
 export interface PaletteControls extends WorldControls {
   /** Put the palette away. */
   putAway(): void;
@@ -33,8 +44,23 @@ export interface PaletteControls extends WorldControls {
 }
 
 export class PalettePanel extends Panel {
-  private tab: Tab = 'labels';
-  private readonly labels = new LabelsPage(this.touch, () => this.show('new'));
+  private page: Page = 'labels';
+  private readonly labels = new LabelsPage(
+    this.touch,
+    () => this.show('new'),
+    () => this.change(),
+  );
+  private readonly letters = new LettersPage(this.touch, () => this.show('labels'));
+  private readonly ask: AskName = (question, take) => {
+    if (this.keyboard.supported) {
+      this.keyboard.ask(question, take);
+      return;
+    }
+    this.letters.ask(question, take);
+    this.show('letters');
+  };
+  private readonly edit = new EditPage(this.touch, this.ask, () => this.show('labels'));
+  private readonly recordings = new RecordingsPage(this.touch, () => this.show('view'));
   private readonly glow = new Glow(ROWS);
   private readonly keyboard: SystemKeyboard;
   private readonly unfollow: () => void;
@@ -47,8 +73,11 @@ export class PalettePanel extends Panel {
     this.keyboard = new SystemKeyboard(session);
     this.mesh.add(this.glow.mesh);
     const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;
+    const { sequence, sequences } = state;
     this.unfollow = watch(
       [
+        sequence,
+        sequences,
         palette,
         counts,
         active,
@@ -76,7 +105,7 @@ export class PalettePanel extends Panel {
 
   /** How brightly the labels glow that a person should look at, 0..1. */
   pulse(strength: number): void {
-    this.glow.pulse(this.tab === 'labels' ? strength : 0);
+    this.glow.pulse(this.page === 'labels' ? strength : 0);
   }
 
   protected override draw(ui: Ui): void {
@@ -90,26 +119,41 @@ export class PalettePanel extends Panel {
   }
 
   private drawPage(ui: Ui, x: number, top: number, inner: number): void {
+    const { page } = this;
+    const label = activeLabel.peek();
     if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
-    else if (this.tab === 'labels') this.labels.draw(ui, x, top, inner);
-    else if (this.tab === 'tools') drawTools(ui, x, top, inner);
-    else if (this.tab === 'view') drawView(ui, x, top, inner, this.controls);
-    else if (this.tab === 'comfort') drawComfort(ui, x, top, inner);
-    else drawNew(ui, x, top, inner, this.keyboard, () => this.show('labels'));
+    else if (page === 'tools') drawTools(ui, x, top, inner);
+    else if (page === 'view') drawView(ui, x, top, inner, this.controls, () => this.list());
+    else if (page === 'comfort') drawComfort(ui, x, top, inner);
+    else if (page === 'new') drawNew(ui, x, top, inner, this.ask, () => this.show('labels'));
+    else if (page === 'edit' && label) this.edit.draw(ui, x, top, inner, label);
+    else if (page === 'letters') this.letters.draw(ui, x, top, inner);
+    else if (page === 'recordings') this.recordings.draw(ui, x, top, inner);
+    else this.labels.draw(ui, x, top, inner);
+  }
+
+  private change(): void {
+    this.edit.begin();
+    this.show('edit');
+  }
+
+  private list(): void {
+    void actions.refreshSequences();
+    this.show('recordings');
   }
 
   private drawTabs(ui: Ui, x: number, inner: number): void {
     const w = inner / TABS.length;
     TABS.forEach(([tab, text], i) => {
-      const on = this.tab === tab || (tab === 'labels' && this.tab === 'new');
+      const on = tabOf(this.page) === tab;
       ui.button(x + i * w, ui.em * 0.5, w - ui.em * 0.2, ui.em * 2.2, { text, on }, () =>
         this.show(tab),
       );
     });
   }
 
-  private show(tab: Tab): void {
-    this.tab = tab;
+  private show(page: Page): void {
+    this.page = page;
     if (state.tool.peek() === 'floor') actions.setTool('paint');
     this.touch();
   }

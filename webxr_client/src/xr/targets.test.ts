@@ -1,4 +1,5 @@
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
+import { bindActions } from '../actions';
 import type { Label } from '../protocol/messages';
 import { halted } from '../engine/review';
 import { state } from '../state';
@@ -59,9 +60,16 @@ beforeAll(async () => {
   vi.stubGlobal('document', { createElement: () => ({ getContext: pen }) });
   vi.stubGlobal('Path2D', Object);
   state.palette.value = labels;
+  state.activeLabel.value = 1;
+  state.sequences.value = Array.from({ length: 9 }, (_, i) => ({
+    id: `run-${i}`,
+    name: `Run ${i}`,
+    frames: 6,
+    damaged: i === 0 ? 'cut short' : null,
+  })) as unknown as typeof state.sequences.value;
   state.sequence.value = { id: 'a', frames: 6, fps: 30 } as typeof state.sequence.value;
   const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
-  const session = { isSystemKeyboardSupported: true } as unknown as XRSession;
+  const session = { isSystemKeyboardSupported: false } as unknown as XRSession;
   palette = new (await import('./palette-panel')).PalettePanel(controls, session);
   const bar = { hide: nothing, togglePalette: nothing };
   timeline = new (await import('./timeline-panel')).TimelinePanel(bar);
@@ -74,18 +82,24 @@ afterAll(() => {
 });
 
 describe('what answers on a panel', () => {
-  it.each(['Labels', 'Tools', 'View', 'Comfort', 'New'])(
-    'is as large as a finger needs on the palette: %s',
-    (page) => {
-      if (page === 'New') press(palette, 'Labels');
-      press(palette, page);
-      const found = sides(palette);
-      expect(found.size).toBeGreaterThan(8);
-      for (const [name, side] of found) {
-        expect(side, name).toBeGreaterThanOrEqual(LEAST_METRES - 1e-6);
-      }
-    },
-  );
+  it.each([
+    [['Labels']],
+    [['Tools']],
+    [['View']],
+    [['Comfort']],
+    [['Labels', 'New']],
+    [['Labels', 'New', 'Type a name']],
+    [['Labels', 'Edit']],
+    [['Labels', 'Edit', 'Delete']],
+    [['View', 'Recordings']],
+  ])('is as large as a finger needs on the palette: %j', (pages) => {
+    for (const page of pages) press(palette, page);
+    const found = sides(palette);
+    expect(found.size).toBeGreaterThanOrEqual(8);
+    for (const [name, side] of found) {
+      expect(side, name).toBeGreaterThanOrEqual(LEAST_METRES - 1e-6);
+    }
+  });
 
   it('is met by a ray on the timeline, and on the question of a run that stopped', () => {
     halted.value = { at: 0, stop: 5, labels: [1] };
@@ -100,5 +114,54 @@ describe('what answers on a panel', () => {
     press(question, 'Later');
     expect(question.mesh.visible).toBe(false);
     halted.value = null;
+  });
+});
+
+describe('the palette changes the active label', () => {
+  const asked: unknown[] = [];
+  const note =
+    (name: string) =>
+    (...values: unknown[]): Promise<void> => {
+      asked.push([name, ...values]);
+      return Promise.resolve();
+    };
+  const names = ['updateLabel', 'renameLabel', 'recolorLabel', 'deleteLabel'] as const;
+  let unbind = nothing;
+  beforeAll(() => {
+    unbind = bindActions(Object.fromEntries(names.map((name) => [name, note(name)])));
+  });
+  afterAll(() => unbind());
+  const did = (...pages: string[]): unknown[] => {
+    asked.length = 0;
+    for (const page of pages) press(palette, page);
+    return [...asked];
+  };
+
+  it('by a quick name, by letters, by a swatch', () => {
+    const renamed = ['updateLabel', 1, { name: 'hand 1', category: 'hand' }];
+    expect(did('Labels', 'Edit', 'hand 1')).toEqual([renamed]);
+    expect(did('#2fd5e0')).toEqual([['recolorLabel', 1, '#2fd5e0']]);
+    expect(did('Type', 'Capitals', 'B', 'Capitals', 'o', 'x', 'x', 'Remove', 'Take')).toEqual([
+      ['renameLabel', 1, 'Box'],
+    ]);
+  });
+
+  it('and deletes it when asked again, the same one', () => {
+    expect(did('Labels', 'Edit', 'Delete', 'Keep', 'Delete')).toEqual([]);
+    state.activeLabel.value = 2;
+    expect(sides(palette).has('Delete it')).toBe(false);
+    expect(did('Delete', 'Delete it')).toEqual([['deleteLabel', 2]]);
+    expect(sides(palette).has('New')).toBe(true);
+  });
+});
+
+describe('the palette lists recordings', () => {
+  it('opens one that is whole', () => {
+    const opened: string[] = [];
+    const unbind = bindActions({ openSequence: (id) => opened.push(id) });
+    for (const name of ['View', 'Recordings', 'next', 'Run 8']) press(palette, name);
+    expect(sides(palette).has('Run 0')).toBe(false);
+    expect(opened).toEqual(['run-8']);
+    unbind();
   });
 });

@@ -157,7 +157,7 @@ export class Ui {
     act?: (x: number, y: number) => void,
   ): void {
     const usable = act && !look.disabled;
-    if (usable) this.area({ name: look.text ?? look.icon ?? '', x, y, w, h, act });
+    if (usable) this.area({ name: look.text ?? look.icon ?? look.swatch ?? '', x, y, w, h, act });
     const fill = look.on ? INK.on : look.strong ? INK.raised : null;
     if (fill) this.box(x, y, w, h, fill);
     const color = look.disabled ? INK.off : look.on ? INK.onText : INK.text;

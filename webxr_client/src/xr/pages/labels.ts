@@ -3,7 +3,7 @@ import { actions } from '../../actions';
 import type { Label } from '../../protocol/messages';
 import { unsure } from '../../engine/review';
 import { shortCount } from '../../panels/format';
-import { state } from '../../state';
+import { activeLabel, state } from '../../state';
 import { INK, type Ui } from '../ui';
 
 export const ROWS = 7;
@@ -21,6 +21,8 @@ export class LabelsPage {
   constructor(
     private readonly touch: () => void,
     private readonly makeNew: () => void,
+    /** Change the active label. */
+    private readonly edit: () => void,
   ) {}
 
   /** The row that a label is drawn in, or −1. */
@@ -59,9 +61,12 @@ export class LabelsPage {
   private drawBelow(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
     const w = inner / 4;
     const h = ui.em * 2.2;
-    ui.button(x, y, w * 1.4, h, { icon: 'plus', text: 'New', strong: true }, this.makeNew);
+    ui.button(x, y, w * 0.92, h, { icon: 'plus', text: 'New', strong: true }, this.makeNew);
+    const edit = { icon: 'pencil', text: 'Edit', strong: true } as const;
+    const disabled = !activeLabel.peek();
+    ui.button(x + w * 0.96, y, w * 0.92, h, { ...edit, disabled }, this.edit);
     const picking = state.tool.peek() === 'pick';
-    ui.button(x + w * 1.5, y, w * 1.3, h, { icon: 'picker', text: 'Pick', on: picking }, () => {
+    ui.button(x + w * 1.92, y, w * 0.92, h, { icon: 'picker', text: 'Pick', on: picking }, () => {
       actions.setTool(picking ? 'paint' : 'pick');
     });
     const turn = { disabled: !more };

@@ -25,6 +25,7 @@ export function drawView(
   top: number,
   inner: number,
   world: WorldControls,
+  list: () => void,
 ): void {
   const { em } = ui;
   drawSliders(ui, x + em * 0.4, top, inner - em * 0.8);
@@ -39,22 +40,36 @@ export function drawView(
     world.reset(),
   );
   drawChecks(ui, x, top + em * 9.9, inner / 2);
-  drawEnd(ui, x, top + em * 14.4, inner, world);
+  drawEnd(ui, x, top + em * 14.4, inner, world, list);
 }
 
-function drawEnd(ui: Ui, x: number, y: number, inner: number, world: WorldControls): void {
+/** Where one stands, in a line of three; below it where else one can go. */
+function drawEnd(
+  ui: Ui,
+  x: number,
+  y: number,
+  inner: number,
+  world: WorldControls,
+  list: () => void,
+): void {
   const { em } = ui;
-  const half = inner / 2;
-  const buttons: readonly [ButtonLook, () => void][] = [
-    [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
-    [{ icon: 'view', text: 'Go there' }, () => world.go()],
-    [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
-    [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
+  const lines: readonly (readonly [ButtonLook, () => void])[][] = [
+    [
+      [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
+      [{ icon: 'view', text: 'Go there' }, () => world.go()],
+      [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
+    ],
+    [
+      [{ icon: 'folder', text: 'Recordings' }, list],
+      [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
+    ],
   ];
-  buttons.forEach(([look, act], i) => {
-    const [left, top] = [x + (i % 2) * half, y + Math.floor(i / 2) * em * 2.4];
-    const shape = { ...look, strong: true, align: 'left' } as const;
-    ui.button(left, top, half - em * 0.2, em * 2.2, shape, act);
+  lines.forEach((line, row) => {
+    const w = inner / line.length;
+    line.forEach(([look, act], i) => {
+      const shape = { ...look, strong: true, align: 'left' } as const;
+      ui.button(x + i * w, y + row * em * 2.4, w - em * 0.2, em * 2.2, shape, act);
+    });
   });
 }
 

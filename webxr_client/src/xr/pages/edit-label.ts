@@ -1,0 +1,91 @@
+/** The active label: another name, another colour, or gone. */
+import { actions } from '../../actions';
+import { LABEL_COLORS } from '../../panels/colors';
+import { plural } from '../../panels/format';
+import type { Label } from '../../protocol/messages';
+import { state } from '../../state';
+import { INK, type Ui } from '../ui';
+import type { AskName } from './letters';
+import { drawNames } from './names';
+
+/** Swatches in a line. */
+const SWATCHES = 8;
+/** Ems: a line of names or swatches, and where the colours and the last line begin. */
+const [PITCH, HEIGHT, COLORS, END] = [2.4, 2.2, 12.4, 17.8];
+
+export class EditPage {
+  /** The label that was asked to be deleted; 0: none. */
+  private doomed = 0;
+
+  constructor(
+    private readonly touch: () => void,
+    private readonly ask: AskName,
+    private readonly back: () => void,
+  ) {}
+
+  /** The page is turned to: nothing was asked. */
+  begin(): void {
+    this.doomed = 0;
+  }
+
+  draw(ui: Ui, x: number, top: number, inner: number, label: Label): void {
+    const { em } = ui;
+    ui.box(x + em * 0.4, top + em * 0.25, em * 1.4, em * 1.4, label.color);
+    const heading = { size: 1.25, weight: 600, width: inner - em * 2.8 };
+    ui.text(label.name, x + em * 2.4, top + em, heading);
+    if (this.doomed === label.id) this.drawQuestion(ui, x, top, inner, label);
+    else this.drawChoices(ui, x, top, inner, label);
+  }
+
+  private drawChoices(ui: Ui, x: number, top: number, inner: number, label: Label): void {
+    const { em } = ui;
+    this.doomed = 0;
+    drawNames(ui, [x, top + em * 2.4, inner], 4, label.color, (name, category) => {
+      void actions.updateLabel(label.id, { name, category });
+    });
+    const w = inner / SWATCHES;
+    LABEL_COLORS.forEach((swatch, i) => {
+      const y = top + em * (COLORS + PITCH * Math.floor(i / SWATCHES));
+      const look = { swatch, on: swatch === label.color.toLowerCase(), strong: true };
+      ui.button(x + (i % SWATCHES) * w, y, w - em * 0.2, em * HEIGHT, look, () => {
+        void actions.recolorLabel(label.id, swatch);
+      });
+    });
+    const third = inner / 3;
+    const y = top + em * END;
+    const [wide, h] = [third - em * 0.2, em * HEIGHT];
+    ui.button(x, y, wide, h, { text: 'Back', icon: 'previous' }, this.back);
+    const type = { text: 'Type', icon: 'pencil', strong: true } as const;
+    ui.button(x + third, y, wide, h, type, () => {
+      this.ask(`Name of “${label.name}”`, (name) => void actions.renameLabel(label.id, name));
+    });
+    const remove = { text: 'Delete', icon: 'trash', strong: true } as const;
+    ui.button(x + 2 * third, y, wide, h, remove, () => this.doom(label.id));
+  }
+
+  private drawQuestion(ui: Ui, x: number, top: number, inner: number, label: Label): void {
+    const { em } = ui;
+    const points = plural(state.counts.peek().get(label.id) ?? 0, 'point');
+    const lines = [
+      'Delete this label in all frames?',
+      `${points} of it in this one will be unlabeled.`,
+      'This can be undone.',
+    ];
+    lines.forEach((line, i) => {
+      ui.text(line, x + em * 0.4, top + em * (4 + 1.6 * i), { color: INK.quiet });
+    });
+    const half = inner / 2;
+    const [y, wide, h] = [top + em * END, half - em * 0.2, em * HEIGHT];
+    ui.button(x, y, wide, h, { text: 'Keep', icon: 'previous', strong: true }, () => this.doom(0));
+    ui.button(x + half, y, wide, h, { text: 'Delete it', icon: 'trash', strong: true }, () => {
+      this.doom(0);
+      void actions.deleteLabel(label.id);
+      this.back();
+    });
+  }
+
+  private doom(label: number): void {
+    this.doomed = label;
+    this.touch();
+  }
+}
