@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit e2e bench docs format setup page system peers clean
+.PHONY: demo serve test quick checks lint types check-page unit e2e bench docs pictures format setup page system peers clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
@@ -125,6 +125,9 @@ bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, w
 
 docs: $(STAMPS)/dev  ## the documentation as a site: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+
+pictures: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the pictures of the desk in docs/images, anew
+	@$(BIN)/python docs/pictures.py
 
 format: $(STAMPS)/dev $(STAMPS)/node
 	@$(BIN)/ruff check --fix --quiet server tests benchmarks docs; $(BIN)/ruff format --quiet server tests benchmarks docs
