@@ -17,7 +17,7 @@ from tests.e2e.desk import Desk
 
 NOTCH = 1.15
 """Factor by which `[` and `]` change the brush."""
-TRACKING_SECONDS = 240.0
+TRACKING_SECONDS = 600.0
 """Patience with one tracking run."""
 LOOKED = 150
 """Milliseconds that the pointer rests before its preview is looked at."""
