@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT))
 
-from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
+from tests.e2e.chromium import EXECUTABLE, FLAGS, TOUR_LEFT  # noqa: E402
 
 
 class Tab:
@@ -31,6 +31,7 @@ class Tab:
         """The browser's, which is a group of its own."""
         self.call("Page.enable")
         self.call("Runtime.enable")
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=TOUR_LEFT)
 
     def call(self, method: str, timeout: float = 60, **params: Any) -> dict[str, Any]:
         """Send a command and wait for its answer; events in between are dropped."""

@@ -25,3 +25,6 @@ for (const draw of [
 ])
   WebGL2RenderingContext.prototype[draw] = () => {};
 """
+
+# Somebody who has left the tour of first steps, which comes unasked to who has not.
+TOUR_LEFT = "if (location.origin !== 'null') localStorage.setItem('pointbrush.tour', 'left');"

@@ -9,12 +9,10 @@ from typing import Any
 
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page
 
-from tests.e2e.chromium import UNDRAWN
+from tests.e2e.chromium import TOUR_LEFT, UNDRAWN
 
 PATIENCE = 60.0
 RESULTS = Path(__file__).parents[2] / "test-results"
-# Somebody who has left the tour of first steps, which comes unasked to who has not.
-TOUR_LEFT = "if (location.origin !== 'null') localStorage.setItem('pointbrush.tour', 'left');"
 
 
 class Desk:
