@@ -66,4 +66,4 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     assert [edit["kind"] for edit in edits].count("paint") == 1
     desk.press("Control+z")
     eventually(lambda: not any(server.annotation("street", i).any() for i in range(FRAMES)))
-    assert not np.any([desk.labels(i).get(1, 0) for i in range(FRAMES)])
+    eventually(lambda: not np.any([desk.labels(i).get(1, 0) for i in range(FRAMES)]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -400,3 +401,19 @@ def test_a_clip_box_is_as_if_nothing_lay_outside(
 def test_a_clip_that_is_no_box_is_refused(clip: object, words: str) -> None:
     with pytest.raises(BadInputError, match=words):
         stroke("sphere", [0, 0, 0], clip=clip)
+
+
+def test_a_ray_passes_what_flies_beside_it_before_the_surface_of_an_image() -> None:
+    """Blocks that reach over an outline are long, and say nothing of the surface's spacing."""
+    pitch, side = 1 / 180, 64
+    across, down = np.meshgrid(np.arange(side) - side // 2, np.arange(side) - side // 2)
+    depth = np.where(across < 0, 2.0, 4.0)
+    depth[side // 2, side // 2 + 13] = 3.0
+    xyz = np.stack([across * pitch * depth, down * pitch * depth, depth], axis=-1)
+    plain = indexed(xyz.reshape(-1, 3).astype(np.float32))
+    pixels = SimpleNamespace(eye=(0.0, 0.0, 0.0), axis=2, pitch=(pitch, pitch))
+    aim = np.array([0.02, 0.0, 4.0])
+    origin = xyz[side // 2, side // 2 + 8] - aim
+    ways = [origin[None], (aim / np.linalg.norm(aim))[None], 0.25]
+    assert abs(first_hits(replace(plain, pixels=pixels), *ways)[0, 2] - 4.0) < 0.02
+    assert first_hits(plain, *ways)[0, 2] < 3.1

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 GROUP_POINTS = 1 << 21
+PIXELS_APART = 2.0
+"""Pixels that neighbours on a surface are apart at most, seen from where they were measured."""
 NOTHING: NDArray[np.int64] = np.empty(0, np.int64)
 """A part of a selection without points: between two of them somebody else may have a turn."""
 
@@ -51,6 +53,25 @@ class Blocks(Protocol):
         """(C, 3) greatest corners of the chunks."""
 
 
+class Pixels(Protocol):
+    """The pixels of a depth camera that points lie on, seen from ``eye`` along ``axis``.
+
+    Neighbours are ``pitch`` times their depth apart, by columns and by rows.
+    """
+
+    @property
+    def eye(self) -> tuple[float, float, float]:
+        """(3,) local metres."""
+
+    @property
+    def axis(self) -> int:
+        """Number of the axis along which depth is measured."""
+
+    @property
+    def pitch(self) -> tuple[float, float]:
+        """Tangents between neighbouring columns, and rows."""
+
+
 @dataclass(frozen=True, eq=False)
 class Points:
     """A frame in stored order and local coordinates.
@@ -58,8 +79,8 @@ class Points:
     ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``levels`` first point number of
     each progressive level (each level is an even subsample of the frame); ``kdtree`` gives the
     frame's tree, or is None where the frame is too large to have one; ``up`` points away from the
-    ground; ``release`` lets go of the
-    memory of what was looked at, where the frame is larger than memory.
+    ground; ``pixels`` of a frame that is an image; ``release`` lets go of the memory of what was
+    looked at, where the frame is larger than memory.
     """
 
     xyz: NDArray[np.float32]
@@ -69,6 +90,7 @@ class Points:
     kdtree: Callable[[], cKDTree] | None = None
     release: Callable[[], None] | None = None
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    pixels: Pixels | None = None
 
     def __len__(self) -> int:
         return len(self.xyz)
@@ -125,3 +147,19 @@ class Points:
             area / count * share[np.minimum(level, len(share) - 1)]
         )
         return spacing
+
+    def spacings(
+        self, blocks: NDArray[np.int64], numbers: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Typical distance between neighbours at each of ``numbers``, the points of ``blocks``.
+
+        The blocks of an image reach over outlines, where their boxes say nothing of the surface:
+        its pixels bound what they say.
+        """
+        counts = self.blocks.first[blocks + 1] - self.blocks.first[blocks]
+        spacing = np.repeat(self.spacing(blocks), counts)
+        if self.pixels is None:
+            return spacing
+        axis, pitch = self.pixels.axis, max(map(abs, self.pixels.pitch))
+        depth = np.abs(self.xyz[numbers, axis] - self.pixels.eye[axis])
+        return np.asarray(np.minimum(spacing, PIXELS_APART * pitch * depth))

@@ -91,8 +91,7 @@ def _first_along(
     first_near, first_met = np.full((2, len(origins)), np.inf)
     for blocks in points.groups(_blocks_on_rays(points, origins, directions, radius)):
         numbers = points.numbers(blocks)
-        counts = points.blocks.first[blocks + 1] - points.blocks.first[blocks]
-        reach = np.repeat(np.clip(points.spacing(blocks), 0.05 * radius, radius), counts)
+        reach = np.clip(points.spacings(blocks, numbers), 0.05 * radius, radius)
         for start in range(0, len(numbers), AT_ONCE):
             part = slice(start, start + AT_ONCE)
             for k, near in _near_rays(points.xyz[numbers[part]], origins, directions, radius):

@@ -50,17 +50,18 @@ describe('the timeline', () => {
     expect(degrees({ ...SIZES.timeline, away })).toBeGreaterThanOrEqual(LEAST_DEGREES);
   });
 
-  it('never hides a model of the recording, one larger than life, or what a ray paints', () => {
+  it('never hides a model of the recording, one larger than life, or what a ray or an outline takes', () => {
     const eyes = new Vector3(0, 1.6, 0);
     const { middle } = placed(eyes, PLACEMENT.low);
     const top = below(eyes, middle) - Math.atan(HALF_HEIGHT / PLACEMENT.away) / DEGREE;
     expect(top).toBeGreaterThan(30);
-    for (const [scale, far] of [
-      [0.1, false],
-      [5, false],
-      [1, true],
+    for (const [scale, far, samples] of [
+      [0.1, false, 'path'],
+      [5, false, 'path'],
+      [1, true, 'path'],
+      [1, false, 'drawn'],
     ] as const) {
-      expect(timelineBelow(scale, { far })).toBe(PLACEMENT.low);
+      expect(timelineBelow(scale, { far, samples })).toBe(PLACEMENT.low);
     }
     for (const size of [2, 8, 40]) {
       const world = new Group();

@@ -51,11 +51,14 @@ export function seenAt(
 
 /**
  * How far below the eyes the timeline hangs: lower while the recording is a model or larger than life,
- * and while a ray paints what stands ahead.
+ * and while a ray paints what stands ahead, or something is drawn before it.
  */
-export function timelineBelow(scale: number, { far }: Pick<Way, 'far'>): number {
+export function timelineBelow(
+  scale: number,
+  { far, samples }: Pick<Way, 'far' | 'samples'>,
+): number {
   const trueScale = Math.abs(scale - 1) < 1e-3;
-  return trueScale && !far ? PLACEMENT.below : PLACEMENT.low;
+  return trueScale && !far && samples !== 'drawn' ? PLACEMENT.below : PLACEMENT.low;
 }
 
 export class Placement {

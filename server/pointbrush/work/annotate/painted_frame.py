@@ -30,6 +30,7 @@ def frame_points(frame: StoredFrame, up: tuple[float, float, float] = (0.0, 0.0,
         kdtree=None if large else lambda: frame.kdtree,
         release=frame.release if large else None,
         up=up,
+        pixels=frame.lattice,
     )
 
 
