@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.objects.ground import height_over_ground
 from pointbrush.selection.objects.options import GroundOptions
 from pointbrush.selection.parts import connected_parts
 from pointbrush.selection.points import NOTHING, Points
@@ -57,6 +56,8 @@ def cluster(
     leads from one to the other; steps up to 1.7 times as long may count.  Nothing where only
     ground lies within ``radius`` of the place.
     """
+    from pointbrush.selection.objects.ground import height_over_ground  # brings Numba
+
     numbers = _surroundings(points, hit)
     if alive is not None:
         numbers = numbers[alive(numbers)]
