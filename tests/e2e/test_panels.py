@@ -188,6 +188,7 @@ def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: Live
         if title == "Choose a label":
             card.get_by_role("button", name="Back").click()
             expect(card.get_by_role("heading", name="Look around")).to_be_visible()
+            expect(card.get_by_role("button", name="Next")).to_be_focused()
             page.keyboard.press("Enter")
         if title == "Track it":
             page.get_by_role("button", name="Light theme").click()

@@ -1,7 +1,14 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../actions';
 import type { Error as ErrorMessage, Job, SequenceInfo } from '../protocol/messages';
-import { canEdit, canManage, CELL_STATES, state, type TimelineRow } from '../state';
+import {
+  canEdit,
+  canManage,
+  CELL_STATES,
+  state,
+  type SequenceSummary,
+  type TimelineRow,
+} from '../state';
 import { refusal } from '../tools/brush';
 import { Inbox, type InboxDeps } from './inbox';
 import { runAsked } from './review';
@@ -24,12 +31,14 @@ describe('a recording that somebody deletes', () => {
     vi.clearAllMocks();
     bindActions({ closeSequence, refreshSequences });
     state.sequence.value = { id: 'wall' } as SequenceInfo;
+    state.sequences.value = [{ id: 'wall' } as SequenceSummary];
     state.notices.value = [];
   });
 
   it('is closed, and its viewer is told and sees a new list', () => {
     inbox.receive({ t: 'message', message: closed('wall') });
     expect(closeSequence).toHaveBeenCalledOnce();
+    expect(state.sequences.value).toEqual([]);
     expect(refreshSequences).toHaveBeenCalledOnce();
     expect(state.notices.value.map((notice) => notice.detail)).toEqual(["'Wall' was deleted"]);
   });

@@ -13,7 +13,7 @@ import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels';
 import type { Playback } from './playback';
-import { deletedHere, noteJob } from './recordings';
+import { deletedHere, leaveOut, noteJob } from './recordings';
 import { runEnded } from './review';
 
 export interface InboxDeps {
@@ -139,6 +139,7 @@ export class Inbox {
 
   /** A recording was deleted while it is open here: back to the list, which lacks it by now. */
   private sendOut(sequence: string, detail: string): void {
+    leaveOut(sequence);
     if (state.sequence.peek()?.id === sequence) actions.closeSequence();
     void actions.refreshSequences();
     if (!deletedHere.has(sequence)) notify('info', 'The recording was closed', detail);

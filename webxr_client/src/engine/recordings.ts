@@ -58,6 +58,11 @@ async function refreshSequences(): Promise<void> {
   );
 }
 
+/** Take a deleted recording off the list at once: its picture is no longer to be had. */
+export function leaveOut(id: string): void {
+  state.sequences.value = state.sequences.peek()?.filter((row) => row.id !== id) ?? null;
+}
+
 async function refreshDeleted(): Promise<void> {
   state.deleted.value = await api<DeletedSequence[]>('GET', 'sequences?deleted=true');
 }
@@ -113,6 +118,7 @@ async function remove(id: string): Promise<void> {
     throw error;
   }
   const wasOpen = state.sequence.peek()?.id === id;
+  leaveOut(id);
   if (wasOpen) actions.closeSequence();
   const run = (): void => void attempt('The recording was not restored', () => bring(id, wasOpen));
   notify('info', `Deleted ${name}`, 'It can be restored for 30 days.', { label: 'Undo', run });
