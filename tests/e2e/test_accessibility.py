@@ -142,7 +142,9 @@ def test_a_long_palette_is_worked_with_the_keyboard(browser: Browser, server: Li
         expect(page.locator(".label-row").nth(9)).to_have_accessible_name("thing 10")
         eventually(lambda: names_of(server).index("thing 10") < names_of(server).index("thing 8"))
         # A popover gives the focus back.
-        for _ in range(5):
+        for _ in range(12):  # the server's answer may put the focus back on the row
+            if focused(page) == "More for thing 10":
+                break
             keyboard.press("ArrowRight")
         keyboard.press("Enter")
         expect(page.get_by_role("dialog", name="thing 10")).to_be_visible()

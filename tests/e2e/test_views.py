@@ -49,7 +49,7 @@ def test_outlines_in_a_plan_take_what_they_show(
     at = f"pb.project({middle})"
     desk.until(f"Math.hypot({at}[0] - {wide / 2}, {at}[1] - {high / 2}) < 2")
     desk.press("p")
-    desk.until("!pb.engine.viewer.camera.orthographic")
+    desk.until("!pb.engine.viewer.camera.orthographic && !pb.engine.camera.flying")
     desk.page.get_by_role("button", name="Views to come back to").click()
     desk.page.get_by_role("button", name="Keep this view").click()
     before = desk.ask(f"pb.project({middle})")
