@@ -46,7 +46,7 @@ class Request:
 
     @property
     def done(self) -> bool:
-        """Whether it is durable, or refused."""
+        """Return whether the edit is durable, or was refused."""
         return self.commit is not None or self.error is not None
 
 

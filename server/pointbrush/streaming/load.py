@@ -56,12 +56,12 @@ class Load:
 
     @property
     def behind(self) -> bool:
-        """Whether edits wait for others' edits."""
+        """Return whether edits wait for others' edits."""
         return self.waiting >= BEHIND
 
     @property
     def overloaded(self) -> bool:
-        """Whether no further strokes can be begun now."""
+        """Return whether no further strokes can be begun now."""
         return self.waiting >= MOST_WAITING
 
     @contextmanager

@@ -24,7 +24,10 @@ from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.workspace import Provisional, Workspace
 
 STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
-TICK, TICK_EACH = 0.03, 0.0005
+TICK_SECONDS = 0.03
+"""Least time in which others' edits are gathered for a viewer."""
+TICK_SECONDS_A_VIEWER = 0.0005
+"""The same for each viewer of a room, where that comes to more."""
 AT_ONCE = 50_000
 """Changed points that are encoded on the event loop itself."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
@@ -198,7 +201,7 @@ class Room:
     @property
     def tick_period(self) -> float:
         """Seconds in which others' edits are gathered for a viewer: more in a crowd."""
-        return max(TICK, TICK_EACH * len(self.viewers))
+        return max(TICK_SECONDS, TICK_SECONDS_A_VIEWER * len(self.viewers))
 
     async def _encoded(self, commit: Commit, bases: dict[int, int]) -> list[QueuedDelta]:
         """A commit's part in each frame of ``bases`` that lists one, encoded once for all."""

@@ -59,7 +59,7 @@ class Viewer(ABC):
         self.wanted: tuple[int, list[int]] | None = None
         """A frame of a large sequence and the chunks it asks for, most wanted first."""
         self.depth = False
-        """Whether it reads depth images."""
+        """The viewer's page reads depth images."""
         self.resumed = False
         """Whether it came back without saying which frames it has."""
         self.catching_up = False

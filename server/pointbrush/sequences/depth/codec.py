@@ -18,9 +18,13 @@ from pointbrush.sequences.depth.lattice import STRIP, Band
 Bytes = NDArray[np.uint8]
 Image = NDArray[np.uint16]
 
-BOTH, ONE, NONE = 9, 9, 10
-"""Contexts of pixels with both neighbours, by the bits of their difference; with one; with none."""
-CONTEXTS = 11
+BOTH_CONTEXTS = 9
+"""Contexts of pixels with both neighbours, from 0, by the bits of their difference."""
+ONE_CONTEXT = BOTH_CONTEXTS
+"""Context of pixels with one neighbour."""
+NONE_CONTEXT = ONE_CONTEXT + 1
+"""Context of pixels without a neighbour."""
+CONTEXTS = NONE_CONTEXT + 1
 DIRECT = 16
 """Remainders below this are tokens of their own; above, tokens stand for quarters of octaves."""
 TOKENS = 1 + DIRECT + 4 * 14
@@ -66,10 +70,10 @@ def _predict(
         expected = (one + other) >> 1
         if between:
             expected = min(max(one + other - between, min(one, other)), max(one, other))
-        return expected, min(_bits(abs(one - other)), BOTH - 1)
+        return expected, min(_bits(abs(one - other)), BOTH_CONTEXTS - 1)
     if one or other:
-        return one + other, ONE
-    return last, NONE
+        return one + other, ONE_CONTEXT
+    return last, NONE_CONTEXT
 
 
 @compiled

@@ -137,7 +137,7 @@ class Lattice:
         return step
 
     def carries_picture(self, chunk: int) -> bool:
-        """Whether a chunk brings a picture: the first one whose colours are in it."""
+        """Return whether a chunk brings a picture: the first one whose colours are in it."""
         if chunk == 0:
             return True
         before, band = self.bands[chunk - 1 : chunk + 1]
