@@ -23,7 +23,7 @@ from pyarrow import csv
 from pointbrush.formats import read
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.pcd import write_pcd
-from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.ply import write_ply
 from pointbrush.formats.table import Table
 from pointbrush.formats.text import write_csv
 

@@ -14,7 +14,7 @@ from plyfile import PlyData, PlyElement
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import read
-from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.ply import write_ply
 from pointbrush.formats.table import Table
 
 CUBE = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
+from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
@@ -285,3 +286,15 @@ def _typed(name: str, prop: Property, values: NDArray[np.float64]) -> Array:
             f"{bad[0]}"
         )
     return values.astype(kind)
+
+
+def write_ply(out: BinaryIO, table: Table, comments: tuple[str, ...] = ()) -> None:
+    """Write a table as the vertices of a binary little-endian PLY."""
+    types, blocks = table.rows()
+    lines = ["ply", "format binary_little_endian 1.0"]
+    lines += [f"comment {comment}" for comment in comments]
+    lines.append(f"element vertex {table.count}")
+    lines += [f"property {NAMES[kind.str[1:]]} {name}" for name, kind in types.items()]
+    out.write("\n".join([*lines, "end_header", ""]).encode("ascii"))
+    for rows in blocks:
+        out.write(rows.tobytes())

@@ -11,7 +11,7 @@ import numpy as np
 from pointbrush.formats.exports.labeled import ExportFrame, Palette, PaletteEntry, point_columns
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
-from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.ply import write_ply
 from pointbrush.formats.table import Columns, Table
 
 

@@ -16,7 +16,7 @@ from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.spools import Spools
 from pointbrush.formats.npy import write_npz
 from pointbrush.formats.pcd import write_pcd
-from pointbrush.formats.ply_write import write_ply
+from pointbrush.formats.ply import write_ply
 from pointbrush.formats.table import Columns, Table
 from pointbrush.formats.text import write_csv
 
