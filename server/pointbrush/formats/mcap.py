@@ -11,8 +11,7 @@ from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag
-from pointbrush.formats.recording import map_recording, unpack_chunk
+from pointbrush.formats.bag import Bag, BagMessage, Topic, map_recording, read_bag, unpack_chunk
 
 MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = ("cdr", "ros1")

@@ -11,8 +11,7 @@ from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag
-from pointbrush.formats.recording import map_recording, unpack_chunk
+from pointbrush.formats.bag import Bag, BagMessage, Topic, map_recording, read_bag, unpack_chunk
 
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, BAG_HEADER, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
