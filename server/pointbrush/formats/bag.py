@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.pointcloud2 import TYPES, frame_of_message, head_of_message
+from pointbrush.formats.ros_message import TYPES, frame_of_message, head_of_message
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)

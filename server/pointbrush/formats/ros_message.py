@@ -1,4 +1,4 @@
-"""Numbers, texts and headers of messages, serialised by ROS 1 or in CDR (ROS 2)."""
+"""Messages serialised by ROS 1 or in CDR (ROS 2), ``sensor_msgs/PointCloud2`` among them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.columns import frame_from_columns, unpack_rgb
+from pointbrush.formats.options import Extras, ReadOptions, require_count
+from pointbrush.frame import PointFrame
+
+TYPES = ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2")
+KINDS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
+MAX_FIELDS = 256
 
 
 class Message(Protocol):
@@ -91,3 +98,101 @@ def cut_off(name: str, kind: str, message: Message) -> BadInputError:
     return BadInputError(
         f"{name}: expected a {kind} message, got {len(message.data)} bytes; it is cut off"
     )
+
+
+@dataclass(frozen=True, slots=True)
+class PointCloud2:
+    """A message as it stands; ``time`` in seconds, fields as (name, offset, kind)."""
+
+    time: float
+    height: int
+    width: int
+    fields: list[tuple[str, int, str]]
+    point_step: int
+    row_step: int
+    data: bytes
+
+
+def head_of_message(name: str, message: Message) -> tuple[float, str]:
+    """Stamp in seconds, and frame id; raises BadInputError for a message that is cut off."""
+    try:
+        return reader_of(name, message).head()
+    except struct.error:
+        raise cut_off(name, "PointCloud2", message) from None
+
+
+def frame_of_message(name: str, message: Message, options: ReadOptions) -> PointFrame:
+    """The points of a message.
+
+    Points with NaN are missing measurements.  Raises BadInputError for a message that is cut
+    off, or whose fields and steps do not fit its data.
+    """
+    try:
+        cloud = _parse(name, message)
+    except struct.error:
+        raise cut_off(name, "PointCloud2", message) from None
+    require_count(name, cloud.height * cloud.width, options.limits)
+    rows = _rows(name, cloud)
+    columns: dict[str, NDArray[Any]] = {field: rows[field] for field in rows.dtype.names or ()}
+    for field in ("rgb", "rgba"):
+        if field in columns:
+            columns[field] = unpack_rgb(columns[field])
+    organised = cloud.height > 1
+    extras = Extras(
+        timestamp=cloud.time or message.time, viewpoint=np.zeros(3) if organised else None
+    )
+    return frame_from_columns(name, columns, options, missing=True, extras=extras)
+
+
+def _parse(name: str, message: Message) -> PointCloud2:
+    reader = reader_of(name, message)
+    time, _ = reader.head()
+    height, width = reader.number("I"), reader.number("I")
+    count = reader.number("I")
+    if count > MAX_FIELDS:
+        raise BadInputError(f"{name}: expected at most {MAX_FIELDS} fields, got {count}")
+    fields = []
+    for _ in range(count):
+        field, offset = reader.text(), reader.number("I")
+        kind, values = reader.number("B"), reader.number("I")
+        if values == 1 and 1 <= kind < len(KINDS):
+            fields.append((field, offset, KINDS[kind]))
+    big = reader.number("B")
+    point_step, row_step = reader.number("I"), reader.number("I")
+    data = reader.bytes(reader.number("I"))
+    ordered = [(field, offset, (">" if big else "<") + kind) for field, offset, kind in fields]
+    return PointCloud2(time, height, width, ordered, point_step, row_step, data)
+
+
+def _rows(name: str, cloud: PointCloud2) -> NDArray[Any]:
+    """The points as records; rows may be padded."""
+    count = cloud.height * cloud.width
+    fits = all(at + np.dtype(kind).itemsize <= cloud.point_step for _, at, kind in cloud.fields)
+    row = cloud.width * cloud.point_step
+    # Of one row, and of rows that fill the data, the step says nothing: many drivers set it wrong.
+    says_nothing = cloud.height == 1 or len(cloud.data) == cloud.height * row
+    row_step = row if says_nothing else cloud.row_step
+    if not fits or (count and (row_step < row or cloud.point_step == 0)):
+        raise BadInputError(
+            f"{name}: expected fields within a point of {cloud.point_step} bytes and rows of {row} "
+            f"bytes or more, got rows of {row_step}"
+        )
+    needed = (cloud.height - 1) * row_step + row if count else 0
+    if len(cloud.data) < needed:
+        raise BadInputError(
+            f"{name}: expected {cloud.height} rows of {cloud.width} points = {needed} bytes, got "
+            f"{len(cloud.data)}"
+        )
+    named = {field: (at, kind) for field, at, kind in cloud.fields}
+    dtype = np.dtype(
+        {
+            "names": list(named),
+            "formats": [kind for _, kind in named.values()],
+            "offsets": [at for at, _ in named.values()],
+            "itemsize": max(cloud.point_step, 1),
+        }
+    )
+    if count == 0:
+        return np.empty(0, dtype)
+    shape, strides = (cloud.height, cloud.width), (row_step, cloud.point_step)
+    return np.ndarray(shape, dtype, cloud.data, 0, strides).reshape(-1)
