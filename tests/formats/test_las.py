@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import Limits, laz, read
+from pointbrush.formats import Limits, las, read
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.las_write import write_las
@@ -157,7 +157,7 @@ def test_the_decoder_is_held_to_its_memory(tmp_path):
 def test_a_decoder_that_stalls_is_ended(tmp_path, monkeypatch):
     make(tmp_path / "a.laz", count=10)
     (tmp_path / "child.py").write_text("import time; time.sleep(60)")
-    monkeypatch.setattr(laz, "CHILD", tmp_path / "child.py")
+    monkeypatch.setattr(las, "CHILD", tmp_path / "child.py")
     options = ReadOptions(limits=Limits(native_stall_seconds=0.2))
     with pytest.raises(BadInputError, match="stalled"):
         list(read_chunks(tmp_path / "a.laz", 100, options))
@@ -166,7 +166,7 @@ def test_a_decoder_that_stalls_is_ended(tmp_path, monkeypatch):
 def test_a_decoder_that_dies_is_told_of(tmp_path, monkeypatch):
     make(tmp_path / "a.laz", count=10)
     (tmp_path / "child.py").write_text("import os; os.kill(os.getpid(), 9)")
-    monkeypatch.setattr(laz, "CHILD", tmp_path / "child.py")
+    monkeypatch.setattr(las, "CHILD", tmp_path / "child.py")
     with pytest.raises(BadInputError, match=r"got 0: the decoder ended \(-9\)"):
         one(tmp_path / "a.laz")
 

@@ -6,6 +6,12 @@ decoded in a child process (``laz_child.py``), since native decoders can crash o
 
 from __future__ import annotations
 
+import base64
+import os
+import selectors
+import subprocess
+import sys
+import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,16 +22,21 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
-from pointbrush.formats.las_fields import COLORS, further_fields, read_records
-from pointbrush.formats.las_header import LasHeader, read_header
-from pointbrush.formats.laz import decoded_records
-from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.las_header import (
+    COLORS,
+    LasHeader,
+    further_fields,
+    read_header,
+    read_records,
+)
+from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
 OURS = ("label", "instance")
 # Enough of a file to see whether its 16-bit colours go beyond 255.
 SAMPLE_BLOCKS, SAMPLE_POINTS = 64, 4096
+CHILD = Path(__file__).with_name("laz_child.py")
 
 
 def read_las(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
@@ -126,3 +137,62 @@ def _frame(
             # 8 bits times 256 or 257, as writers scale them, become themselves.
             rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
     return frame_from_columns(name, columns, options)
+
+
+def decoded_records(
+    path: Path, header: LasHeader, chunk: int, limits: Limits
+) -> Iterator[bytearray]:
+    """The point records in blocks of ``chunk`` points, the last one smaller.
+
+    Raises BadInputError when the decoder fails, crashes, stalls or ends early.
+    """
+    arguments = [
+        *(sys.executable, "-I", str(CHILD), str(path.absolute())),
+        *(str(header.offset), str(header.record), str(header.count)),
+        base64.b64encode(header.laszip or b"").decode("ascii"),
+        str(limits.native_memory),
+    ]
+    with (
+        tempfile.TemporaryFile() as complaints,
+        subprocess.Popen(
+            arguments, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=complaints
+        ) as child,
+    ):
+        try:
+            left = header.count
+            while left > 0:
+                wanted = min(chunk, left) * header.record
+                block = _receive(child, wanted, limits.native_stall_seconds)
+                if len(block) < wanted:
+                    child.wait(limits.native_stall_seconds)
+                    complaints.seek(0)
+                    lines = complaints.read(4096).decode("utf-8", "replace").strip().splitlines()
+                    got = header.count - left + len(block) // header.record
+                    why = lines[-1][:200] if lines else f"the decoder ended ({child.returncode})"
+                    raise BadInputError(
+                        f"{path.name}: expected {header.count} compressed points, got {got}: {why}"
+                    )
+                left -= min(chunk, left)
+                yield block
+        except subprocess.TimeoutExpired:
+            raise BadInputError(f"{path.name}: the decoder of compressed points stalled") from None
+        finally:
+            child.kill()
+
+
+def _receive(child: subprocess.Popen[bytes], size: int, stall: float) -> bytearray:
+    """Up to ``size`` bytes; fewer at the end.  Grows with what comes, not with what is claimed."""
+    assert child.stdout is not None  # noqa: S101
+    descriptor = child.stdout.fileno()
+    block = bytearray()
+    # Not select(): that fails in a process with more than a thousand open files.
+    with selectors.DefaultSelector() as selector:
+        selector.register(descriptor, selectors.EVENT_READ)
+        while len(block) < size:
+            if not selector.select(stall):
+                raise subprocess.TimeoutExpired(child.args, stall)
+            received = os.read(descriptor, min(size - len(block), 1 << 20))
+            if not received:
+                break
+            block += received
+    return block

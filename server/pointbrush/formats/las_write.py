@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.las_fields import COLORS, split_records, wide
-from pointbrush.formats.las_header import UNDOCUMENTED
+from pointbrush.formats.las_header import COLORS, UNDOCUMENTED, split_records, wide
 from pointbrush.formats.table import Columns, Table
 
 # Steps that sources use; coordinates on one of these grids are written exactly.
