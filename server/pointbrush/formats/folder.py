@@ -15,7 +15,7 @@ from pointbrush.formats.bag import Bag, find_clouds, read_clouds
 from pointbrush.formats.bag_pictures import bag_pictures
 from pointbrush.formats.feather import argoverse_poses
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.kitti_cameras import kitti_pictures
+from pointbrush.formats.kitti import kitti_pictures
 from pointbrush.formats.listing import INNER, FrameFile, Listing
 from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
 from pointbrush.formats.options import Extras, ReadOptions

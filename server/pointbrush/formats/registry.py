@@ -19,7 +19,7 @@ from pointbrush.formats.bag import Bag
 from pointbrush.formats.depth import read_depth
 from pointbrush.formats.e57 import read_e57
 from pointbrush.formats.feather import read_feather
-from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes
+from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes, read_xyzrgb
 from pointbrush.formats.las import read_las
 from pointbrush.formats.npy import read_npy, read_npz
 from pointbrush.formats.options import ReadOptions
@@ -27,7 +27,6 @@ from pointbrush.formats.pcd import read_pcd
 from pointbrush.formats.ply import read_ply
 from pointbrush.formats.ptx import read_ptx
 from pointbrush.formats.text import read_text
-from pointbrush.formats.xyzrgb import read_xyzrgb
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
