@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Columns = Mapping[str, NDArray[Any]]
+_MEMORY = 1 << 23
+_ROWS = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,3 +51,39 @@ class Table:
                 yield rows
 
         return types, packed()
+
+
+class Spools:
+    """Takes blocks of columns; then gives each column as a table of its own, to be read once."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        """``stack`` closes the files."""
+        self._stack = stack
+        self._files: dict[str, IO[bytes]] = {}
+        self._like: dict[str, NDArray[Any]] = {}
+        self._counts: dict[str, int] = {}
+
+    def add(self, columns: Mapping[str, NDArray[Any]]) -> None:
+        """Append a block; all have the same columns."""
+        for name, values in columns.items():
+            if name not in self._files:
+                spool = tempfile.SpooledTemporaryFile(_MEMORY)  # noqa: SIM115 - by the stack
+                self._files[name] = self._stack.enter_context(spool)
+                self._like[name], self._counts[name] = values[:0], 0
+            self._files[name].write(np.ascontiguousarray(values).tobytes())
+            self._counts[name] += len(values)
+
+    def tables(self) -> dict[str, Table]:
+        """A table of one column for each, in the order of the first block."""
+        return {
+            name: Table(count, lambda name=name: self._blocks(name))  # type: ignore[misc]
+            for name, count in self._counts.items()
+        }
+
+    def _blocks(self, name: str) -> Iterator[Columns]:
+        like, file = self._like[name], self._files[name]
+        row = like.dtype.itemsize * int(np.prod(like.shape[1:], dtype=np.int64))
+        file.seek(0)
+        yield {name: like}
+        while data := file.read(row * _ROWS):
+            yield {name: np.frombuffer(data, like.dtype).reshape(-1, *like.shape[1:])}

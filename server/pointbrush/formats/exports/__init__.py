@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from pointbrush.errors import BadInputError, DamagedError
-from pointbrush.formats.exports import boxes, cut, labels_only, points, semantickitti, training
+from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
 from pointbrush.formats.exports.labeled import (
     BlockedFrame,
     ExportFrame,
@@ -47,7 +47,7 @@ _ALL = (
     Export("csv", "CSV with labels", points.write_csvs, (".csv",)),
     Export("semantickitti", "SemanticKITTI", semantickitti.write_semantickitti),
     Export("labels-only", "Labels without points", labels_only.write_labels_only),
-    Export("cut", "One PLY per label", cut.write_cuts),
+    Export("cut", "One PLY per label", points.write_cuts),
     Export("pointcept", "Pointcept's scenes with splits", training.write_pointcept),
     Export("openpcdet", "OpenPCDet's custom dataset", training.write_openpcdet),
     Export("boxes", "Oriented boxes, JSON and KITTI tracking", boxes.write_boxes),

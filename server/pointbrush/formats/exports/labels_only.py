@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
-from pointbrush.formats.exports.spools import Spools
 from pointbrush.formats.npy import write_column
+from pointbrush.formats.table import Spools
 
 MANIFEST = "manifest.json"
 Layers = dict[str, NDArray[Any]]

@@ -1,8 +1,9 @@
-"""Formats with one file of points per frame: PLY, NPZ, PCD, LAS, LAZ and CSV."""
+"""Formats with one file of points per frame: PLY, NPZ, PCD, LAS, LAZ, CSV; or a PLY per label."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
 from functools import partial
 from typing import Any, BinaryIO
@@ -11,13 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.datasets import LAS
-from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, point_table
+from pointbrush.formats.exports.labeled import (
+    ExportFrame,
+    LabeledFrame,
+    Palette,
+    PaletteEntry,
+    point_columns,
+    point_table,
+)
 from pointbrush.formats.exports.output import Output
-from pointbrush.formats.exports.spools import Spools
 from pointbrush.formats.npy import write_npz
 from pointbrush.formats.pcd import write_pcd
 from pointbrush.formats.ply import write_ply
-from pointbrush.formats.table import Columns, Table
+from pointbrush.formats.table import Columns, Spools, Table
 from pointbrush.formats.text import write_csv
 
 PALETTE = "palette.json"
@@ -120,3 +127,28 @@ def _arrays(block: LabeledFrame, palette: Palette) -> dict[str, NDArray[Any]]:
     arrays["provenance"] = block.provenance[keep]
     arrays["deleted"] = block.deleted
     return arrays
+
+
+def write_cuts(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
+    """``00003_pin-1/NNNNNN.ply`` for each label and frame where it has points."""
+    folders = {entry.id: _folder(entry) for entry in palette.entries}
+    for frame in frames:
+        sizes = frame.sizes
+        for label in (np.flatnonzero(sizes[1:]) + 1).tolist():
+            folder = folders.get(label, f"{label:05d}")
+            table = Table(int(sizes[label]), partial(_points, frame, palette, label))
+            with output.file(f"{folder}/{frame.stem}.ply") as file:
+                write_ply(file, table)
+    write_palette(palette, output)
+
+
+def _points(frame: ExportFrame, palette: Palette, label: int) -> Iterator[Columns]:
+    for block in frame.blocks():
+        mine = np.flatnonzero((block.label == label) & ~block.deleted)
+        yield point_columns(block, palette, mine)
+
+
+def _folder(entry: PaletteEntry) -> str:
+    """A name for every file system, unique by the label's id."""
+    slug = re.sub(r"[^a-z0-9]+", "-", entry.name.lower()).strip("-")[:40]
+    return f"{entry.id:05d}_{slug}" if slug else f"{entry.id:05d}"

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.exports.fit import upright_axes, upright_box
+from pointbrush.formats.exports.boxes import upright_axes, upright_box
 from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, category_of
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
-from pointbrush.formats.exports.spools import Spools
 from pointbrush.formats.npy import write_column
+from pointbrush.formats.table import Spools
 
 VALIDATION = 5
 """Every so many frames one is for validation, where there are that many."""
