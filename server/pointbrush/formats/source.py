@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import glob
+import logging
 import os
 import re
 import shutil
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -24,6 +25,9 @@ from pointbrush.formats.pictures import PictureSource, joined
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.timing import in_order, rate_of
 from pointbrush.frame import PointFrame
+
+MOST = 100
+"""Warnings that are kept of one recording."""
 
 
 @dataclass
@@ -229,3 +233,28 @@ def source_name(paths: Sequence[Path]) -> str:
         if path.name.lower().endswith(ending) and len(path.name) > len(ending):
             return path.name[: -len(ending)]
     return path.stem
+
+
+class _Collector(logging.Handler):
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.found: dict[str, None] = {}
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if len(self.found) < MOST:
+            self.found.setdefault(record.getMessage())
+
+
+@contextmanager
+def reported() -> Iterator[dict[str, None]]:
+    """Collect what readers warn of meanwhile, each once, in order; it is logged as well.
+
+    Readers of this process, in all its threads: one recording at a time.
+    """
+    collector = _Collector()
+    logger = logging.getLogger("pointbrush.formats")
+    logger.addHandler(collector)
+    try:
+        yield collector.found
+    finally:
+        logger.removeHandler(collector)

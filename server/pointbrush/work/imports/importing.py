@@ -18,7 +18,7 @@ from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.palette import SourceLabel, source_dataset
-from pointbrush.formats.reports import reported
+from pointbrush.formats.source import reported
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color

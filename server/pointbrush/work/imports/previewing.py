@@ -24,8 +24,7 @@ from pointbrush.formats.names import AXES
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.pictures import PictureSource
 from pointbrush.formats.registry import format_named
-from pointbrush.formats.reports import reported
-from pointbrush.formats.source import open_source
+from pointbrush.formats.source import open_source, reported
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import axis_of
