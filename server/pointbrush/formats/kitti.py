@@ -192,8 +192,9 @@ def read_xyzrgb(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     data = read_bytes(path)
     if len(data) % XYZRGB_RECORD:
         raise BadInputError(
-            f"{path.name}: expected records of {XYZRGB_RECORD} bytes (x y z r g b as float32), got "
-            f"{len(data)} bytes, {len(data) % XYZRGB_RECORD} more than {len(data) // RECORD} records"
+            f"{path.name}: expected records of {XYZRGB_RECORD} bytes (x y z r g b as float32), "
+            f"got {len(data)} bytes, {len(data) % XYZRGB_RECORD} more than "
+            f"{len(data) // XYZRGB_RECORD} records"
         )
     require_count(path.name, len(data) // XYZRGB_RECORD, options.limits)
     table = np.frombuffer(data, "<f4").reshape(-1, 6)

@@ -26,7 +26,7 @@ from pointbrush.formats.registry import format_named
 from pointbrush.formats.timing import in_order, rate_of
 from pointbrush.frame import PointFrame
 
-MOST = 100
+MOST_WARNINGS = 100
 """Warnings that are kept of one recording."""
 
 
@@ -241,7 +241,7 @@ class _Collector(logging.Handler):
         self.found: dict[str, None] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
-        if len(self.found) < MOST:
+        if len(self.found) < MOST_WARNINGS:
             self.found.setdefault(record.getMessage())
 
 
