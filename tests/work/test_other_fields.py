@@ -10,7 +10,7 @@ import pytest
 from pointbrush.errors import DamagedError
 from pointbrush.formats import read
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import import_frames, open_sequence, verify
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
@@ -38,6 +38,7 @@ def recording(folder: Path, count: int = 50) -> PointFrame:
 @pytest.mark.parametrize("kind", ["ply", "pcd"])
 def test_other_fields_keep_order_type_and_points(tmp_path: Path, kind: str) -> None:
     frame = recording(tmp_path)
+    assert verify(tmp_path / "sequences" / "scan") == []
     workspace = Workspace(Settings(workspace=tmp_path))
     try:
         label = workspace.create_label("scan", "me", name="car").id
@@ -63,9 +64,24 @@ def test_other_fields_keep_order_type_and_points(tmp_path: Path, kind: str) -> N
     assert "ring" not in next(read(tmp_path / "out" / f"000001.{kind}")).other
 
 
+def test_fields_of_before_manifest_version_4_are_read(tmp_path: Path) -> None:
+    frame = recording(tmp_path)
+    place = tmp_path / "sequences" / "scan" / "fields"
+    (place / "000000.fields").unlink()
+    parts = {"000000.000000000000.npz": slice(0, 30), "000000.000000000030.npz": slice(30, 50)}
+    for name, part in parts.items():
+        columns = {f"field_{k}": values[part] for k, values in enumerate(frame.other.values())}
+        np.savez_compressed(place / name, names=np.array(list(frame.other)), **columns)
+    found = open_sequence(tmp_path / "sequences" / "scan").other_of(0, 20, 40)
+    assert list(found) == list(frame.other)
+    for name, values in found.items():
+        assert values.dtype == frame.other[name].dtype
+        assert np.array_equal(values, frame.other[name][20:40])
+
+
 def test_damaged_fields_are_told_and_nothing_is_written(tmp_path: Path) -> None:
     recording(tmp_path)
-    path = tmp_path / "sequences" / "scan" / "fields" / "000000.npz"
+    path = tmp_path / "sequences" / "scan" / "fields" / "000000.fields"
     data = bytearray(path.read_bytes())
     data[len(data) // 2] ^= 0xFF
     path.write_bytes(bytes(data))

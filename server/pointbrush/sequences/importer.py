@@ -199,8 +199,9 @@ def _store_all(
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
     if len(frame) > LARGE_POINTS:
-        write_other(folder, index, replace(frame, other={}, header=None))
-        return _store_large(split(frame), index, grid, folder, len(frame), _silent)
+        beside = write_other(folder, index, replace(frame, other={}, header=None))
+        stored = _store_large(split(frame), index, grid, folder, len(frame), _silent)
+        return replace(stored, checksums=stored.checksums | beside)
     encoded = encode_frame(frame, grid)
     stem = folder / FRAMES / f"{index:06d}"
     checksums = write_arrays(stem.with_suffix(".points"), encoded.arrays, frame_meta(frame))
@@ -208,7 +209,7 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     write_file(wire, encoded.wire)
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
-    write_other(folder, index, frame)
+    named |= write_other(folder, index, frame)
     return record(
         frame,
         encoded.arrays,
@@ -239,8 +240,10 @@ def _store_large(
             dropped += part.dropped
             yield part
 
+    beside: dict[str, str] = {}
+
     def keep(part: PointFrame, number: int) -> None:
-        write_other(folder, index, replace(part, rows=None), number)
+        beside.update(write_other(folder, index, replace(part, rows=None), number))
 
     path = folder / FRAMES / f"{index:06d}"
     error = LargeFrame(path, progress, keep).write(watched(), grid, total)
@@ -253,4 +256,5 @@ def _store_large(
             for file, checksum in zip(files, digests, strict=True)
         }
     arrays = {file.stem: map_npy(file) for file in path.glob("*.npy")}
+    checksums |= beside
     return record(first[0], arrays, error, checksums, dropped=dropped, large=True)

@@ -1,19 +1,18 @@
 """Fields and headers of a source kept beside a frame, so that exports give them back.
 
-Under ``fields/``, in the source's order of points: further fields in compressed ``.npz`` files,
-``NNNNNN.npz`` of a frame or ``NNNNNN.FIRST.npz`` of its points from FIRST on; ``NNNNNN.header``,
-the source's header; ``NNNNNN.rows.npz``, the rows of the points where some were left out.  A
-recording without that folder has none.
+Under ``fields/``, in the source's order of points: further fields in array files,
+``NNNNNN.fields`` of a frame or ``NNNNNN.FIRST.fields`` of its points from FIRST on;
+``NNNNNN.header``, the source's header; ``NNNNNN.rows``, the rows of the points where some were
+left out.  A recording without that folder has none.  Recordings of before manifest version 4 have
+compressed ``.npz`` files in place of array files.
 """
 
 from __future__ import annotations
 
-import io
 import zipfile
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,56 +20,56 @@ from numpy.typing import NDArray
 from pointbrush.errors import DamagedError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.files import write_file
+from pointbrush.sequences.octree.arrays import Arrays, digest, parse_arrays, write_arrays
+from pointbrush.sequences.verification import stamp_of, verifier
 
 FIELDS = "fields"
-LEVEL = 1
-"""Of deflate: a second of work for ten of an import is enough."""
-DAMAGE = (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error)
-Columns = dict[str, NDArray[Any]]
+_SKIPPED = "skipped"
+_DAMAGE = (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, DamagedError)
 
 
-def write_other(folder: Path, index: int, frame: PointFrame, first: int | None = None) -> None:
-    """Keep what a frame has of its source; of its points from ``first`` on, where it is a part."""
-    place = folder / FIELDS
+def write_other(
+    folder: Path, index: int, frame: PointFrame, first: int | None = None
+) -> dict[str, str]:
+    """Keep what a frame has of its source; of its points from ``first`` on, where it is a part.
+
+    Returns the checksums of the files by their paths in ``folder``.
+    """
+    place, stem = folder / FIELDS, f"{index:06d}"
+    checksums: dict[str, str] = {}
+    header = None if first else frame.header
+    rows = None if first is not None else frame.rows
+    if frame.other or header is not None or rows is not None:
+        place.mkdir(exist_ok=True)
     if frame.other:
         part = "" if first is None else f".{first:012d}"
-        # Numbers for names: a field may be called as nothing that a file can be called.
-        arrays = {f"field_{k}": values for k, values in enumerate(frame.other.values())}
-        _write(place / f"{index:06d}{part}.npz", {"names": np.array(list(frame.other)), **arrays})
-    if not first and frame.header is not None:
-        place.mkdir(exist_ok=True)
-        write_file(place / f"{index:06d}.header", frame.header)
-    if frame.rows is not None and first is None:
+        checksums |= write_arrays(place / f"{stem}{part}.fields", frame.other, {})
+    if header is not None:
+        path = place / f"{stem}.header"
+        write_file(path, header)
+        checksums[path.name] = digest(header)
+    if rows is not None:
         # Differences: a run of points costs nothing.
-        steps = np.diff(frame.rows, prepend=-1) - 1
-        _write(place / f"{index:06d}.rows.npz", {"skipped": steps.astype(np.uint32)})
+        steps = np.diff(rows, prepend=-1) - 1
+        checksums |= write_arrays(place / f"{stem}.rows", {_SKIPPED: steps.astype(np.uint32)}, {})
+    return {f"{FIELDS}/{name}": value for name, value in checksums.items()}
 
 
-def _write(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
-        for name, values in arrays.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, np.ascontiguousarray(values), allow_pickle=False)
-    path.parent.mkdir(exist_ok=True)
-    write_file(path, content.getvalue())
-
-
-def read_other(folder: Path, index: int, first: int, stop: int, count: int) -> Columns:
+def read_other(
+    folder: Path, checksums: Mapping[str, str], index: int, first: int, stop: int, count: int
+) -> Arrays:
     """Return the further fields of points ``first`` to before ``stop`` of ``count``; {} for none.
 
-    Raises DamagedError for files that are not whole.
+    Raises DamagedError for files that are not as ``checksums`` have them, or not whole.
     """
-    place = folder / FIELDS
-    whole = place / f"{index:06d}.npz"
-    parts = {0: whole} if whole.is_file() else _parts(place, index)
+    parts = _parts(folder / FIELDS, index)
     if not parts:
         return {}
     starts = sorted(parts)
-    pieces: list[Columns] = []
+    pieces: list[Arrays] = []
     for begin, end in zip(starts, [*starts[1:], count], strict=True):
         if begin < stop and end > first:
-            part = _read(parts[begin], index, end - begin)
+            part = _read(parts[begin], checksums, index, end - begin)
             cut = slice(max(first - begin, 0), min(stop, end) - begin)
             pieces.append({name: values[cut] for name, values in part.items()})
     if not pieces:
@@ -80,20 +79,37 @@ def read_other(folder: Path, index: int, first: int, stop: int, count: int) -> C
 
 
 def _parts(place: Path, index: int) -> dict[int, Path]:
-    found = place.glob(f"{index:06d}.{'[0-9]' * 12}.npz")
-    return {int(path.name.split(".")[1]): path for path in found}
+    """The files of a frame's further fields by the first point that each has."""
+    for suffix in ("fields", "npz"):
+        whole = place / f"{index:06d}.{suffix}"
+        if whole.is_file():
+            return {0: whole}
+        parts = sorted(place.glob(f"{index:06d}.{'[0-9]' * 12}.{suffix}"))
+        if parts:
+            return {int(path.name.split(".")[1]): path for path in parts}
+    return {}
 
 
-def _read(path: Path, index: int, count: int) -> Columns:
+def _read(path: Path, checksums: Mapping[str, str], index: int, count: int) -> Arrays:
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            names = [str(name) for name in stored["names"]]
-            found = {name: stored[f"field_{k}"] for k, name in enumerate(names)}
-    except DAMAGE as error:
+        found = _arrays(path, checksums)
+    except _DAMAGE as error:
         raise DamagedError(f"frame {index}: expected its further fields: {error}") from None
     if any(values.shape != (count,) for values in found.values()):
         raise DamagedError(f"frame {index}: expected further fields of {count} points")
     return found
+
+
+def _arrays(path: Path, checksums: Mapping[str, str]) -> Arrays:
+    """The arrays of a file; in an ``.npz`` further fields are numbered, beside their ``names``."""
+    if path.suffix != ".npz":  # which has checksums of its own
+        stamp, data = stamp_of(path), path.read_bytes()
+        verifier.require_bytes(path, stamp, data, checksums.get(f"{FIELDS}/{path.name}"))
+        return parse_arrays(path, data, ())
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+        if "names" not in stored:
+            return dict(stored)
+        return {str(name): stored[f"field_{k}"] for k, name in enumerate(stored["names"])}
 
 
 def read_source_header(folder: Path, index: int) -> bytes | None:
@@ -102,18 +118,21 @@ def read_source_header(folder: Path, index: int) -> bytes | None:
     return path.read_bytes() if path.is_file() else None
 
 
-def read_rows(folder: Path, index: int, count: int) -> NDArray[np.int64] | None:
+def read_rows(
+    folder: Path, checksums: Mapping[str, str], index: int, count: int
+) -> NDArray[np.int64] | None:
     """Return which row of the source each point (count,) was, or None where it is not known.
 
-    Raises DamagedError for a file that is not whole.
+    Raises DamagedError for a file that is not as ``checksums`` have it, or not whole.
     """
-    path = folder / FIELDS / f"{index:06d}.rows.npz"
-    try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            skipped = stored["skipped"]
-    except FileNotFoundError:
+    place = folder / FIELDS
+    paths = [place / f"{index:06d}.rows{suffix}" for suffix in ("", ".npz")]
+    path = next((path for path in paths if path.is_file()), None)
+    if path is None:
         return None
-    except DAMAGE as error:
+    try:
+        skipped = _arrays(path, checksums)[_SKIPPED]
+    except _DAMAGE as error:
         raise DamagedError(f"frame {index}: expected its rows: {error}") from None
     if skipped.shape != (count,):
         raise DamagedError(f"frame {index}: expected rows of {count} points")

@@ -67,7 +67,7 @@ class Sequence:
 
     def other_of(self, index: int, first: int, stop: int) -> dict[str, NDArray[Any]]:
         """The same of the points ``first`` to before ``stop`` of the source."""
-        return read_other(self.path, index, first, stop, self[index].count)
+        return read_other(self.path, self._checksums, index, first, stop, self[index].count)
 
     def source_header(self, index: int) -> bytes | None:
         """The header of a frame's source as its format keeps it, or None."""
@@ -78,7 +78,7 @@ class Sequence:
 
         Raises DamagedError.
         """
-        return read_rows(self.path, index, self[index].count)
+        return read_rows(self.path, self._checksums, index, self[index].count)
 
     def _files(self, index: int) -> CopiedFiles | MappedFiles:
         points = self.manifest.points[index]
@@ -86,7 +86,7 @@ class Sequence:
 
     @cached_property
     def _checksums(self) -> dict[str, str]:
-        """By path in the folder of frames; empty for a recording that has none."""
+        """By path in the folder of frames, or, elsewhere, of the recording; empty without any."""
         found = read_checksums(self.path)
         if found is None:
             log.info("%s has no checksums: changed bytes go unnoticed", self.path)

@@ -12,7 +12,7 @@ import contextlib
 import json
 import mmap
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -34,6 +34,8 @@ _WORTH_PACKING = 4096
 _MOST_GAIN = 255
 """Bytes that LZ4 makes of one at most: a damaged header must not take all memory."""
 _PIECE = 1 << 22
+POINTS = ("xyz", "source_index", "chunks")
+"""Arrays that every frame has."""
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -145,18 +147,18 @@ def _damaged(path: Path) -> Iterator[None]:
         raise DamagedError(f"expected stored arrays in {path.name}, got: {error}") from error
 
 
-def read_layout(path: Path) -> Layout:
-    """The layout of an array file, whose length is as it must be; raises DamagedError."""
+def read_layout(path: Path, required: Collection[str] = POINTS) -> Layout:
+    """The layout of an array file that has these arrays and its length; raises DamagedError."""
     with _damaged(path), path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
         head = file.read(16)
         length = int.from_bytes(head[8:16], "little")
         if length > size:
             raise ValueError("a header longer than the file")
-        return _layout(head + file.read(length), size)
+        return _layout(head + file.read(length), size, required)
 
 
-def _layout(head: bytes, size: int) -> Layout:
+def _layout(head: bytes, size: int, required: Collection[str]) -> Layout:
     if head[:8] not in _MAGICS:
         raise ValueError("another magic number")
     length = int.from_bytes(head[8:16], "little")
@@ -174,7 +176,7 @@ def _layout(head: bytes, size: int) -> Layout:
     length = max([start, *(entry.stop for entry in entries.values())])
     if length != size:
         raise ValueError(f"{size:,} bytes of {length:,}")
-    if not {"xyz", "source_index", "chunks"} <= entries.keys():
+    if not entries.keys() >= set(required):
         raise ValueError(f"no more than {', '.join(entries)}")
     nbytes = sum(entry.nbytes for entry in entries.values())
     return Layout(entries, header["meta"], nbytes)
@@ -196,10 +198,10 @@ def read_file(path: Path, nbytes: int) -> bytes:
         return data
 
 
-def parse_arrays(path: Path, data: bytes) -> Arrays:
+def parse_arrays(path: Path, data: bytes, required: Collection[str] = POINTS) -> Arrays:
     """Return read-only copies of the arrays in an array file's bytes; raises DamagedError."""
     with _damaged(path):
-        layout = _layout(data, len(data))
+        layout = _layout(data, len(data), required)
         return {
             name: entry.array(data[entry.offset : entry.stop])
             for name, entry in layout.entries.items()
