@@ -177,7 +177,8 @@ def _arranged(
     """Stored order (N,), boundaries of chunks and their levels, and the frame as a depth image."""
     if grid.lattice is not None:
         # Compiled loops, which only an import needs.
-        from pointbrush.sequences.depth.images import encode_depth, place
+        from pointbrush.sequences.depth.images import encode_depth
+        from pointbrush.sequences.depth.placing import place
 
         placed = place(grid.lattice, local, grid.step / 2)
         depth = None if placed is None else encode_depth(grid.lattice, placed, frame.rgb)

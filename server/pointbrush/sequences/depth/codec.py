@@ -33,36 +33,28 @@ SCALE_BITS = 12
 SCALE = 1 << SCALE_BITS
 LOWEST = 1 << 23
 """The decoder's state is at least this: below it takes another byte."""
+_BITS = np.array([value.bit_length() for value in range(256)], np.uint8)
 
 
 @innermost
 def _bits(value: int) -> int:
     bits = 0
-    while value:
-        value >>= 1
-        bits += 1
-    return bits
+    while value > 255:
+        value >>= 8
+        bits += 8
+    return bits + int(_BITS[value])
 
 
 @innermost
-def _predict(
-    image: Image,
-    row: int,
-    column: int,
-    half: int,
-    vertical: bool,
-    down: int,
-    across: int,
-    last: int,
-) -> tuple[int, int]:
+def _predict(image: Image, row: int, column: int, band: Band, last: int) -> tuple[int, int]:
     """The depth that is expected in a pixel, and the context."""
-    between = 0
+    half, between = band.half, 0
     if half == 0:
-        one = int(image[row, column - across]) if column >= across else 0
-        other = int(image[row - down, column]) if row >= down else 0
+        one = int(image[row, column - band.across]) if column >= band.across else 0
+        other = int(image[row - band.down, column]) if row >= band.down else 0
         if one and other:
-            between = int(image[row - down, column - across])
-    elif vertical:
+            between = int(image[row - band.down, column - band.across])
+    elif band.vertical:
         one, other = int(image[row - half, column]), int(image[row + half, column])
     else:
         one, other = int(image[row, column - half]), int(image[row, column + half])
@@ -70,79 +62,86 @@ def _predict(
         expected = (one + other) >> 1
         if between:
             expected = min(max(one + other - between, min(one, other)), max(one, other))
-        return expected, min(_bits(abs(one - other)), BOTH_CONTEXTS - 1)
+        return expected, int(_BITS[min(abs(one - other), 255)])
     if one or other:
         return one + other, ONE_CONTEXT
     return last, NONE_CONTEXT
 
 
 @compiled
-def _tokens(
+def _symbols(
     image: Image, band: Band, width: int
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8], NDArray[np.uint32], NDArray[np.uint8]]:
-    """Token, context, low bits and their number, of each pixel of a band."""
+) -> tuple[NDArray[np.uint16], NDArray[np.int64], Bytes]:
+    """Each pixel's context and token, ``context * TOKENS + token``; their counts; the low bits.
+
+    Low bits lie one after another, from the lowest bit of each byte on.
+    """
     down, across = band.down, band.across
     most = ((band.stop - band.row - 1) // down + 1) * ((width - band.column - 1) // across + 1)
-    token, context = np.empty(most, np.uint8), np.empty(most, np.uint8)
-    low, bits = np.zeros(most, np.uint32), np.zeros(most, np.uint8)
-    n, last = 0, 0
+    symbols, counts = np.empty(most, np.uint16), np.zeros(CONTEXTS * TOKENS, np.int64)
+    low = np.empty(2 * most + 8, np.uint8)
+    n, last, at, held, kept = 0, 0, 0, 0, 0
     for strip in range(band.row, band.stop, STRIP * down):
         end = min(strip + STRIP * down, band.stop)
         for column in range(band.column, width, across):
             for row in range(strip, end, down):
-                expected, kind = _predict(
-                    image, row, column, band.half, band.vertical, down, across, last
-                )
-                context[n] = kind
+                expected, context = _predict(image, row, column, band, last)
                 value = int(image[row, column])
-                if value == 0:
-                    token[n] = 0
-                else:
+                token = 0
+                if value:
                     last = value
                     rest = value - expected
                     folded = 2 * rest if rest >= 0 else -2 * rest - 1
-                    if folded < DIRECT:
-                        token[n] = 1 + folded
-                    else:
-                        top = _bits(folded) - 1
-                        token[n] = 1 + DIRECT + 4 * (top - 4) + ((folded >> (top - 2)) & 3)
-                        bits[n] = top - 2
-                        low[n] = folded & ((1 << (top - 2)) - 1)
+                    token = 1 + folded
+                    if folded >= DIRECT:
+                        bits = _bits(folded) - 3
+                        token = 1 + DIRECT + 4 * (bits - 2) + ((folded >> bits) & 3)
+                        held |= (folded & ((1 << bits) - 1)) << kept
+                        kept += bits
+                        while kept >= 8:
+                            low[at] = held & 255
+                            held, kept, at = held >> 8, kept - 8, at + 1
+                symbol = context * TOKENS + token
+                symbols[n] = symbol
+                counts[symbol] += 1
                 n += 1
-    return token, context, low, bits
+    if kept:
+        low[at] = held
+        at += 1
+    return symbols, counts.reshape(CONTEXTS, TOKENS), low[:at]
 
 
 @compiled
 def _frequencies(counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Frequencies of tokens that sum to ``SCALE``, at least 1 for each that occurs."""
-    total = counts.sum()
-    frequency = np.zeros(len(counts), np.int64)
-    if total == 0:
-        return frequency
-    for token in range(len(counts)):
-        if counts[token]:
-            frequency[token] = max(1, (counts[token] * SCALE + total // 2) // total)
-    # What rounding left over or took too much goes to the most frequent, where it costs least.
-    while frequency.sum() != SCALE:
-        greatest = np.argmax(frequency)
-        rest = SCALE - frequency.sum()
-        frequency[greatest] += max(rest, -(frequency[greatest] // 2))
+    """Frequencies of each context's tokens, of sum ``SCALE``, at least 1 for each that occurs."""
+    frequency = np.zeros(counts.shape, np.int64)
+    for context in range(len(counts)):
+        total = counts[context].sum()
+        if total == 0:
+            continue
+        share = frequency[context]
+        for token in range(len(share)):
+            if counts[context, token]:
+                share[token] = max(1, (counts[context, token] * SCALE + total // 2) // total)
+        # What rounding left over or took too much goes to the most frequent: it costs least there.
+        while share.sum() != SCALE:
+            greatest = np.argmax(share)
+            rest = SCALE - share.sum()
+            share[greatest] += max(rest, -(share[greatest] // 2))
     return frequency
 
 
 @compiled
 def _encode(
-    token: NDArray[np.uint8],
-    context: NDArray[np.uint8],
-    frequency: NDArray[np.int64],
-    start: NDArray[np.int64],
+    symbols: NDArray[np.uint16], frequency: NDArray[np.int64], start: NDArray[np.int64]
 ) -> Bytes:
-    """The tokens as bytes, the decoder's first state ahead of them."""
-    out = np.empty(2 * len(token) + 8, np.uint8)
+    """The symbols as bytes, the decoder's first state ahead of them."""
+    many_of, first_of = frequency.ravel(), start.ravel()
+    out = np.empty(2 * len(symbols) + 8, np.uint8)
     at = len(out)
     state = LOWEST
-    for n in range(len(token) - 1, -1, -1):
-        many, first = frequency[context[n], token[n]], start[context[n], token[n]]
+    for n in range(len(symbols) - 1, -1, -1):
+        many, first = many_of[symbols[n]], first_of[symbols[n]]
         while state >= ((LOWEST >> SCALE_BITS) << 8) * many:
             at -= 1
             out[at] = state & 255
@@ -156,15 +155,25 @@ def _encode(
 
 
 @compiled
-def _pack_bits(low: NDArray[np.uint32], bits: NDArray[np.uint8]) -> Bytes:
-    """Low bits one after another, from the lowest bit of each byte on."""
-    out = np.zeros((int(bits.astype(np.int64).sum()) + 7) // 8, np.uint8)
+def _pack_tables(frequency: NDArray[np.int64]) -> Bytes:
+    """For each context the number of tokens up to the last that occurs, and their frequencies."""
+    out = np.empty(CONTEXTS * (1 + 2 * TOKENS), np.uint8)
     at = 0
-    for n in range(len(low)):
-        for bit in range(bits[n]):
-            out[at >> 3] |= ((low[n] >> bit) & 1) << (at & 7)
+    for context in range(CONTEXTS):
+        count = TOKENS
+        while count and frequency[context, count - 1] == 0:
+            count -= 1
+        out[at] = count
+        at += 1
+        for token in range(count):
+            many = frequency[context, token]
+            if many > 127:
+                out[at] = many & 127 | 128
+                many >>= 7
+                at += 1
+            out[at] = many
             at += 1
-    return out
+    return out[:at]
 
 
 @compiled
@@ -193,9 +202,7 @@ def _decode(
         end = min(strip + STRIP * down, band.stop)
         for column in range(band.column, width, across):
             for row in range(strip, end, down):
-                expected, context = _predict(
-                    image, row, column, band.half, band.vertical, down, across, last
-                )
+                expected, context = _predict(image, row, column, band, last)
                 slot = state & (SCALE - 1)
                 token = int(token_of[context, slot])
                 many = frequency[context, token]
@@ -225,12 +232,10 @@ def _decode(
 
 def encode_band(image: Image, band: Band, width: int) -> tuple[bytes, bytes, bytes]:
     """Encode a band of an image with a margin: its frequencies, tokens and low bits."""
-    token, context, low, bits = _tokens(image, band, width)
-    counts = np.bincount(context.astype(np.int64) * TOKENS + token, minlength=CONTEXTS * TOKENS)
-    frequency = np.stack([_frequencies(row) for row in counts.reshape(CONTEXTS, TOKENS)])
-    tokens = _encode(token, context, frequency, _starts(frequency))
-    tables = b"".join(_pack_table(row.tolist()) for row in frequency)
-    return tables, tokens.tobytes(), _pack_bits(low, bits).tobytes()
+    symbols, counts, low = _symbols(image, band, width)
+    frequency = _frequencies(counts)
+    tokens = _encode(symbols, frequency, _starts(frequency))
+    return _pack_tables(frequency).tobytes(), tokens.tobytes(), low.tobytes()
 
 
 def decode_band(
@@ -252,12 +257,6 @@ def decode_band(
 
 def _starts(frequency: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.cumsum(frequency, axis=1) - frequency
-
-
-def _pack_table(frequency: list[int]) -> bytes:
-    """Number of tokens up to the last that occurs, and the frequencies of these."""
-    count = max((token + 1 for token, many in enumerate(frequency) if many), default=0)
-    return varint(count) + b"".join(varint(many) for many in frequency[:count])
 
 
 def varint(value: int) -> bytes:

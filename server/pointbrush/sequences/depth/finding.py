@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.sequences.depth.placing import find
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import Lens, find_lens
 
@@ -93,7 +94,7 @@ def _fitted(lens: Lens, xyz: NDArray[np.float32], step: float) -> Lattice | None
 
 def _whole(lattice: Lattice, frame: PointFrame, xyz: NDArray[np.float32]) -> Lattice:
     """The same lattice with all pixels of the frame's depth image, where it is the image's."""
-    camera, pixel, found = frame.camera, frame.pixel, lattice.project(xyz)
+    camera, pixel, found = frame.camera, frame.pixel, find(lattice, xyz)
     if camera is None or pixel is None or found is None:
         return lattice
     columns = found.pixel % lattice.width - pixel % camera.width

@@ -18,13 +18,15 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled
 from pointbrush.errors import BadInputError
 from pointbrush.sequences.depth.codec import (
+    Bytes,
     Image,
     decode_band,
     encode_band,
     read_varint,
     varint,
 )
-from pointbrush.sequences.depth.lattice import STRIP, Band, Lattice, Pixels
+from pointbrush.sequences.depth.lattice import FARTHEST, Lattice, Pixels
+from pointbrush.sequences.depth.placing import Placed, empty_image, visit
 
 QUALITIES = (85, 92, 97)
 """JPEG qualities, tried until the colours are near enough."""
@@ -34,20 +36,6 @@ SPARSE = 1.5
 """Depths are numbered where they could be so many times as many as they are."""
 
 _LENGTHS = struct.Struct("<3I")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Placed:
-    """A frame's points in a lattice: ``order`` (N,) puts them into the order of the bands.
-
-    ``first`` (C + 1,) are the bands' boundaries in it, ``number`` (height, width) is each pixel's
-    point, -1 without one.
-    """
-
-    pixels: Pixels
-    order: NDArray[np.int64]
-    first: NDArray[np.int64]
-    number: NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,33 +51,13 @@ class Depth:
     color_error: float
 
 
-def place(lattice: Lattice, xyz: NDArray[np.float32], most_error: float) -> Placed | None:
-    """Find points (N, 3), local metres, in a lattice; None where they do not go as a depth image.
-
-    They do where each is within ``most_error`` metres of its pixel and each band has a point.
-    """
-    pixels = lattice.project(xyz)
-    if pixels is None or pixels.error.max() > most_error:
-        return None
-    number = np.full(lattice.height * lattice.width, -1, np.int32)
-    number[pixels.pixel] = np.arange(len(xyz), dtype=np.int32)
-    image = number.reshape(lattice.height, lattice.width)
-    parts = [_visit(image, band) for band in lattice.bands]
-    counts = [len(part) for part in parts]
-    if not all(counts):
-        return None
-    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    return Placed(pixels, np.concatenate(parts), first, image)
-
-
-def encode_depth(lattice: Lattice, placed: Placed, rgb: NDArray[np.uint8] | None) -> Depth | None:
+def encode_depth(lattice: Lattice, placed: Placed, rgb: Bytes | None) -> Depth | None:
     """Encode a frame in a lattice; None where its colours would be too far off."""
-    pictures = _pictures(lattice, placed.number, rgb)
+    found = placed.found
+    pictures = _pictures(lattice, found.number, rgb)
     if pictures is None:
         return None
-    values, listed = _values(placed.pixels.depth)
-    image = _image(lattice)
-    image[placed.pixels.pixel // lattice.width, placed.pixels.pixel % lattice.width] = values
+    image, listed = _numbered(found.image)
     chunks = []
     for chunk, band in enumerate(lattice.bands):
         tables, tokens, low = encode_band(image, band, lattice.width)
@@ -100,9 +68,8 @@ def encode_depth(lattice: Lattice, placed: Placed, rgb: NDArray[np.uint8] | None
             picture = pictures.jpegs.get(lattice.picture_step(band), b"")
         lengths = _LENGTHS.pack(len(picture), len(tables), len(tokens))
         chunks.append(b"".join((lengths, picture, tables, tokens, low)))
-    errors = placed.pixels.error
-    side_error = float(errors[list(lattice.sides)].max())
-    return Depth(chunks, float(errors[lattice.axis]), side_error, pictures.error)
+    side_error = float(found.error[list(lattice.sides)].max())
+    return Depth(chunks, float(found.error[lattice.axis]), side_error, pictures.error)
 
 
 def decode_depth(lattice: Lattice, chunks: list[bytes]) -> tuple[Pixels, dict[int, bytes]]:
@@ -110,8 +77,11 @@ def decode_depth(lattice: Lattice, chunks: list[bytes]) -> tuple[Pixels, dict[in
 
     The pictures, JPEG, are by the step of their pixels.  Raises BadInputError for other bytes.
     """
-    image, listed = _image(lattice), np.zeros(0, np.int64)
-    pictures, pixels = {}, []
+    image, listed = empty_image(lattice), np.zeros(0, np.int64)
+    size = lattice.height, lattice.width
+    row_major = np.arange(lattice.height * lattice.width, dtype=np.int32).reshape(size)
+    pixel, count = np.empty(row_major.size, np.int64), 0
+    pictures = {}
     for chunk, (band, data) in enumerate(zip(lattice.bands, chunks, strict=False)):
         if len(data) < _LENGTHS.size:
             raise BadInputError("depth: expected the lengths of its parts, got fewer bytes")
@@ -126,10 +96,10 @@ def decode_depth(lattice: Lattice, chunks: list[bytes]) -> tuple[Pixels, dict[in
             tables = tables[at:]
         decode_band(image, band, lattice.width, tables, tokens, data[ends[-1] :])
         inside = image[: lattice.height, : lattice.width]
-        pixels.append(_visit(np.where(inside > 0, _row_major(lattice), -1), band))
-    pixel = np.concatenate(pixels) if pixels else np.zeros(0, np.int64)
+        count = visit(np.where(inside > 0, row_major, -1), band, pixel, count)
+    pixel = pixel[:count]
     value = image[pixel // lattice.width, pixel % lattice.width].astype(np.int64)
-    return Pixels(pixel, listed[value - 1] if len(listed) else value, np.zeros(3)), pictures
+    return Pixels(pixel, listed[value - 1] if len(listed) else value), pictures
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,17 +110,14 @@ class _Pictures:
     error: float
 
 
-def _pictures(
-    lattice: Lattice, number: NDArray[np.int32], rgb: NDArray[np.uint8] | None
-) -> _Pictures | None:
+def _pictures(lattice: Lattice, number: NDArray[np.int32], rgb: Bytes | None) -> _Pictures | None:
     """The pictures of a frame; None where JPEG cannot say its colours well enough."""
     if rgb is None:
         return _Pictures({}, 0.0)
-    known = number >= 0
     colors = rgb.take(_spread(number), axis=0)
     for quality in QUALITIES:
         whole = _jpeg(colors, quality)
-        error = _color_error(whole, colors, known)
+        error = _color_error(whole, colors, number)
         if error <= COLOR_ERROR:
             steps = {lattice.picture_step(band) for band in lattice.bands}
             smaller = {step: _jpeg(colors[::step, ::step], quality) for step in steps - {1}}
@@ -167,22 +134,48 @@ def _jpeg(colors: NDArray[np.uint8], quality: int) -> bytes:
     return out.getvalue()
 
 
-def _color_error(jpeg: bytes, colors: NDArray[np.uint8], known: NDArray[np.bool_]) -> float:
+def _color_error(jpeg: bytes, colors: Bytes, number: NDArray[np.int32]) -> float:
     from PIL import Image as Pillow
 
     shown = np.asarray(Pillow.open(io.BytesIO(jpeg)).convert("RGB"))
-    difference = shown[known].astype(np.float32) - colors[known]
-    return float(np.sqrt(np.mean(difference * difference)))
+    return float(np.sqrt(_mean_square(shown, colors, number)))
 
 
-def _values(depth: NDArray[np.int64]) -> tuple[NDArray[np.int64], bytes]:
-    """Return pixels' values for depths (N,), and the list ahead of the first frequencies."""
-    occurs = np.flatnonzero(np.bincount(depth))
+@compiled
+def _mean_square(shown: Bytes, colors: Bytes, number: NDArray[np.int32]) -> float:
+    """The mean squared difference of two pictures (height, width, 3) where there is a point."""
+    total, count = np.int64(0), 0
+    for row in range(number.shape[0]):
+        for column in range(number.shape[1]):
+            if number[row, column] >= 0:
+                count += 3
+                for part in range(3):
+                    off = np.int64(shown[row, column, part]) - np.int64(colors[row, column, part])
+                    total += off * off
+    return total / count
+
+
+def _numbered(image: Image) -> tuple[Image, bytes]:
+    """The image with numbers of depths, where few occur, and the list of these.
+
+    The list goes ahead of the first frequencies.
+    """
+    occurs = np.flatnonzero(_occurring(image)[1:]) + 1
     if int(occurs[-1] - occurs[0]) < SPARSE * len(occurs):
-        return depth, varint(0)
+        return image, varint(0)
+    numbers = np.zeros(FARTHEST + 1, np.uint16)
+    numbers[occurs] = np.arange(1, len(occurs) + 1)
     steps = np.diff(occurs, prepend=0).tolist()
-    listed = varint(len(steps)) + b"".join(varint(step) for step in steps)
-    return np.searchsorted(occurs, depth) + 1, listed
+    return numbers.take(image), varint(len(steps)) + b"".join(varint(step) for step in steps)
+
+
+@compiled
+def _occurring(image: Image) -> NDArray[np.bool_]:
+    """Whether each depth (65536,) occurs."""
+    occurs = np.zeros(FARTHEST + 1, np.bool_)
+    for value in image.flat:
+        occurs[value] = True
+    return occurs
 
 
 def _read_listed(data: bytes) -> tuple[NDArray[np.int64], int]:
@@ -191,32 +184,6 @@ def _read_listed(data: bytes) -> tuple[NDArray[np.int64], int]:
     for n in range(count):
         steps[n], at = read_varint(data, at)
     return np.cumsum(steps), at
-
-
-def _image(lattice: Lattice) -> Image:
-    """An empty image with a margin, where neighbours beyond its edges are looked for."""
-    margin = lattice.first_step
-    return np.zeros((lattice.height + margin, lattice.width + margin), np.uint16)
-
-
-def _row_major(lattice: Lattice) -> NDArray[np.int32]:
-    pixels = np.arange(lattice.height * lattice.width, dtype=np.int32)
-    return pixels.reshape(lattice.height, lattice.width)
-
-
-@compiled
-def _visit(number: NDArray[np.int32], band: Band) -> NDArray[np.int64]:
-    """Return the values of a band's pixels that are not negative, in the order of its points."""
-    found = np.empty(number.size, np.int64)
-    n, width = 0, number.shape[1]
-    for strip in range(band.row, band.stop, STRIP * band.down):
-        end = min(strip + STRIP * band.down, band.stop)
-        for column in range(band.column, width, band.across):
-            for row in range(strip, end, band.down):
-                if number[row, column] >= 0:
-                    found[n] = number[row, column]
-                    n += 1
-    return found[:n].copy()
 
 
 @compiled

@@ -157,35 +157,9 @@ class Lattice:
             xyz[:, side] = self.eye[side] + along * (tangent + pitch * place)
         return xyz
 
-    def project(self, xyz: NDArray[np.floating]) -> Pixels | None:
-        """The pixels and depths of points (N, 3), local metres; None where they are on no lattice.
-
-        Each pixel has one point at most, and no point lies beyond the image or ``FARTHEST``.
-        """
-        local = xyz.astype(np.float64) - self.eye
-        along = self.sign * local[:, self.axis]
-        depth = np.rint(along / self.unit)
-        if not len(xyz) or depth.min() < 1 or depth.max() > FARTHEST:
-            return None
-        columns, rows = (
-            np.rint((local[:, side] / along - tangent) / pitch)
-            for side, tangent, pitch in zip(self.sides, self.tangent, self.pitch, strict=True)
-        )
-        if columns.min() < 0 or rows.min() < 0:
-            return None
-        if columns.max() >= self.width or rows.max() >= self.height:
-            return None
-        pixel = (rows * self.width + columns).astype(np.int64)
-        if np.bincount(pixel).max() > 1:
-            return None
-        units = depth.astype(np.int64)
-        error = np.abs(self.unproject(pixel, units) - xyz).max(axis=0)
-        return Pixels(pixel, units, error)
-
 
 class Pixels(NamedTuple):
-    """Row-major pixels (N,) of points, their depths (N,) in units, greatest errors (3,), metres."""
+    """Row-major pixels (N,) of points and their depths (N,) in units."""
 
     pixel: NDArray[np.int64]
     depth: NDArray[np.int64]
-    error: NDArray[np.float64]
