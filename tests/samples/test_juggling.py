@@ -8,7 +8,7 @@ import pytest
 from pointbrush.errors import BadInputError
 from pointbrush.samples import generate
 from pointbrush.samples.jugglers import JugglingOptions, JugglingScene
-from pointbrush.samples.siteswap import rhythm, schedule
+from pointbrush.samples.juggling import rhythm, schedule
 
 FINE = 1 / 240
 

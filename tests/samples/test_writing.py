@@ -14,10 +14,10 @@ from pointbrush.formats import read
 from pointbrush.frame import PointFrame
 from pointbrush.samples import generate, write
 from pointbrush.samples.__main__ import main
+from pointbrush.samples.generating import decimate, picture
 from pointbrush.samples.jugglers import JugglingOptions
 from pointbrush.samples.tabletop import TabletopOptions
 from pointbrush.samples.walkers import WalkingOptions
-from pointbrush.samples.writing import decimate, picture
 
 DATA = Path(__file__).parent.parent.parent / "data" / "juggling"
 

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
-    from pointbrush.samples.generating import KINDS, generate
+    from pointbrush.samples.generating import KINDS, generate, write
     from pointbrush.samples.recording import LabelInfo, Recording
     from pointbrush.samples.sensor import Sensor
-    from pointbrush.samples.writing import write
 
 __all__ = ["KINDS", "LabelInfo", "Recording", "Sensor", "generate", "write"]
 _PLACES = {
@@ -23,7 +22,7 @@ _PLACES = {
     "Recording": "pointbrush.samples.recording",
     "Sensor": "pointbrush.samples.sensor",
     "generate": "pointbrush.samples.generating",
-    "write": "pointbrush.samples.writing",
+    "write": "pointbrush.samples.generating",
 }
 if not TYPE_CHECKING:
     __getattr__ = lazily(__name__, _PLACES)

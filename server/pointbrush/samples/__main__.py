@@ -10,7 +10,7 @@ from typing import Any
 
 from pointbrush.errors import PointbrushError
 from pointbrush.samples import KINDS, generate
-from pointbrush.samples.writing import write
+from pointbrush.samples.generating import write
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -10,8 +10,7 @@ from functools import partial
 import numpy as np
 
 from pointbrush.samples.geometry import Array, vec
-from pointbrush.samples.render import Solid
-from pointbrush.samples.solids import block, disc, egg, rod
+from pointbrush.samples.render import Solid, block, disc, egg, rod
 from pointbrush.samples.textures import Material, books, cloth, linear, matte, poster, wood
 
 Rng = np.random.Generator

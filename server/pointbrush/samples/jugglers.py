@@ -8,15 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, along, vec, wobble, yaw
-from pointbrush.samples.juggling import ARM, Hand, Juggle, Stand
+from pointbrush.samples.juggling import ARM, COLORS, Hand, Juggle, Rhythm, Stand, paint, pin, rhythm
 from pointbrush.samples.people import body, shadow_balls
-from pointbrush.samples.pins import COLORS, paint, pin
 from pointbrush.samples.posture import LOOKS, Look, Posture, standing_feet
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.room import LivingRoom
-from pointbrush.samples.siteswap import Rhythm, rhythm
+from pointbrush.samples.sensor import tripod
 
 PASSING = {3: ("3", 0.36), 5: ("744", 0.17), 6: ("774", 0.168), 7: ("7", 0.17)}
 ALONE = {3: ("3", 0.34), 4: ("4", 0.29), 5: ("5", 0.26)}

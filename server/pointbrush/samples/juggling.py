@@ -1,8 +1,12 @@
-"""Jugglers: hands that swing, throw and catch; pins that fly on parabolas and tumble.
+"""Jugglers: a timetable of throws, hands that swing, throw and catch, and pins that fly.
+
+A siteswap is a list of throws, one per beat, repeated; hands take turns.  With two jugglers the
+hands' order is right, right, left, left of persons 1, 2, 1, 2 ("four-handed siteswap", Boyce and
+Simpson), so odd throws are passes.  A throw of as many beats as there are hands stays in the hand.
 
 A pin is held (its grip follows the hand) or flies: its centre of mass falls freely and it turns
 at an even rate about the thrower's left-right axis, so that the handle comes into the hand that
-catches it.
+catches it.  A pin's own frame has its origin at the centre of mass and y from the knob to the top.
 """
 
 from __future__ import annotations
@@ -10,9 +14,11 @@ from __future__ import annotations
 import bisect
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from pointbrush.errors import BadInputError
 from pointbrush.samples.geometry import (
     GRAVITY,
     UP,
@@ -26,14 +32,118 @@ from pointbrush.samples.geometry import (
     vec,
     yaw,
 )
-from pointbrush.samples.pins import GRIP
-from pointbrush.samples.siteswap import Rhythm, Throw, schedule
+from pointbrush.samples.render import Solid
+from pointbrush.samples.shapes import Lathe
+from pointbrush.samples.textures import Color, Material, banded, linear
 
+BALANCE = 0.29
+"""Height of the centre of mass above the knob's end, metres."""
+GRIP = 0.12 - BALANCE
+"""Grip of the hand: y in the pin's frame."""
+
+_HEIGHTS = [0.0, 0.006, 0.022, 0.04, 0.06, 0.20, 0.29, 0.37, 0.43, 0.49, 0.512, 0.52]
+_RADII = [0.008, 0.017, 0.019, 0.0135, 0.0125, 0.016, 0.033, 0.047, 0.0455, 0.031, 0.022, 0.008]
+_SHAPE = Lathe([y - BALANCE for y in _HEIGHTS], _RADII)
+
+COLORS = ("#d8342b", "#1f6fc4", "#f0b51f", "#2f9a4c", "#8a3fa8", "#e8702a", "#17a2a2", "#d14a8b")
+"""Band colours of pins 1, 2, …"""
 ARM = -GRIP
 """Metres from the grip to the pin's centre of mass."""
 RELEASE, CATCH, REST = math.radians(38), math.radians(52), math.radians(48)
 TUMBLE = 2.3
 """Turns per second a flight is rounded to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rhythm:
+    """A siteswap, the number of hands, seconds per beat and seconds a pin stays in a hand."""
+
+    throws: tuple[int, ...]
+    hands: int
+    beat: float
+    dwell: float
+
+    @property
+    def pins(self) -> int:
+        """Number of pins that the siteswap keeps up."""
+        return sum(self.throws) // len(self.throws)
+
+
+@dataclass(frozen=True, slots=True)
+class Throw:
+    """One flight: pin and hands by number from 0, times in seconds."""
+
+    pin: int
+    hand: int
+    leave: float
+    to_hand: int
+    arrive: float
+
+
+def rhythm(siteswap: str, hands: int, beat: float, dwell: float) -> Rhythm:
+    """Parse a siteswap of digits and letters ("774", "b97").
+
+    Raises BadInputError when two throws would land at the same time.
+    """
+    try:
+        throws = tuple(int(c, 36) for c in siteswap)
+    except ValueError:
+        throws = ()
+    n = len(throws)
+    if n == 0 or len({(i + t) % n for i, t in enumerate(throws)}) != n:
+        raise BadInputError(f"pattern: expected a valid siteswap like '774', got {siteswap!r}")
+    if any(0 < t != hands and t * beat <= dwell + 0.1 for t in throws):
+        raise BadInputError(f"pattern: expected throws with time to fly, got {siteswap!r}")
+    return Rhythm(throws, hands, beat, dwell)
+
+
+def schedule(rhythm: Rhythm, start: float, stop: float) -> list[Throw]:
+    """All throws that matter to start..stop, in order of leaving."""
+    longest = max(rhythm.throws)
+    first = int(start / rhythm.beat) - 3 * longest - rhythm.hands
+    last = int(stop / rhythm.beat) + 2 * longest + rhythm.hands
+    first -= first % (len(rhythm.throws) * rhythm.hands)
+    landing: dict[int, int] = {}
+    throws: list[Throw] = []
+    pins = 0
+    for beat in range(first, last):
+        height = rhythm.throws[beat % len(rhythm.throws)]
+        if height == 0:
+            continue
+        pin = landing.pop(beat, None)
+        if pin is None:
+            pin, pins = pins, pins + 1
+        landing[beat + height] = pin
+        hand, to_hand = beat % rhythm.hands, (beat + height) % rhythm.hands
+        if height != rhythm.hands:
+            arrive = (beat + height) * rhythm.beat - rhythm.dwell
+            throws.append(Throw(pin, hand, beat * rhythm.beat, to_hand, arrive))
+    return throws
+
+
+def paint(color: str, body: str = "#f1efe8") -> Material:
+    """Return a pin's paint: dark knob, coloured handle, pale body with coloured bands."""
+    tint, pale = linear(color), linear(body)
+    black: Color = (0.03, 0.03, 0.035)
+    limits: tuple[tuple[float, Color], ...] = (
+        (0.035, black),
+        (0.19, tint),
+        (0.205, black),
+        (0.30, pale),
+        (0.345, tint),
+        (0.405, pale),
+        (0.435, tint),
+        (0.50, pale),
+        (0.53, black),
+    )
+    return Material(
+        partial(banded, bands=tuple((y - BALANCE, c) for y, c in limits)), infrared=0.7, gloss=0.35
+    )
+
+
+def pin(material: Material, T_room_pin: Array, label: int) -> Solid:
+    """Return a pin in place."""
+    return Solid(_SHAPE, T_room_pin, material, label=label)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,6 +1,7 @@
 """Light in the room: a window, a lamp, and what the walls give back.
 
-Whatever moves throws its shadow by a few balls that stand for it.
+Whatever moves throws its shadow by a few balls that stand for it.  The still room is lit once;
+each frame then only darkens it where something moves.
 """
 
 from __future__ import annotations
@@ -9,9 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, zoom
 
 from pointbrush.samples.geometry import Array, Field, dot3, norm3
-from pointbrush.samples.render import Shaded
+from pointbrush.samples.render import Caster, Shaded, Solid, Surface
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,3 +87,121 @@ def ball_shade(
             behind = (ahead > 0) & (ahead < distance)
             shadow *= np.where(behind, 1 - cover * (1 - light * light * (3 - 2 * light)), 1)
     return ambient, shadows
+
+
+class LitRoom:
+    """The still part of a scene, cast and lit once.
+
+    ``colors``: (L + 1, 3, H*W) linear light, the ambient part first, then one per lamp.
+    """
+
+    COARSE = 3
+
+    def __init__(self, caster: Caster, solids: Sequence[Solid], lights: Lights) -> None:
+        self.caster, self.solids, self.lights = caster, tuple(solids), lights
+        self.surface: Surface = caster.empty()
+        caster.cast(self.solids, self.surface)
+        s = caster.shade(self.solids, self.surface)
+        width, height = caster.camera.width, caster.camera.height
+        count = width * height
+        self.colors: Field = np.zeros((len(lights.lamps) + 1, 3, count), np.float32)
+        openness = np.ones(count, np.float32)
+        for reach in (0.35, 0.1):
+            grid = np.ones(count, np.float32)
+            grid[s.pixel] = crevices(self.surface.depth, s.pixel, width, height, reach)
+            openness *= gaussian_filter(grid.reshape(height, width), 1.5).ravel()
+        self.colors[0][:, s.pixel] = ambient_light(lights, s) * openness[s.pixel]
+        self.infrared: Field = np.zeros(count, np.float32)
+        self.infrared[s.pixel] = s.infrared
+        self.normal: Field = np.zeros((3, count), np.float32)
+        self.normal[:, s.pixel] = s.normal
+        self.label = np.zeros(count, np.uint16)
+        self.label[s.pixel] = s.label
+        self._light_lamps(s, openness)
+        self._coarse_grid()
+
+    def _light_lamps(self, s: Shaded, openness: Field) -> None:
+        width, height = self.caster.camera.width, self.caster.camera.height
+        coarse = np.arange(width * height).reshape(height, width)[::2, ::2]
+        pixel = coarse.ravel()
+        points = self.caster.points(pixel, np.minimum(self.surface.depth[pixel], 20))
+        blockers = [solid for solid in self.solids if solid.material.glow == 0]
+        for number, lamp in enumerate(self.lights.lamps, 1):
+            share = still_shadow(blockers, lamp, points).reshape(coarse.shape)
+            share = zoom(gaussian_filter(share, 0.8), 2, order=1, grid_mode=True, mode="nearest")
+            light = lamp_light(lamp, s, self.caster.eye)
+            dim = 0.5 + 0.5 * openness[s.pixel]
+            self.colors[number][:, s.pixel] = light * (share.ravel()[s.pixel] * dim)
+
+    def _coarse_grid(self) -> None:
+        width, height = self.caster.camera.width, self.caster.camera.height
+        step = self.COARSE
+        rows, columns = np.mgrid[0:height:step, 0:width:step]
+        pixel = (rows * width + columns).ravel()
+        self._coarse_shape = rows.shape
+        self._coarse_points = self.caster.points(pixel, np.minimum(self.surface.depth[pixel], 20))
+        self._coarse_normals = self.normal[:, pixel]
+
+    def lit(self, balls: Sequence[Ball]) -> Field:
+        """(3, H*W) linear colours of the room with the shade of ``balls`` on it."""
+        ambient, shadows = ball_shade(
+            self._coarse_points, self._coarse_normals, self.lights.lamps, balls
+        )
+        result = self.colors[0] * self._spread(ambient)
+        for color, shadow in zip(self.colors[1:], shadows, strict=True):
+            result += color * self._spread(shadow)
+        return np.asarray(result, np.float32)
+
+    def _spread(self, coarse: Field) -> Field:
+        width, height = self.caster.camera.width, self.caster.camera.height
+        grid = coarse.reshape(self._coarse_shape)
+        wide = zoom(grid, self.COARSE, order=1, grid_mode=True, mode="nearest")
+        return np.asarray(wide[:height, :width].ravel(), np.float32)
+
+
+def light_moving(room: LitRoom, s: Shaded, depth: Field, balls: Sequence[Ball]) -> Field:
+    """(3, N) linear colours of moving surfaces ``s``; ``depth`` is the finished depth buffer."""
+    camera = room.caster.camera
+    openness = crevices(depth, s.pixel, camera.width, camera.height, 0.15)
+    result = ambient_light(room.lights, s) * openness
+    shadows = ball_shade(s.point, s.normal, room.lights.lamps, balls)[1]
+    for lamp, shadow in zip(room.lights.lamps, shadows, strict=True):
+        result += lamp_light(lamp, s, room.caster.eye) * (shadow * (0.4 + 0.6 * openness))
+    return result
+
+
+def crevices(depth: Field, pixel: NDArray[np.intp], width: int, height: int, reach: float) -> Field:
+    """(N,) 0..1 openness of pixels, from how many neighbours stand up to ``reach`` in front."""
+    rows, columns = pixel // width, pixel % width
+    here = depth[pixel]
+    radius = np.clip(reach * 365.0 / np.maximum(here, 0.3) * 0.6, 2, 40)
+    closed = np.zeros(pixel.size, np.float32)
+    for number in range(10):
+        angle, part = number * 2.4, ((number + 0.5) / 10) ** 0.5
+        r = np.clip(rows + np.sin(angle) * part * radius, 0, height - 1).astype(np.intp)
+        c = np.clip(columns + np.cos(angle) * part * radius, 0, width - 1).astype(np.intp)
+        step = (here - depth[r * width + c]) / np.float32(reach)
+        closed += np.where(step < 1.5, np.clip((step - 0.06) * 2, 0, 1), 0)
+    return np.asarray(1 - 0.62 * np.minimum(closed / 7, 1), np.float32)
+
+
+def still_shadow(solids: Sequence[Solid], lamp: Lamp, points: Field) -> Field:
+    """(N,) share of the lamp seen from ``points`` (3, N), past the solids of the room."""
+    rng = np.random.default_rng(5)
+    share = np.zeros(points.shape[1], np.float32)
+    samples = 4
+    for _ in range(samples):
+        target = lamp.position + rng.uniform(-lamp.size, lamp.size, 3)
+        open_ = np.ones(points.shape[1], bool)
+        for solid in solids:
+            open_ &= ~_blocked(solid, points, target)
+        share += open_
+    return np.asarray(share / samples, np.float32)
+
+
+def _blocked(solid: Solid, points: Field, target: Array) -> NDArray[np.bool_]:
+    """Whether the solid lies between the points and the target; rays start at the target."""
+    inverse = (solid.pose[:3, :3].T / solid.scale[:, None]).astype(np.float32)
+    o = inverse @ (target - solid.pose[:3, 3]).astype(np.float32)
+    d = inverse @ (points - target.astype(np.float32)[:, None])
+    return np.asarray(solid.shape.hit(o, d) < 0.985)

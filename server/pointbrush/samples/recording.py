@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.frame import DepthCamera, PointFrame
-from pointbrush.samples.camera import FPS, KINECT, pixel_rays
 from pointbrush.samples.geometry import Array, Field, dot3, norm3, vec, wobble
-from pointbrush.samples.lighting import Ball, Lights
-from pointbrush.samples.litroom import LitRoom, light_moving
+from pointbrush.samples.lighting import Ball, Lights, LitRoom, light_moving
 from pointbrush.samples.render import Caster, Solid
-from pointbrush.samples.sensor import Sensor, develop, measure
+from pointbrush.samples.sensor import FPS, KINECT, Sensor, develop, measure, pixel_rays
 
 T = TypeVar("T")
 

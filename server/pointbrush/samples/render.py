@@ -1,8 +1,4 @@
-"""Ray casting of placed solids on the depth camera's pixel grid.
-
-Each solid is met only by the rays inside its box on the screen; what is nearest stays.  Surface
-properties are worked out afterwards for the pixels that a solid still owns.
-"""
+"""Placed solids, and ray casting of them on a depth camera's pixel grid."""
 
 from __future__ import annotations
 
@@ -14,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import DepthCamera
-from pointbrush.samples.geometry import Array, Field, norm3
-from pointbrush.samples.shapes import Shape
+from pointbrush.samples.geometry import Array, Field, along, norm3, rigid, vec, yaw
+from pointbrush.samples.shapes import Ball, Box, Cylinder, RoundCone, Shape
 from pointbrush.samples.textures import Material, noise
 
 NEAREST = 0.05
@@ -169,3 +165,55 @@ def _folds(p: Field, amplitude: float) -> Field:
     q = p * np.array([[1], [0.6], [1]], np.float32)
     waves = [noise(q + np.float32(5.1 * k), 0.07, 2) - np.float32(0.5) for k in range(3)]
     return np.float32(amplitude) * np.stack(waves)
+
+
+def block(
+    lo: tuple[float, float, float],
+    hi: tuple[float, float, float],
+    material: Material,
+    turn: float = 0.0,
+    roughness: float = 0.0,
+) -> Solid:
+    """Box between two corners, turned round its own vertical by ``turn`` radians."""
+    a, b = vec(*lo), vec(*hi)
+    return Solid(Box(), rigid(yaw(turn), (a + b) / 2), material, (b - a) / 2, 0, roughness)
+
+
+def disc(
+    base: tuple[float, float, float], radius: float, height: float, material: Material
+) -> Solid:
+    """Upright cylinder standing on ``base``."""
+    centre = vec(*base) + vec(0, height / 2, 0)
+    return Solid(Cylinder(), rigid(np.eye(3), centre), material, vec(radius, height / 2, radius))
+
+
+def rod(
+    a: Array,
+    b: Array,
+    ra: float,
+    rb: float,
+    material: Material,
+    label: int = 0,
+    depth: float = 1.0,
+    right: Array | None = None,
+    roughness: float = 0.0,
+) -> Solid:
+    """Rounded cone from ``a`` to ``b``; ``depth`` flattens it across ``right``."""
+    length = float(np.linalg.norm(b - a))
+    if length <= abs(ra - rb):
+        length = abs(ra - rb) + 1e-3
+    pose = along(a, b, vec(1, 0, 0) if right is None else right)
+    return Solid(RoundCone(ra, rb, length), pose, material, vec(1, 1, depth), label, roughness)
+
+
+def egg(
+    centre: Array,
+    radii: tuple[float, float, float],
+    material: Material,
+    label: int = 0,
+    R: Array | None = None,
+    roughness: float = 0.0,
+) -> Solid:
+    """Ellipsoid."""
+    pose = rigid(np.eye(3) if R is None else R, centre)
+    return Solid(Ball(), pose, material, vec(*radii), label, roughness)

@@ -9,9 +9,8 @@ import numpy as np
 
 from pointbrush.samples.geometry import Array, along, rigid, vec
 from pointbrush.samples.lighting import Lamp, Lights
-from pointbrush.samples.render import Solid
+from pointbrush.samples.render import Solid, block, disc, egg, rod
 from pointbrush.samples.shapes import Ball, Lathe
-from pointbrush.samples.solids import block, disc, egg, rod
 from pointbrush.samples.textures import (
     Material,
     books,

@@ -9,11 +9,10 @@ import numpy as np
 from pointbrush.frame import PointFrame
 from pointbrush.samples.furniture import colour
 from pointbrush.samples.geometry import Array, along, rigid, vec, yaw
-from pointbrush.samples.lidar import Spinner, spin
-from pointbrush.samples.render import Solid
+from pointbrush.samples.render import Solid, block, disc, egg, rod
 from pointbrush.samples.scanning import Labelled
+from pointbrush.samples.sensor import Spinner, spin
 from pointbrush.samples.shapes import Cylinder
-from pointbrush.samples.solids import block, disc, egg, rod
 from pointbrush.samples.textures import Material, matte
 
 LENGTH = 75.0

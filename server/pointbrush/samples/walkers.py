@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.samples.camera import tripod
 from pointbrush.samples.geometry import UP, Array, smoothstep, vec, wobble, yaw
 from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.posture import LOOKS, Foot, Look, Posture, hanging_hands
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.room import LivingRoom
+from pointbrush.samples.sensor import tripod
 
 LANES = ((-2.1, 0.0, 1.05), (-2.75, 0.05, 1.25), (-3.32, -0.45, 1.1), (-3.9, 0.25, 0.55))
 """Each lane's z, middle x and half length, metres."""
