@@ -64,6 +64,6 @@ def encode_vertices(vertices: Bytes, words: int = 0) -> bytes:
 
     size = block_size(stride)
     most = stride // 4 + stride * (size + size // (4 * GROUP) + 1)
-    out = np.empty(-(-n // size) * most, np.uint8)
-    used = pack_blocks(np.ascontiguousarray(vertices), 4 * words, size, out)
+    out = np.empty(-(-n // size) * most + 1, np.uint8)
+    used = pack_blocks(np.ascontiguousarray(vertices.T), 4 * words, size, out)
     return bytes([HEADER]) + out[:used].tobytes() + tail.tobytes()

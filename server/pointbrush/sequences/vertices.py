@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from pointbrush.sequences.codec import Bytes, encode_vertices
 from pointbrush.sequences.octree.quantise import Quantised
 
-WIRE_STRIDE = 12
 RELATIVE = 1
 """Flag: r and b are differences to g, modulo 256."""
 DROPPED_SHIFT, MOST_DROPPED = 1, 2
@@ -39,21 +38,20 @@ def encode(
 
     ``dropped``: low bits that the colours lose, or PACKED; ``related``: send r and b relative to g.
     """
-    vertices = np.zeros((len(colors), WIRE_STRIDE), np.uint8)
-    vertices[:, :6] = quantised.q.view(np.uint8).reshape(-1, 6)
-    vertices[:, 6:_FLAGS] = colors
-    vertices[:, _FLAGS] = dropped << DROPPED_SHIFT
+    from pointbrush.sequences.loops import lay_out
+
+    flags = dropped << DROPPED_SHIFT
+    q = quantised.q if order is None else quantised.q.take(order, axis=0)
+    colors = colors if order is None else colors.take(order, axis=0)
     # Black stands for no colour: what is nearly black must not become it.
     if dropped == PACKED:
-        vertices[:, 6:8] = _packed(colors)
-        vertices[:, 8] = 0
+        colors = np.column_stack((_packed(colors), np.zeros_like(colors[:, :1]), colors[:, 3:]))
     elif dropped:
-        vertices[:, 6:9] = np.maximum(colors[:, :3] >> dropped, colors[:, :3] > 0)
-    if related and dropped != PACKED:
-        vertices[:, 6] -= vertices[:, 7]
-        vertices[:, 8] -= vertices[:, 7]
-        vertices[:, _FLAGS] |= RELATIVE
-    return encode_vertices(vertices if order is None else vertices[order], _WORDS)
+        less = np.maximum(colors[:, :3] >> dropped, colors[:, :3] > 0)
+        colors = np.column_stack((less, colors[:, 3:]))
+    related = related and dropped != PACKED
+    lanes = lay_out(q, colors, flags | RELATIVE if related else flags, related)
+    return encode_vertices(lanes.T, _WORDS)
 
 
 def _packed(colors: Bytes) -> Bytes:
