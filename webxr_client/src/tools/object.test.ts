@@ -157,6 +157,17 @@ describe('the object tool', () => {
     expect(asks()).toHaveLength(2);
   });
 
+  it('says that a frame is prepared while what was taken before stays', () => {
+    const { tool, asks } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5], 0, false));
+    tool.click(at(0.1));
+    expect(state.object.value).toMatchObject({ taken: true, ready: false });
+    tool.onPrepared(0);
+    expect(state.object.value).toMatchObject({ taken: true, ready: true, points: 5 });
+    expect(asks()).toHaveLength(1);
+  });
+
   it('leaves nothing on screen when the pointer leaves', () => {
     const { frame, tool, asks } = setUp();
     tool.hover(at(0.1));

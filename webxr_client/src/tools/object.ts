@@ -52,7 +52,8 @@ interface Question extends Clicks {
 interface Offer {
   readonly question: Question;
   readonly candidates: readonly { readonly id: string; readonly indices: Uint32Array }[];
-  readonly ready: boolean;
+  /** The whole frame is prepared: the next question is answered from it. */
+  ready: boolean;
   level: number;
 }
 
@@ -213,6 +214,11 @@ export class ObjectTool {
     const { offer } = this;
     if (!offer || offer.ready || offer.question.frame.index !== frame || this.asked) return;
     if (offer.question.purpose === 'hover' && !this.taken) this.ask(offer.question, 'hover');
+    else {
+      // What was taken stays as it is; the next click is answered from the whole frame.
+      offer.ready = true;
+      this.tell();
+    }
   }
 
   /** The server refused a question or a stroke; true when it was ours and is asked again. */
