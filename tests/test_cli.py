@@ -250,7 +250,7 @@ HEAVY = (
     "pointbrush.samples",
 )  # fmt: skip
 """Packages that take their time to import."""
-STORED = ("numpy", "sqlalchemy", "psycopg")
+STORED = ("numpy", "sqlalchemy")
 """Those that reading a workspace needs; a tuple, since sets name tests in any order."""
 
 

@@ -9,9 +9,8 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-import psycopg
 from sqlalchemy import (
     Connection,
     Engine,
@@ -28,12 +27,24 @@ from sqlalchemy.engine import URL
 from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
 from pointbrush.labels.look import Look
 from pointbrush.labels.private_copy import PrivateCopy
-from pointbrush.labels.statements import DIALECTS, INSERT, Driver, Statement, Values, driver_of
+from pointbrush.labels.statements import (
+    Driver,
+    Statement,
+    Values,
+    dialect_of,
+    driver_of,
+    insert,
+)
 from pointbrush.permissions import file_writable, writable
+
+if TYPE_CHECKING:
+    import psycopg  # takes its time to import; SQLAlchemy does where it is PostgreSQL
 
 BUSY_SECONDS = 10.0
 """Longest wait of a SQLite writer for another process's transaction."""
 KEEPALIVE_PROBES = 3
+READ_ONLY_TRANSACTION = "25006"
+"""SQLSTATE of a write to a database that only can be read."""
 READ_ONLY = "the labels are read-only here: they can be looked at and exported, not changed"
 CHUNK = 500
 """Values in one IN list; SQLite allows 32,766 parameters, older builds 999."""
@@ -88,7 +99,10 @@ class Database:
         self.engine = (
             _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url, self.limits)
         )
-        self._look = Look(self._driver)
+        dbapi: Any = self.engine.dialect.loaded_dbapi
+        self.driver_error: type[Exception] = dbapi.Error
+        """Base of the errors that the database's driver raises."""
+        self._look = Look(self._driver, self.driver_error)
 
     def ping(self) -> None:
         """Read one row; raises UnavailableError."""
@@ -104,11 +118,15 @@ class Database:
         """Return a connection to PostgreSQL of its own, in autocommit, for ``LISTEN``."""
         args, fields = self.engine.dialect.create_connect_args(self.url)
         waits = patience(self.url, self.limits)
-        return psycopg.connect(*args, **{**fields, **waits}, autocommit=True)
+        dbapi: Any = self.engine.dialect.loaded_dbapi
+        listener: psycopg.Connection[Any] = dbapi.connect(
+            *args, **{**fields, **waits}, autocommit=True
+        )
+        return listener
 
     def look(self, statement: Statement, values: Values) -> Any:
         """The row that a short question gives as of now, or None; raises UnavailableError."""
-        with _translated():
+        with self._translated():
             return self._look.one(statement, values)
 
     def _driver(self) -> Driver:
@@ -141,7 +159,7 @@ class Database:
     def read(self) -> Iterator[Connection]:
         """A transaction that sees one consistent state; raises UnavailableError."""
         options = {} if self.sqlite else {"isolation_level": "REPEATABLE READ"}
-        with self._timed("read"), _translated(), self.engine.connect() as connection:
+        with self._timed("read"), self._translated(), self.engine.connect() as connection:
             connection = connection.execution_options(**options)
             with connection.begin():
                 yield connection
@@ -159,7 +177,7 @@ class Database:
         with (
             self._timed("write"),
             self._writer,
-            _translated(),
+            self._translated(),
             self.engine.connect() as connection,
         ):
             by_hand = not begun and not self.sqlite
@@ -172,10 +190,20 @@ class Database:
                     finally:
                         if by_hand:
                             driver_of(connection).rollback()
-            except (exc.DBAPIError, sqlite3.Error, psycopg.Error):
+            except (exc.DBAPIError, self.driver_error):
                 # After a full disk or a lost server the connection's state is not to be trusted.
                 connection.invalidate()
                 raise
+
+    @contextlib.contextmanager
+    def _translated(self) -> Iterator[None]:
+        try:
+            yield
+        except (exc.DBAPIError, exc.TimeoutError, self.driver_error) as error:
+            cause = getattr(error, "orig", error)
+            if getattr(cause, "sqlstate", None) == READ_ONLY_TRANSACTION:
+                raise ReadOnlyError(READ_ONLY) from error
+            raise _unavailable(error) from error
 
     @contextlib.contextmanager
     def _timed(self, kind: str) -> Iterator[None]:
@@ -195,8 +223,8 @@ class Database:
     def insert_new(self, connection: Connection, index: Index, row: dict[str, Any]) -> bool:
         """Insert a row unless the unique ``index`` has its like; tells whether it did."""
         table = cast(Table, index.table)
-        where = index.dialect_options[DIALECTS[self.sqlite].name]["where"]
-        statement: Any = INSERT[self.sqlite](table)
+        where = index.dialect_options[dialect_of(sqlite=self.sqlite).name]["where"]
+        statement: Any = insert(table, sqlite=self.sqlite)
         columns = [column.name for column in index.columns]
         statement = statement.on_conflict_do_nothing(index_elements=columns, index_where=where)
         done = connection.execute(
@@ -219,23 +247,12 @@ def _private_copy(path: Path) -> PrivateCopy | None:
     return PrivateCopy(path) if path.parent.is_dir() and not writable(path.parent) else None
 
 
-@contextlib.contextmanager
-def _translated() -> Iterator[None]:
-    try:
-        yield
-    except (exc.DBAPIError, exc.TimeoutError, sqlite3.Error, psycopg.Error) as error:
-        cause = getattr(error, "orig", error)
-        if isinstance(cause, psycopg.errors.ReadOnlySqlTransaction):
-            raise ReadOnlyError(READ_ONLY) from error
-        raise _unavailable(error) from error
-
-
 def _unavailable(error: Exception) -> UnavailableError:
     """An error in our words; the address of a server that is away is for its operator only."""
     cause = getattr(error, "orig", None) or error
     reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
     said, private = reason, ""
-    if isinstance(cause, psycopg.Error) and cause.sqlstate is None:
+    if getattr(cause, "sqlstate", "") is None:  # psycopg's: the server has said nothing
         said, private = "its server cannot be reached", reason
     return UnavailableError(
         f"the label database cannot be used now, nothing was changed: {said}", private=private

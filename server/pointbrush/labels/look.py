@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import sqlite3
 import threading
 from collections.abc import Callable
-
-import psycopg
 
 from pointbrush.labels.statements import Driver, Statement, Values
 
@@ -18,9 +15,13 @@ KEPT = 8
 class Look:
     """Connections of their own that answer single questions; thread-safe."""
 
-    def __init__(self, connect: Callable[[], Driver]) -> None:
-        """``connect``: opens a connection of the driver that commits each statement by itself."""
+    def __init__(self, connect: Callable[[], Driver], failure: type[Exception]) -> None:
+        """``connect``: opens a connection of the driver that commits each statement by itself.
+
+        ``failure``: raised by the driver for a connection that was lost.
+        """
         self._connect = connect
+        self._failure = failure
         self._lock = threading.Lock()
         self._idle: list[Driver] = []
 
@@ -34,7 +35,7 @@ class Look:
         if driver is not None:
             try:
                 return self._asked(driver, statement, values)
-            except (sqlite3.Error, psycopg.OperationalError):
+            except self._failure:
                 self.close()
         return self._asked(self._connect(), statement, values)
 

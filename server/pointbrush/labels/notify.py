@@ -11,8 +11,6 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
-import psycopg
-
 from pointbrush.labels.database import Database
 from pointbrush.labels.statements import Driver
 from pointbrush.labels.types import Commit
@@ -123,7 +121,7 @@ class Watcher:
                     self._watch_sqlite(self._database.path)
                 else:
                     self._watch_postgres()
-            except (psycopg.Error, sqlite3.Error) as error:
+            except self._database.driver_error as error:
                 log.warning("other processes' commits cannot be heard of now: %s", error)
                 self._stop.wait(RETRY_SECONDS)
 

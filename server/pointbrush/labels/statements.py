@@ -7,24 +7,33 @@ takes to run it.  The tables stay defined in one place.
 from __future__ import annotations
 
 import contextlib
+import sqlite3
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
+from importlib import import_module
 from types import SimpleNamespace
 from typing import Any
 
-import psycopg
 from sqlalchemy import Connection, Table, make_url
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.sql import ClauseElement, Select
 
 Driver = Any
 """A connection of the driver: ``sqlite3.Connection`` or ``psycopg.Connection``."""
 Values = Mapping[str, Any]
-DIALECTS: dict[bool, Any] = {
-    True: sqlite.dialect(paramstyle="named"),
-    False: make_url("postgresql+psycopg://").get_dialect()(),
-}
-"""By whether it is SQLite's: with named parameters, as the drivers take them."""
-INSERT: dict[bool, Any] = {True: sqlite.insert, False: postgresql.insert}
+
+
+@cache
+def dialect_of(*, sqlite: bool) -> Any:
+    """Return a dialect of SQLAlchemy, with named parameters as the drivers take them."""
+    how = {"paramstyle": "named"} if sqlite else {}
+    return make_url("sqlite://" if sqlite else "postgresql+psycopg://").get_dialect()(**how)
+
+
+def insert(table: Table, *, sqlite: bool) -> Any:
+    """Return an INSERT that can say what happens to rows that are there."""
+    # Here, since a server needs one of them, and PostgreSQL's takes its time to import.
+    name = "sqlite" if sqlite else "postgresql"
+    return import_module(f"sqlalchemy.dialects.{name}").insert(table)
 
 
 class Statement:
@@ -65,7 +74,7 @@ class Statement:
             statement = made if isinstance(made, ClauseElement) else made(of_sqlite)
             if isinstance(statement, Select):
                 self._columns = [str(column.key) for column in statement.selected_columns]
-            compiled = statement.compile(dialect=DIALECTS[of_sqlite])
+            compiled = statement.compile(dialect=dialect_of(sqlite=of_sqlite))
             constants = {k: v for k, v in compiled.params.items() if v is not None}
             found = self._compiled[of_sqlite] = (str(compiled), constants)
         return found
@@ -76,7 +85,7 @@ def upsert(table: Table) -> Statement:
     keys = [column.name for column in table.primary_key]
 
     def make(of_sqlite: bool) -> ClauseElement:
-        statement = INSERT[of_sqlite](table)
+        statement = insert(table, sqlite=of_sqlite)
         rest = {c.name: statement.excluded[c.name] for c in table.c if c.name not in keys}
         made: ClauseElement = statement.on_conflict_do_update(index_elements=keys, set_=rest)
         return made
@@ -114,4 +123,4 @@ def together(driver: Driver) -> Iterator[None]:
 
 
 def _is_sqlite(driver: Driver) -> bool:
-    return not isinstance(driver, psycopg.Connection)
+    return isinstance(driver, sqlite3.Connection)

@@ -10,13 +10,12 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from sqlalchemy.dialects import postgresql, sqlite
-
 from pointbrush.errors import UnavailableError
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.database import Database
 from pointbrush.labels.packing import States, encode_states
 from pointbrush.labels.schema import snapshots
+from pointbrush.labels.statements import insert
 
 log = logging.getLogger(__name__)
 
@@ -87,7 +86,7 @@ class Upkeep:
             "revision": revision,
             "data": encode_states(states),
         }
-        statement = (sqlite if self._database.sqlite else postgresql).insert(snapshots)
+        statement = insert(snapshots, sqlite=self._database.sqlite)
         statement = statement.on_conflict_do_update(
             index_elements=["sequence", "frame", "layer", "block"],
             set_={"revision": statement.excluded.revision, "data": statement.excluded.data},

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager
 from importlib import import_module
 from typing import Any
 
-from fastapi import APIRouter, Depends, FastAPI
+from fastapi import FastAPI
 from fastapi.concurrency import run_in_threadpool
 from fastapi.openapi.utils import get_openapi
 
@@ -18,7 +18,7 @@ from pointbrush.settings import Settings
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket
-from pointbrush.web.auth import Gate, caller
+from pointbrush.web.auth import Gate
 from pointbrush.web.exports import Exports
 from pointbrush.web.kept_uploads import KeptUploads
 from pointbrush.web.logs import RequestLog
@@ -28,6 +28,12 @@ from pointbrush.web.roles import PREFIX
 from pointbrush.web.routes import RESOURCES, meta, objects, trust
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
+
+ROUTERS = (
+    *(resource.router for resource in RESOURCES), meta.sign_in_router, socket.router,
+    meta.open_router, trust.router, page.router,
+)  # fmt: skip
+"""In the order in which a path is looked for; the page's matches any."""
 
 
 def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
@@ -53,15 +59,9 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)
     app.add_exception_handler(StaleCandidateError, objects.stale_candidate)
-    api = APIRouter(prefix=PREFIX, dependencies=[Depends(caller)])
-    for resource in RESOURCES:
-        api.include_router(resource.router)
-    app.include_router(api)
-    app.include_router(meta.sign_in_router, prefix=PREFIX)
-    app.include_router(socket.router, prefix=PREFIX)
-    app.include_router(meta.open_router)
-    app.include_router(trust.router)
-    app.include_router(page.router)
+    # Routes that are whole as they stand: `include_router` would build each of them twice again.
+    for router in ROUTERS:
+        app.router.routes.extend(router.routes)
     app.add_middleware(Guard, settings=settings, gate=app.state.gate, metrics=app.state.metrics)
     app.add_middleware(RequestLog)
     app.openapi = lambda: describe(app)  # type: ignore[method-assign]

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
-from fastapi import Depends, Request
+from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.security import APIKeyCookie, HTTPBearer
 from starlette.requests import HTTPConnection
@@ -22,7 +22,7 @@ from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.clients import Clients, is_loopback
 from pointbrush.web.rates import KNOWN_CLIENTS, RateLimit
-from pointbrush.web.roles import ROUTES, call_of
+from pointbrush.web.roles import PREFIX, ROUTES, call_of
 from pointbrush.web.sessions import WebSessions
 from pointbrush.workspace import Workspace
 
@@ -235,3 +235,8 @@ async def caller(
 
 
 Caller = Annotated[Principal, Depends(caller)]
+
+
+def resource(tag: str) -> APIRouter:
+    """Return the router of a REST resource, whose calls all need a known caller."""
+    return APIRouter(prefix=PREFIX, tags=[tag], dependencies=[Depends(caller)])

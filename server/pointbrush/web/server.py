@@ -41,8 +41,6 @@ MAPPED_BYTES = 4 << 20
 """Blocks from this size on are mapped by themselves: copies of frames, not passing arrays."""
 ARENAS = 4
 """Heaps that threads share."""
-COLLECT_AFTER = (10_000, 20, 20)
-"""Objects more than before until the youngest are looked through, and how often the older are."""
 
 
 def run(workspace: Workspace, settings: Settings) -> None:
@@ -213,7 +211,6 @@ def settle_memory() -> None:
     give_large_blocks_back()
     gc.collect()
     gc.freeze()
-    gc.set_threshold(*COLLECT_AFTER)
 
 
 def give_large_blocks_back() -> None:

@@ -15,10 +15,10 @@ from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
-from pointbrush.web.roles import ROUTES
+from pointbrush.web.roles import PREFIX, ROUTES
 from pointbrush.web.uncopied import link_of
 
-router = APIRouter()
+router = APIRouter(prefix=PREFIX)
 TEXT_REFUSED = 1003
 GOING_AWAY = 1001
 NOT_ADMITTED = 4401

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 from pydantic import BaseModel, Field
 
+from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.work.reviewing import Agreement, By
 
-router = APIRouter(tags=["review"])
+router = resource("review")
 PNG = "image/png"
 Other = Annotated[
     str,

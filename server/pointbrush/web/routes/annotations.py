@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
 from starlette.datastructures import FormData, UploadFile
@@ -17,7 +17,7 @@ from pointbrush.formats.annotation import parse_map
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.jobs import Job
-from pointbrush.web.auth import Caller, Gate
+from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.files_or_json import described, parse_json
 from pointbrush.web.problems import responses
@@ -28,7 +28,7 @@ from pointbrush.work.imports.roots import allowed
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
-router = APIRouter(tags=["annotations"])
+router = resource("annotations")
 MAX_FILES = 20_000
 MAX_FIELD = 1 << 20
 DryRun = Annotated[bool, Query(description="say what is found, and write nothing")]

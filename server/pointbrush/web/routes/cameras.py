@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request, Response
+from fastapi import Path, Request, Response
 from fastapi.responses import FileResponse
 from pydantic import BaseModel, ConfigDict
 
 from pointbrush.sequences.pictures import MEDIA_TYPES, find_picture, read_projections
+from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 
-router = APIRouter(tags=["frames"])
+router = resource("frames")
 KEPT = "private, no-cache"
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 

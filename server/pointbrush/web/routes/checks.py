@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from pydantic import BaseModel, Field
 
 from pointbrush.streaming.messages import Vec3
+from pointbrush.web.auth import resource
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.work.reviewing import Checked, Finding, Kind
 
-router = APIRouter(tags=["review"])
+router = resource("review")
 
 
 class FindingOut(BaseModel):

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditInfoOut, EditOut, StrokeBody, UndoBody
 
-router = APIRouter(tags=["edits"])
+router = resource("edits")
 
 
 @router.post("/sequences/{seq}/frames/{i}/strokes", responses=responses(404, 409, 413))

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 
 from pointbrush.formats import EXPORTS
-from pointbrush.web.auth import Caller, Principal
+from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.exports import respond
 from pointbrush.web.problems import responses
 
-router = APIRouter(tags=["export"])
+router = resource("export")
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FrameRange = Annotated[
     str | None, Query(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$", description="I:J, J not included")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Depends, Header, Path, Query, Request, Response
+from fastapi import Depends, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 from numpy.typing import NDArray
@@ -14,14 +14,14 @@ from pointbrush.errors import NotFoundError
 from pointbrush.sequences import Chunk
 from pointbrush.streaming.messages import Uuid
 from pointbrush.web import npy
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.workspace import Workspace
 
-router = APIRouter(tags=["frames"])
+router = resource("frames")
 Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
 HEADER_ROOM = 4096
 WIDEST = 8

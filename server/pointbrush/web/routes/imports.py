@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Request, Response
 from fastapi import Path as PathParameter
+from fastapi import Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
 from pydantic import ValidationError
@@ -19,7 +19,7 @@ from starlette.exceptions import HTTPException
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.streaming.encoding import describe
-from pointbrush.web.auth import Caller, Gate
+from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import Ws
 from pointbrush.web.files_or_json import described, parse_json
 from pointbrush.web.kept_uploads import KeptUploads, Upload
@@ -30,7 +30,7 @@ from pointbrush.work.imports.roots import allowed
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
-router = APIRouter(tags=["imports"])
+router = resource("imports")
 MAX_FILES = 20_000
 MAX_FIELD = 64 * 1024
 MAX_FIELDS = 32

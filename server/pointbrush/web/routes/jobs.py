@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 
 from pointbrush.roles import require
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import CANCEL_ANY
 from pointbrush.web.schemas_work import JobOut
 
-router = APIRouter(tags=["jobs"])
+router = resource("jobs")
 
 
 @router.get("/jobs", responses=responses())

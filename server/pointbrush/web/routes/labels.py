@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 
 from pointbrush.labels import Label
 from pointbrush.streaming.messages import Uuid
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import LabelPath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
@@ -22,7 +22,7 @@ from pointbrush.web.schemas import (
     SplitOut,
 )
 
-router = APIRouter(tags=["labels"])
+router = resource("labels")
 EditId = Annotated[
     Uuid | None, Query(description="the edit's UUID: the same one twice is applied once")
 ]

@@ -12,14 +12,15 @@ from pointbrush import __version__
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.schema import schema_hash
 from pointbrush.web import auth
-from pointbrush.web.auth import Caller, Gate, Principal
+from pointbrush.web.auth import Caller, Gate, Principal, resource
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
+from pointbrush.web.roles import PREFIX
 from pointbrush.web.schemas import Health, MeOut, Ready, SessionBody, SessionOut
 from pointbrush.web.sessions import SESSION_DAYS
 
-router = APIRouter(tags=["server"])
-sign_in_router = APIRouter(tags=["server"])
+router = resource("server")
+sign_in_router = APIRouter(prefix=PREFIX, tags=["server"])
 open_router = APIRouter(include_in_schema=False)
 DOCS = Path(__file__).parents[1] / "docs"
 DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}

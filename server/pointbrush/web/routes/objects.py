@@ -5,18 +5,19 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 
 from pointbrush.ranges import runs_of
 from pointbrush.streaming.messages import ClipBox, LabelId, Sample
+from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import problem_of, responses
 from pointbrush.web.schemas import Body
 from pointbrush.workspace import Answer, StaleCandidateError, Workspace
 
-router = APIRouter(tags=["objects"])
+router = resource("objects")
 Rays = Annotated[list[Sample], Field(max_length=64)]
 
 

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import DATASETS, dataset_named
 from pointbrush.streaming.messages import Color, LabelId
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.routes.labels import EditId
 from pointbrush.web.schemas import Body, EditOut, Name
 from pointbrush.workspace import NamedLabel
 
-router = APIRouter(tags=["labels"])
+router = resource("labels")
 
 
 class PaletteLabel(BaseModel):

@@ -5,17 +5,18 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Query
+from fastapi import Query
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from pointbrush.selection import MAX_FRAMES
 from pointbrush.streaming.messages import Matrix4
+from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.workspace import Placement
 
-router = APIRouter(tags=["frames"])
+router = resource("frames")
 Many = Annotated[int, Query(ge=0, le=MAX_FRAMES // 2)]
 
 

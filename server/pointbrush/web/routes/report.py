@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import Query, Response
 
+from pointbrush.web.auth import resource
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.work.reviewing import POLICY, Table, to_csv, to_html
 
-router = APIRouter(tags=["review"])
+router = resource("review")
 TEXT = {"schema": {"type": "string"}}
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import Query
 from pydantic import BaseModel, Field
 
 from pointbrush.labels import Review
 from pointbrush.roles import includes, require
 from pointbrush.streaming.messages import FrameIndex, Vec3
-from pointbrush.web.auth import Caller, Principal
+from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import ASSIGN, DECIDE
@@ -19,7 +19,7 @@ from pointbrush.web.schemas import Body, PaintId
 from pointbrush.work.reviewing import Overview, Standing, State
 from pointbrush.workspace import Workspace
 
-router = APIRouter(tags=["review"])
+router = resource("review")
 DECISIONS = frozenset({"accepted", "rejected"})
 Note = Annotated[str, Field(max_length=2_000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")]
 Person = Annotated[str, Field(max_length=128, pattern=r"^[^\x00-\x1f\x7f]*$")]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Query
+from fastapi import Query
 
+from pointbrush.web.auth import resource
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
@@ -18,7 +19,7 @@ from pointbrush.workspace import Workspace
 
 DeletedQuery = Annotated[bool, Query(description="those that can be restored, newest first")]
 
-router = APIRouter(tags=["sequences"])
+router = resource("sequences")
 
 
 def _out(workspace: Workspace, sequence: str) -> SequenceOut:

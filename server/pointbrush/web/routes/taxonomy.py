@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from pointbrush.labels import Category
+from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 
-router = APIRouter(tags=["taxonomy"])
+router = resource("taxonomy")
 NAME = r"^[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
 """No control characters, and no space in front."""
 

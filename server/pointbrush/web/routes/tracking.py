@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Response
+from fastapi import Response
 
-from pointbrush.web.auth import Caller
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditOut
@@ -18,7 +18,7 @@ from pointbrush.web.schemas_work import (
     TrackOut,
 )
 
-router = APIRouter(tags=["tracking"])
+router = resource("tracking")
 
 
 @router.post("/sequences/{seq}/tracking", status_code=202, responses=responses(404, 409, 413))
