@@ -13,7 +13,6 @@ import {
   type Tables,
 } from './codec';
 import { STRIP, type Band } from './lattice';
-import type { Picture } from './pictures';
 
 type Vector = readonly [number, number, number];
 
@@ -21,6 +20,13 @@ type Vector = readonly [number, number, number];
 export interface Grid {
   readonly origin: Vector;
   readonly scale: Vector;
+}
+
+/** Colours of a frame's pixels that are `step` apart, row by row, of which the lowest three bytes count. */
+export interface Colors {
+  readonly pixels: Uint32Array;
+  readonly width: number;
+  readonly step: number;
 }
 
 /** Words of 32 bits in a vertex. */
@@ -87,8 +93,7 @@ export class BandPlan {
     { tokens, low }: Parts,
     { entries }: Tables,
     listed: Uint16Array,
-    picture: Picture | null,
-    pictureStep: number,
+    colors: Colors | null,
     vertices: Uint32Array,
   ): number {
     const { width, axis, sign } = this.lattice;
@@ -97,9 +102,9 @@ export class BandPlan {
     const [columnStart, rowStart] = this.starts;
     const { stamps } = this;
     const aside = (vertical ? half * stride : half) || across;
-    const shift = Math.log2(pictureStep);
-    const pixels = picture?.pixels ?? null;
-    const pictureWidth = picture?.width ?? 0;
+    const shift = Math.log2(colors?.step ?? 1);
+    const pixels = colors?.pixels ?? null;
+    const pictureWidth = colors?.width ?? 0;
     const coded = listed.length === 0;
     const room = vertices.length;
     let state = 0;

@@ -32,8 +32,16 @@ function golden(name: string): { data: Uint8Array; told: Golden; xyz: Float32Arr
 function pictureOf(told: Golden, jpeg: Uint8Array): Picture {
   const { width, rgb_base64 } = told.pictures.find(({ nbytes }) => nbytes === jpeg.length)!;
   const rgb = Buffer.from(rgb_base64, 'base64');
-  const pixels = Uint32Array.from({ length: rgb.length / 3 }, (_, i) => rgb.readUIntLE(3 * i, 3));
-  return { width, pixels };
+  const height = rgb.length / (3 * width);
+  return {
+    width,
+    height,
+    copyTo: (target) => {
+      for (let i = 0; i < width * height; i++) target.set(rgb.subarray(3 * i, 3 * i + 3), 4 * i);
+      return Promise.resolve();
+    },
+    close: () => undefined,
+  };
 }
 
 function decoderOf(told: Golden): DepthDecoder {

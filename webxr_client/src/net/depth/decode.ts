@@ -2,10 +2,10 @@
 import type { Depth, Lattice, SequenceInfo } from '../../protocol/messages';
 import type { BufferPool } from '../pool';
 import { STRIDE, type Segment, type SegmentChunk } from '../segment';
-import { BandPlan, gridOf, type Grid } from './band';
+import { BandPlan, gridOf, type Colors, type Grid } from './band';
 import { Numbers, partsOf, readListed, Tables, type Parts } from './codec';
 import { bandsOf, firstStep, type Band } from './lattice';
-import type { Picture, ReadPicture } from './pictures';
+import { PIXEL_BYTES, type Picture, type ReadPicture } from './pictures';
 
 /** State of a frame that its later chunks need of those before them. */
 interface Begun {
@@ -69,12 +69,14 @@ export class DepthDecoder {
     const first = message.chunks[0]?.index ?? 0;
     const before = first > 0 ? this.begun.get(message.frame) : undefined;
     if (!camera || message.chunks.length === 0 || (before?.chunks ?? 0) !== first) {
+      void coming?.then((picture) => picture.close());
       return this.segment(message, [], this.pool.take(0), 0, false);
     }
     const at = first + lastPicture(parts);
     const jpeg = finest(parts) ?? before?.jpeg ?? null;
     const pictureStep = finest(parts) ? camera.bands[at]!.pictureStep : (before?.pictureStep ?? 1);
     const picture = await (coming ?? (jpeg && this.readPicture(jpeg)));
+    const colors = picture && (await camera.colorsOf(picture, pictureStep));
     const waited = performance.now();
 
     const points = message.chunks.reduce((sum, chunk) => sum + chunk.count, 0);
@@ -87,15 +89,7 @@ export class DepthDecoder {
       const numbers = new Numbers(parts[i]!.tables);
       if (chunk.index === 0) listed = readListed(numbers);
       const words = new Uint32Array(vertices, start * STRIDE, (chunk.count * STRIDE) / 4);
-      const count = camera.decode(
-        chunk.index,
-        numbers,
-        parts[i]!,
-        listed,
-        picture,
-        pictureStep,
-        words,
-      );
+      const count = camera.decode(chunk.index, numbers, parts[i]!, listed, colors, words);
       if (count !== chunk.count) {
         throw new RangeError(`depth: expected ${chunk.count} points, got ${count}`);
       }
@@ -141,6 +135,8 @@ class Camera {
   private readonly tables = new Tables();
   private readonly stride: number;
   private readonly image: Uint16Array;
+  /** Bytes of the finest picture, which all frames share. */
+  private pixels = new Uint8Array(0);
 
   constructor(
     private readonly lattice: Lattice,
@@ -152,6 +148,27 @@ class Camera {
     const margin = firstStep(lattice);
     this.stride = lattice.width + margin;
     this.image = new Uint16Array(this.stride * (lattice.height + margin));
+  }
+
+  /** Take in the picture of pixels `step` apart, and close it. */
+  async colorsOf(picture: Picture, step: number): Promise<Colors> {
+    const width = Math.ceil(this.lattice.width / step);
+    const height = Math.ceil(this.lattice.height / step);
+    const nbytes = PIXEL_BYTES * width * height;
+    if (this.pixels.length < nbytes) this.pixels = new Uint8Array(nbytes);
+    const target = this.pixels.subarray(0, nbytes);
+    try {
+      if (picture.width !== width || picture.height !== height) {
+        throw new RangeError(
+          `depth: expected a picture of ${width} by ${height} pixels, ` +
+            `got ${picture.width} by ${picture.height}`,
+        );
+      }
+      await picture.copyTo(target);
+    } finally {
+      picture.close();
+    }
+    return { pixels: new Uint32Array(target.buffer, 0, width * height), width, step };
   }
 
   /** Begin with what came of a frame before, or with nothing. */
@@ -185,14 +202,13 @@ class Camera {
     numbers: Numbers,
     parts: Parts,
     listed: Uint16Array,
-    picture: Picture | null,
-    pictureStep: number,
+    colors: Colors | null,
     vertices: Uint32Array,
   ): number {
     const plan = this.plans[chunk];
     if (!plan) throw new RangeError(`depth: expected chunks before ${this.plans.length}`);
     const { image, stride, tables } = this;
     tables.read(numbers);
-    return plan.decode(image, stride, parts, tables, listed, picture, pictureStep, vertices);
+    return plan.decode(image, stride, parts, tables, listed, colors, vertices);
   }
 }

@@ -1,27 +1,85 @@
 /** JPEG → pixels, by the browser's own decoder, which works in a thread of its own. */
 
+const JPEG = 'image/jpeg';
+export const PIXEL_BYTES = 4;
+
+/** A picture that has been decoded, until it is closed. */
 export interface Picture {
-  /** Red, green and blue in the three lowest bytes, row by row. */
-  readonly pixels: Uint32Array;
   readonly width: number;
+  readonly height: number;
+  /** Write red, green, blue and a spare byte of each pixel, row by row. */
+  copyTo(target: Uint8Array<ArrayBuffer>): Promise<void>;
+  close(): void;
 }
 
 export type ReadPicture = (jpeg: Uint8Array<ArrayBuffer>) => Promise<Picture>;
 
+export const readPicture: ReadPicture = async (jpeg) => {
+  if (typeof ImageDecoder === 'undefined') {
+    const blob = new Blob([jpeg], { type: JPEG });
+    return new Drawn(await createImageBitmap(blob, { colorSpaceConversion: 'none' }));
+  }
+  // Neither a blob, which another process keeps, nor a canvas to be read back.
+  const decoder = new ImageDecoder({ data: jpeg, type: JPEG, colorSpaceConversion: 'none' });
+  try {
+    const { image } = await decoder.decode();
+    return converts(image) ? new Converted(image) : new Drawn(image);
+  } finally {
+    decoder.close();
+  }
+};
+
+/** Whether this browser's frames turn into RGB: older ones take no notice of the format. */
+function converts(image: VideoFrame): boolean {
+  const { displayWidth, displayHeight } = image;
+  return image.allocationSize({ format: 'RGBX' }) === PIXEL_BYTES * displayWidth * displayHeight;
+}
+
+class Converted implements Picture {
+  readonly width: number;
+  readonly height: number;
+
+  constructor(private readonly image: VideoFrame) {
+    this.width = image.displayWidth;
+    this.height = image.displayHeight;
+  }
+
+  async copyTo(target: Uint8Array<ArrayBuffer>): Promise<void> {
+    await this.image.copyTo(target, { format: 'RGBX' });
+  }
+
+  close(): void {
+    this.image.close();
+  }
+}
+
 let canvas: OffscreenCanvas | null = null;
 let context: OffscreenCanvasRenderingContext2D | null = null;
 
-export const readPicture: ReadPicture = async (jpeg) => {
-  const blob = new Blob([jpeg], { type: 'image/jpeg' });
-  const bitmap = await createImageBitmap(blob, { colorSpaceConversion: 'none' });
-  const { width, height } = bitmap;
-  if (canvas?.width !== width || canvas.height !== height) {
-    canvas = new OffscreenCanvas(width, height);
-    context = canvas.getContext('2d', { alpha: false, willReadFrequently: true });
+/** Where there is nothing better: drawn on a canvas, and read back. */
+class Drawn implements Picture {
+  readonly width: number;
+  readonly height: number;
+
+  constructor(private readonly image: ImageBitmap | VideoFrame) {
+    const bitmap = image instanceof ImageBitmap;
+    this.width = bitmap ? image.width : image.displayWidth;
+    this.height = bitmap ? image.height : image.displayHeight;
   }
-  if (!context) throw new Error('This browser gives no 2D canvas to a worker.');
-  context.drawImage(bitmap, 0, 0);
-  bitmap.close();
-  const { data } = context.getImageData(0, 0, width, height);
-  return { pixels: new Uint32Array(data.buffer, data.byteOffset, width * height), width };
-};
+
+  copyTo(target: Uint8Array<ArrayBuffer>): Promise<void> {
+    const { width, height } = this;
+    if (canvas?.width !== width || canvas.height !== height) {
+      canvas = new OffscreenCanvas(width, height);
+      context = canvas.getContext('2d', { alpha: false, willReadFrequently: true });
+    }
+    if (!context) throw new Error('This browser gives no 2D canvas to a worker.');
+    context.drawImage(this.image, 0, 0);
+    target.set(context.getImageData(0, 0, width, height).data);
+    return Promise.resolve();
+  }
+
+  close(): void {
+    this.image.close();
+  }
+}
