@@ -21,17 +21,15 @@ from object_clicks import LEAST_POINTS, as_mask, next_click, objects, stroke
 from object_scenes import GENERATED, HELD_OUT, Scene
 
 from pointbrush.selection.objects import ObjectOptions, ObjectState
+from pointbrush.selection.objects.choosing import propose
 from pointbrush.selection.objects.clicks import place_clicks
-from pointbrush.selection.objects.features import FEATURES
-from pointbrush.selection.objects.forest import Forest
 from pointbrush.selection.objects.preparing import Parts, part_frame
-from pointbrush.selection.objects.proposals import propose
 from pointbrush.selection.objects.state import state_of
 from pointbrush.selection.objects.sums import COUNT
-from pointbrush.selection.objects.tree import record_tree
+from pointbrush.selection.objects.tree import FEATURES, record_tree
 from pointbrush.selection.objects.unions import Unions
 from pointbrush.selection.objects.value import VALUES
-from pointbrush.selection.objects.weights import FILE, Weights, save_weights
+from pointbrush.selection.objects.weights import FILE, Forest, Weights, save_weights
 
 SCENES = {"juggling": 10, "tabletop": 20, "walking": 10, "view": 44, "scan": 32, "street": 40}
 """Frames of each kind; all sizes of the sets below are for all of them."""

@@ -56,7 +56,7 @@ def cluster(
     leads from one to the other; steps up to 1.7 times as long may count.  Nothing where only
     ground lies within ``radius`` of the place.
     """
-    from pointbrush.selection.objects.ground import height_over_ground  # brings Numba
+    from pointbrush.selection.objects.cells import height_over_ground  # brings Numba
 
     numbers = _surroundings(points, hit)
     if alive is not None:

@@ -1,4 +1,8 @@
-"""Clicks on a prepared frame → at most six nested candidates."""
+"""Clicks on a prepared frame → at most six nested candidates, from part to group.
+
+All regions that clicks can mean are proposed; of those that the value model expects to be right
+the few are offered that clearly differ.
+"""
 
 from __future__ import annotations
 
@@ -8,15 +12,98 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.selection.objects import sums
-from pointbrush.selection.objects.clicks import place_clicks
-from pointbrush.selection.objects.ladder import choose_levels
-from pointbrush.selection.objects.options import ObjectOptions
-from pointbrush.selection.objects.proposals import Mask, propose
+from pointbrush.selection.objects.clicks import (
+    Clicks,
+    Taken,
+    kept_cells,
+    place_clicks,
+    taken_so_far,
+)
+from pointbrush.selection.objects.options import LadderOptions, ObjectOptions
 from pointbrush.selection.objects.state import ObjectState
-from pointbrush.selection.objects.value import expected_iou
+from pointbrush.selection.objects.unions import Unions, find_unions
+from pointbrush.selection.objects.value import expected_iou, value_features
 from pointbrush.selection.objects.weights import Weights, built_in
 
+Mask = NDArray[np.bool_]
 NOWHERE = np.empty((0, 3))
+
+
+def choose_levels(
+    masks: Mask,
+    size: NDArray[np.float64],
+    score: NDArray[np.float64],
+    kept: int | None,
+    options: LadderOptions,
+) -> list[int]:
+    """Return numbers of nested candidates: the one to show, then the others by falling score.
+
+    ``masks`` (n, P) pieces, ``size`` (n,) their cells, ``score`` (n,); ``kept`` the number of
+    what was taken before, which stays among them, and first unless another is clearly better.
+    """
+    chosen = [] if kept is None else [kept]
+    closest = options.closest if kept is None else options.closest_after
+    for i in np.argsort(-score, kind="stable").tolist():
+        if len(chosen) == options.levels:
+            break
+        if all(_apart(masks, size, i, other, closest) for other in chosen):
+            chosen.append(i)
+    if kept is None or len(chosen) == 1:
+        return chosen
+    better = score[chosen[1]] > score[kept] + options.keep
+    return [chosen[1], kept, *chosen[2:]] if better else chosen
+
+
+def _apart(masks: Mask, size: NDArray[np.float64], i: int, other: int, closest: float) -> bool:
+    """Whether one of two candidates holds the other and is clearly larger."""
+    small, large = (i, other) if size[i] < size[other] else (other, i)
+    if size[small] > closest * size[large]:
+        return False
+    return not bool((masks[small] & ~masks[large]).any())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposals:
+    """``unions`` of pieces and their ``features`` (n, VALUES); with something ``taken`` the last
+    is that.  ``open_`` (C,) cells that are not nearer to an unwanted click on the same piece."""
+
+    unions: Unions
+    features: NDArray[np.float64]
+    taken: Taken | None
+    open_: Mask
+
+    def points(self, state: ObjectState, i: int) -> NDArray[np.int64]:
+        """Return the point numbers of a proposal, ascending."""
+        cells = np.append(self.cells(state, i), False)  # the last one for points without a cell
+        return np.flatnonzero(cells[state.of_point])
+
+    def cells(self, state: ObjectState, i: int) -> Mask:
+        """Return which cells (C,) a proposal holds.
+
+        Of what is taken only the pieces change that the proposal adds or leaves out as a whole.
+        """
+        mask = self.unions.masks[i]
+        if self.taken is None:
+            return np.asarray(mask[state.piece] & self.open_)
+        added, removed = mask & ~self.taken.pieces, self.taken.pieces & ~mask
+        return np.asarray(
+            self.taken.cells & ~removed[state.piece] | added[state.piece] & self.open_
+        )
+
+
+def propose(
+    state: ObjectState,
+    wanted: Clicks,
+    unwanted: Clicks,
+    mask: NDArray[np.integer] | Mask | None,
+    options: ObjectOptions,
+) -> Proposals:
+    """Return all regions for some clicks.  Raises BadInputError for a mask out of range."""
+    taken = taken_so_far(state, mask, wanted, unwanted, options.patches)
+    unions = find_unions(state, wanted, unwanted, taken, options.ladder.times)
+    pieces = None if taken is None else taken.pieces
+    features = value_features(state, unions, wanted, unwanted, pieces)
+    return Proposals(unions, features, taken, kept_cells(state, wanted, unwanted))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

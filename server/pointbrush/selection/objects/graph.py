@@ -1,4 +1,9 @@
-"""The first graph: neighbouring cells, their normals, and what parts them along each edge."""
+"""The first graph of a frame, and the pieces that it falls into.
+
+Neighbouring cells, their normals, and what parts them along each edge; pieces are small smooth
+patches (Felzenszwalb and Huttenlocher, IJCV 2004), and bridges lead between them.  Eigenvalues of
+symmetric 3 x 3 matrices are in closed form (Smith, CACM 4, 1961).
+"""
 
 from __future__ import annotations
 
@@ -8,15 +13,70 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.compiled import compiled
-from pointbrush.selection.objects.eigen import eigenvalues, eigenvector
-from pointbrush.selection.objects.options import GraphOptions, SensorKind
-from pointbrush.selection.objects.union import find
+from pointbrush.compiled import compiled, innermost
+from pointbrush.selection.objects.options import (
+    BridgeOptions,
+    GraphOptions,
+    GroundOptions,
+    PieceOptions,
+    SensorKind,
+)
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 SIXTH = 6
 """The neighbour whose distance tells the spacing."""
+
+
+@innermost
+def eigenvalues(
+    xx: float, xy: float, xz: float, yy: float, yz: float, zz: float
+) -> tuple[float, float, float]:
+    """Return the eigenvalues, least first."""
+    q = (xx + yy + zz) / 3
+    off = xy * xy + xz * xz + yz * yz
+    spread = (xx - q) ** 2 + (yy - q) ** 2 + (zz - q) ** 2 + 2 * off
+    if spread <= 1e-300:
+        return q, q, q
+    p = np.sqrt(spread / 6)
+    a, b, c = (xx - q) / p, (yy - q) / p, (zz - q) / p
+    d, e, f = xy / p, xz / p, yz / p
+    half = (a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)) / 2
+    angle = np.arccos(min(1.0, max(-1.0, half))) / 3
+    high = q + 2 * p * np.cos(angle)
+    low = q + 2 * p * np.cos(angle + 2 * np.pi / 3)
+    return low, 3 * q - high - low, high
+
+
+@innermost
+def eigenvector(
+    xx: float, xy: float, xz: float, yy: float, yz: float, zz: float, value: float
+) -> tuple[float, float, float]:
+    """Return the unit eigenvector of ``value``: the longest cross product of two rows."""
+    a, b, c = xx - value, yy - value, zz - value
+    x0, y0, z0 = xy * yz - xz * b, xz * xy - a * yz, a * b - xy * xy
+    x1, y1, z1 = xy * c - xz * yz, xz * xz - a * c, a * yz - xy * xz
+    x2, y2, z2 = b * c - yz * yz, yz * xz - xy * c, xy * yz - b * xz
+    n0 = x0 * x0 + y0 * y0 + z0 * z0
+    n1 = x1 * x1 + y1 * y1 + z1 * z1
+    n2 = x2 * x2 + y2 * y2 + z2 * z2
+    if n1 > n0:
+        x0, y0, z0, n0 = x1, y1, z1, n1
+    if n2 > n0:
+        x0, y0, z0, n0 = x2, y2, z2, n2
+    if n0 <= 1e-300:
+        return 0.0, 0.0, 1.0
+    n0 = np.sqrt(n0)
+    return x0 / n0, y0 / n0, z0 / n0
+
+
+@innermost
+def find(parent: NDArray[np.int64], i: int) -> int:
+    """Return the root of ``i`` and shorten the way to it."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -206,3 +266,82 @@ def across_edges(center: Floats, normal: Floats, lab: Floats, edges: Ints) -> Fl
         across[e, 2] = np.sqrt(colour)
         across[e, 3] = length
     return across
+
+
+def make_pieces(
+    graph: Graph, height: Floats, sensor: SensorKind, options: PieceOptions, ground: GroundOptions
+) -> Ints:
+    """Return the piece (C,) of each cell, numbered from 0 in the order of their first cells."""
+    turn, bend, colour, _ = graph.across.T
+    weight = np.where(bend < 0, turn * turn, turn) + options.colour * colour
+    scale, fewest = options.scale, options.fewest
+    if sensor == "lidar":
+        scale, fewest = options.lidar_scale, options.lidar_fewest
+        low = height < ground.clearance
+        weight = weight + options.ground_step * (low[graph.edges[:, 0]] != low[graph.edges[:, 1]])
+    order = np.argsort(weight, kind="stable")
+    return _grown(graph.edges, weight, order, len(height), scale, fewest)
+
+
+@compiled
+def _grown(edges: Ints, weight: Floats, order: Ints, count: int, scale: float, fewest: int) -> Ints:
+    parent, size = np.arange(count), np.ones(count, np.int64)
+    most = np.full(count, scale)
+    for e in order:
+        a, b = find(parent, edges[e, 0]), find(parent, edges[e, 1])
+        if a != b and weight[e] <= min(most[a], most[b]):
+            parent[b] = a
+            size[a] += size[b]
+            most[a] = weight[e] + scale / size[a]
+    for e in order:
+        a, b = find(parent, edges[e, 0]), find(parent, edges[e, 1])
+        if a != b and min(size[a], size[b]) < fewest:
+            parent[b] = a
+            size[a] += size[b]
+    return _numbered(parent)
+
+
+@compiled
+def _numbered(parent: Ints) -> Ints:
+    """Number (n,) of each thing's root, from 0, in the order in which they come."""
+    number, result = np.full(len(parent), -1, np.int64), np.empty(len(parent), np.int64)
+    found = 0
+    for i in range(len(parent)):
+        root = find(parent, i)
+        if number[root] < 0:
+            number[root] = found
+            found += 1
+        result[i] = number[root]
+    return result
+
+
+def bridges(graph: Graph, sensor: SensorKind, options: BridgeOptions) -> Ints:
+    """Return edges (B, 2) of cells between components that the graph leaves apart."""
+    none = np.empty((0, 2), np.int64)
+    if sensor == "room" or len(graph.near) < 2:
+        return none
+    component = _components(graph.edges, len(graph.near))
+    sizes = np.bincount(component)
+    if len(sizes) < 2:
+        return none
+    reach = options.lidar_reach if sensor == "lidar" else options.reach
+    cell, slot = np.nonzero((component[graph.near] != component[:, None]) & (graph.away <= reach))
+    detached = component[cell] != int(sizes.argmax())
+    cell, slot = cell[detached], slot[detached]
+    order = np.lexsort((cell, graph.away[cell, slot], component[cell]))
+    cell, slot = cell[order], slot[order]
+    own = component[cell]
+    first = np.searchsorted(own, own)
+    kept = np.arange(len(own)) - first < options.links
+    pairs = np.stack([cell[kept], graph.near[cell[kept], slot[kept]]], axis=1)
+    return np.unique(np.sort(pairs, axis=1), axis=0) if len(pairs) else none
+
+
+@compiled
+def _components(edges: Ints, count: int) -> Ints:
+    parent = np.arange(count)
+    for e in range(len(edges)):
+        a, b = find(parent, edges[e, 0]), find(parent, edges[e, 1])
+        if a != b:
+            parent[max(a, b)] = min(a, b)
+    return _numbered(parent)

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.objects.cells import Cells, make_cells
-from pointbrush.selection.objects.graph import Graph, across_edges, make_graph
-from pointbrush.selection.objects.ground import height_over_floor, height_over_ground
+from pointbrush.selection.objects.cells import (
+    Cells,
+    height_over_floor,
+    height_over_ground,
+    make_cells,
+)
+from pointbrush.selection.objects.graph import Graph, across_edges, bridges, make_graph, make_pieces
 from pointbrush.selection.objects.options import ObjectOptions
-from pointbrush.selection.objects.pieces import bridges, make_pieces
 from pointbrush.selection.objects.state import ObjectFrame, ObjectState, state_of
 from pointbrush.selection.objects.sums import Pieces, sum_pieces
 from pointbrush.selection.objects.tree import grow_tree

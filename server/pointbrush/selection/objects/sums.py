@@ -1,4 +1,7 @@
-"""Sums over pieces and over the boundaries between them; all add up when pieces merge."""
+"""Sums over pieces and their boundaries, and numbers that describe a region by its sums.
+
+All add up when pieces merge; merging and valuing read a region by its sums.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
-from pointbrush.selection.objects.graph import Graph
+from pointbrush.selection.objects.graph import Graph, eigenvalues
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -95,3 +98,44 @@ def add(one: Floats, other: Floats, into: Floats) -> None:
     for k in range(3):
         into[LOW + k] = min(one[LOW + k], other[LOW + k])
         into[HIGH + k] = max(one[HIGH + k], other[HIGH + k])
+
+
+@innermost
+def extents(row: Floats, out: Floats) -> None:
+    """Write the root eigenvalues, metres, least first, of a region's spread to ``out`` (3,)."""
+    n, x, s = row[COUNT], XYZ, SQUARES
+    mx, my, mz = row[x] / n, row[x + 1] / n, row[x + 2] / n
+    low, middle, high = eigenvalues(
+        row[s] / n - mx * mx,
+        row[s + 1] / n - mx * my,
+        row[s + 2] / n - mx * mz,
+        row[s + 3] / n - my * my,
+        row[s + 4] / n - my * mz,
+        row[s + 5] / n - mz * mz,
+    )
+    out[0], out[1], out[2] = np.sqrt(max(low, 0)), np.sqrt(max(middle, 0)), np.sqrt(max(high, 0))
+
+
+@innermost
+def colour_spread(row: Floats) -> float:
+    """Return the standard deviation of a region's Lab colours."""
+    n, total = row[COUNT], 0.0
+    for k in range(3):
+        mean = row[LAB + k] / n
+        total += max(row[LAB_SQUARES + k] / n - mean * mean, 0.0)
+    return float(np.sqrt(total))
+
+
+@innermost
+def normal_length(row: Floats) -> float:
+    """Return the length of the mean normal: 1 flat, 0 closed."""
+    x, y, z = row[NORMAL], row[NORMAL + 1], row[NORMAL + 2]
+    return float(np.sqrt(x * x + y * y + z * z) / row[COUNT])
+
+
+@innermost
+def box(row: Floats, out: Floats) -> None:
+    """Write height, longer and shorter side of the upright box, metres, to ``out`` (3,)."""
+    a = row[HIGH] - row[LOW]
+    b = row[HIGH + 1] - row[LOW + 1]
+    out[0], out[1], out[2] = row[HIGH + 2] - row[LOW + 2], max(a, b), min(a, b)

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled
 from pointbrush.selection.objects import sums
-from pointbrush.selection.objects.clicks import Clicks
+from pointbrush.selection.objects.clicks import Clicks, Taken
 from pointbrush.selection.objects.state import ObjectState
-from pointbrush.selection.objects.taken import Taken
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]

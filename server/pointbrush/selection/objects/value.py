@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
-from pointbrush.selection.objects import shape, sums
+from pointbrush.selection.objects import sums
 from pointbrush.selection.objects.clicks import Clicks
-from pointbrush.selection.objects.forest import Forest, answer
 from pointbrush.selection.objects.state import ObjectState
 from pointbrush.selection.objects.unions import Unions
+from pointbrush.selection.objects.weights import Forest, answer
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -110,14 +110,14 @@ def _regions(total: Floats, cut: Floats, area: float, out: Floats) -> None:
 def _region(row: Floats, cut: Floats, area: float, out: Floats) -> None:
     n, at = row[sums.COUNT], REGION
     out[at], out[at + 1] = np.log(n), np.log(n * area)
-    shape.extents(row, out[at + 2 : at + 5])
+    sums.extents(row, out[at + 2 : at + 5])
     low, middle, high = out[at + 2], out[at + 3], out[at + 4]
     out[at + 5] = low / max(high, 1e-6)
     out[at + 6] = middle / max(high, 1e-6)
-    out[at + 7] = shape.colour_spread(row)
+    out[at + 7] = sums.colour_spread(row)
     out[at + 8], out[at + 9] = row[sums.ROUGH] / n, row[sums.STEEP] / n
-    out[at + 10] = shape.normal_length(row)
-    shape.box(row, out[at + 11 : at + 14])
+    out[at + 10] = sums.normal_length(row)
+    sums.box(row, out[at + 11 : at + 14])
     out[at + 14], out[at + 15] = row[sums.LOW + 2], row[sums.HIGH + 2]
     out[at + 16] = row[sums.XYZ + 2] / n
     # How much of its upright box, and of its own extent, a region fills.

@@ -1,4 +1,7 @@
-"""Learnt weights: two forests in one file of the package (``benchmarks/train_selection.py``)."""
+"""Learnt weights: two forests of boosted trees in one file of the package.
+
+The trees are plain arrays, read by compiled loops; ``benchmarks/train_selection.py`` makes them.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,43 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pointbrush.selection.objects.forest import Forest
+from pointbrush.compiled import innermost
 
 FILE = Path(__file__).with_name("weights.npz")
+
+
+class Forest(NamedTuple):
+    """Trees that share their arrays; a node's children follow its tree's numbers.
+
+    ``feature`` (n,) int16, -1 for a leaf; ``threshold`` (n,) float32: left when a value is not
+    above it, and a leaf's value; ``left``, ``right`` (n,) int32; ``roots`` (trees,) int32.
+    """
+
+    feature: NDArray[np.int16]
+    threshold: NDArray[np.float32]
+    left: NDArray[np.int32]
+    right: NDArray[np.int32]
+    roots: NDArray[np.int32]
+
+
+@innermost
+def answer(
+    feature: NDArray[np.int16],
+    threshold: NDArray[np.float32],
+    left: NDArray[np.int32],
+    right: NDArray[np.int32],
+    roots: NDArray[np.int32],
+    row: NDArray[np.float64],
+) -> float:
+    """Return the sum of the leaves that a row of numbers reaches."""
+    total = 0.0
+    for at in roots:
+        while feature[at] >= 0:
+            at = left[at] if row[feature[at]] <= threshold[at] else right[at]
+        total += threshold[at]
+    return total
 
 
 class Weights(NamedTuple):
