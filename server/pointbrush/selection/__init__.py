@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
-    from pointbrush.selection.plane import fit_plane
-    from pointbrush.selection.points import Blocks, Points
-    from pointbrush.selection.pointset import PointSet
+    from pointbrush.selection.plane import Plane, fit_plane
+    from pointbrush.selection.points import Blocks, Points, PointSet
     from pointbrush.selection.selecting import Selector, first_hits, select
     from pointbrush.selection.shapes import SHAPES
     from pointbrush.selection.stroke import MAX_FRAMES, TOOLS, Stroke
-    from pointbrush.selection.surface import Plane
 
 __all__ = [
     "MAX_FRAMES",
@@ -33,7 +31,7 @@ _PLACES = {
     "fit_plane": "pointbrush.selection.plane",
     "Blocks": "pointbrush.selection.points",
     "Points": "pointbrush.selection.points",
-    "PointSet": "pointbrush.selection.pointset",
+    "PointSet": "pointbrush.selection.points",
     "Selector": "pointbrush.selection.selecting",
     "first_hits": "pointbrush.selection.selecting",
     "select": "pointbrush.selection.selecting",
@@ -41,7 +39,7 @@ _PLACES = {
     "MAX_FRAMES": "pointbrush.selection.stroke",
     "TOOLS": "pointbrush.selection.stroke",
     "Stroke": "pointbrush.selection.stroke",
-    "Plane": "pointbrush.selection.surface",
+    "Plane": "pointbrush.selection.plane",
 }
 if not TYPE_CHECKING:
     __getattr__ = lazily(__name__, _PLACES)

@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.parameters import RADIUS, EditName, Flag, Parameter, Rays, Text, Whole
-from pointbrush.selection.shape import Parts, Selecting, Shape
+from pointbrush.selection.shape import (
+    RADIUS,
+    EditName,
+    Flag,
+    Parameter,
+    Parts,
+    Rays,
+    Selecting,
+    Shape,
+    Text,
+    Whole,
+)
 
 MOST_RAYS = 64
 """Rays of one object, of either kind."""

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.selection.points import Points
-from pointbrush.selection.ray import Alive
-from pointbrush.selection.regions import region_shape
+from pointbrush.selection.ray import Alive, region_shape
 from pointbrush.selection.sphere import swept_ball
 
 if TYPE_CHECKING:

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.parameters import Numbers, Parameter, Vertices
 from pointbrush.selection.points import Points
 from pointbrush.selection.rigid import inverse
-from pointbrush.selection.shape import Parts, Selecting, Shape, Values
+from pointbrush.selection.shape import Numbers, Parameter, Parts, Selecting, Shape, Values, Vertices
 
 
 def lasso(

@@ -1,4 +1,8 @@
-"""The view of a frame that selection works on, and culling by its blocks."""
+"""The view of a frame that selection works on: culling by its blocks, and sets of its points.
+
+A set of numbers grows bit by bit, a byte for each point near those in it, however many the frame
+has.  Points near others are the same object in a frame that is laid over the one it was found in.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.ranges import ranges
+from pointbrush.ranges import by_block, ranges
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -19,6 +23,12 @@ PIXELS_APART = 2.0
 """Pixels that neighbours on a surface are apart at most, seen from where they were measured."""
 NOTHING: NDArray[np.int64] = np.empty(0, np.int64)
 """A part of a selection without points: between two of them somebody else may have a turn."""
+BLOCK = 65_536
+PART_POINTS = 1 << 20
+REACH = 2.0
+"""Distances between neighbours within which a point counts as one of the same surface."""
+LEAST_REACH = 0.005
+"""Metres, about a depth camera's noise."""
 
 
 class Blocks(Protocol):
@@ -163,3 +173,75 @@ class Points:
         axis, pitch = self.pixels.axis, max(map(abs, self.pixels.pitch))
         depth = np.abs(self.xyz[numbers, axis] - self.pixels.eye[axis])
         return np.asarray(np.minimum(spacing, PIXELS_APART * pitch * depth))
+
+
+class PointSet:
+    """A set of stored numbers."""
+
+    def __init__(self) -> None:
+        self._blocks: dict[int, NDArray[np.bool_]] = {}
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Take in sorted numbers (n,); returns those that were not here."""
+        fresh = np.empty(len(numbers), np.bool_)
+        for first, part in by_block(numbers, BLOCK):
+            if first not in self._blocks:
+                self._blocks[first] = np.zeros(BLOCK, np.bool_)
+            inside = self._blocks[first]
+            at = numbers[part] - first
+            fresh[part] = ~inside[at]
+            inside[at] = True
+        new = numbers[fresh]
+        self._count += len(new)
+        return new
+
+    def has_any(self, numbers: NDArray[np.int64]) -> bool:
+        """Whether one of sorted numbers (n,) is here."""
+        return any(
+            first in self._blocks and bool(self._blocks[first][numbers[part] - first].any())
+            for first, part in by_block(numbers, BLOCK)
+        )
+
+    def parts(self) -> Iterator[NDArray[np.int64]]:
+        """All numbers, ascending, about a million at a time."""
+        gathered: list[NDArray[np.int64]] = []
+        for first in sorted(self._blocks):
+            gathered.append(np.flatnonzero(self._blocks[first]) + first)
+            if sum(map(len, gathered)) > PART_POINTS - BLOCK:
+                yield np.concatenate(gathered)
+                gathered.clear()
+        if gathered:
+            yield np.concatenate(gathered)
+
+
+def reach_of(xyz: NDArray[np.float64], spacings: float = REACH) -> float:
+    """Return metres within which a point counts as one of the surface of points (N, 3).
+
+    As many ``spacings``, the median distance between neighbours; at least ``LEAST_REACH``.
+    """
+    from scipy.spatial import cKDTree
+
+    if len(xyz) < 2:
+        return LEAST_REACH
+    apart = np.asarray(cKDTree(xyz).query(xyz, k=2)[0])[:, 1]
+    return max(LEAST_REACH, spacings * float(np.median(apart)))
+
+
+def near(points: Points, xyz: NDArray[np.float64], reach: float) -> NDArray[np.int64]:
+    """Numbers of the points within ``reach`` of one of ``xyz`` (N, 3), local metres; sorted."""
+    from scipy.spatial import cKDTree
+
+    if len(xyz) == 0:
+        return NOTHING
+    tree = cKDTree(xyz)
+    found = [NOTHING]
+    blocks = points.blocks_in_box(xyz.min(axis=0) - reach, xyz.max(axis=0) + reach)
+    for group in points.groups(blocks):
+        numbers = points.numbers(group)
+        apart, _ = tree.query(points.xyz[numbers], distance_upper_bound=reach)
+        found.append(numbers[np.isfinite(apart)])
+    return np.concatenate(found)

@@ -1,4 +1,7 @@
-"""The ray brush: a ball round the first surface that each ray meets, or all along the ray."""
+"""The ray brush: a ball round the first surface that each ray meets, or all along the ray.
+
+Shapes that take the region round each place that a ray meets stand on the same hits.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.parameters import RADIUS, Flag, Parameter
-from pointbrush.selection.points import Points
-from pointbrush.selection.shape import Parts, Selecting, Shape
-from pointbrush.selection.sphere import balls
+from pointbrush.selection.points import NOTHING, Points
+from pointbrush.selection.shape import RADIUS, Flag, Parameter, Parts, Selecting, Shape
+from pointbrush.selection.sphere import balls, swept_ball
 
 RUN = 16
 """Rays that are worked on together: neighbours meet the same blocks."""
@@ -20,6 +22,8 @@ MARGIN, MARGIN_SQUARED = 1e-6, 1e-12
 """Of the squared radius, and of the greatest squared distance: more than float64 rounds."""
 Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
 """Says of point numbers whether each can be hit (a deleted point cannot)."""
+Region = Callable[[Points, NDArray[np.float64], float, Alive | None], Parts]
+"""Points, a place (3,) local metres, radius, alive → the numbers of the region round the place."""
 
 
 def ray_balls(at: Selecting) -> Iterator[NDArray[np.int64]]:
@@ -187,3 +191,20 @@ RAY = Shape(
     take=_take,
     meets=lambda values: not values["through"],
 )
+
+
+def region_shape(name: str, about: str, region: Region) -> Shape:
+    """Return the shape that takes such a region round each hit."""
+
+    def take(at: Selecting) -> Parts:
+        points, stroke, radius = at.points, at.stroke, at.stroke.radius
+        for run in runs(len(stroke.origins)):
+            hits = places_met(at, run)
+            for hit in hits[np.isfinite(hits[:, 0])]:
+                near = swept_ball(points, hit[None], radius)
+                # Dragging over a region that is already filled must not fill it again.
+                if len(near) and not at.taken.has_any(near):
+                    yield from region(points, hit, radius, at.alive)
+            yield NOTHING
+
+    return Shape(name, about, (RADIUS,), take=take, fills=True, meets=lambda _values: True)

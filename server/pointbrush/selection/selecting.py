@@ -1,18 +1,21 @@
-"""From a stroke to point numbers, at once or sample by sample while it is drawn."""
+"""From a stroke to point numbers, at once or sample by sample while it is drawn.
+
+Frames that are laid over one another are taken from as if they were one cloud.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.clip import clipped
-from pointbrush.selection.points import Points
-from pointbrush.selection.pointset import PointSet
+from pointbrush.selection.box import clipped
+from pointbrush.selection.points import Points, PointSet
 from pointbrush.selection.ray import Alive, first_hits
+from pointbrush.selection.rigid import Matrix, inverse, transformed
 from pointbrush.selection.shape import Parts, Selecting
 from pointbrush.selection.stroke import Stroke
 
@@ -82,3 +85,71 @@ class Selector:
                 self._end = batch.origins[-1:]
             for part in _taken(self._points, batch, self._alive, self.taken):
                 yield self.taken.add(part)
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Points that are shown by one rigid transform: a frame, or an object that moves in it.
+
+    ``T_shown_layer`` (4, 4) from the points' local coordinates to those of the stroke;
+    ``touchable`` says which points rays meet; ``part`` which points of the frame belong to the
+    layer, None for all.
+    """
+
+    points: Points
+    T_shown_layer: Matrix
+    touchable: Alive
+    part: Alive | None = None
+
+    def meets(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return which of stored ``numbers`` (n,) rays meet."""
+        met = self.touchable(numbers)
+        return met if self.part is None else met & self.part(numbers)
+
+    def own(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return those of stored ``numbers`` (n,) that belong to the layer."""
+        return numbers if self.part is None else numbers[self.part(numbers)]
+
+
+class OverlaySelector:
+    """``Selector`` for several layers: a ray meets the first surface among all of them."""
+
+    def __init__(self, layers: Sequence[Layer], brush: Stroke) -> None:
+        """``brush`` is the stroke without samples, in the coordinates that are shown."""
+        self._layers = layers
+        self._brush = brush
+        self._T = [inverse(layer.T_shown_layer) for layer in layers]
+        self._selectors = [
+            Selector(layer.points, brush.placed(T), layer.meets)
+            for layer, T in zip(layers, self._T, strict=True)
+        ]
+
+    def begun(self) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Return each layer's number and the points that the parameters alone take."""
+        for k, selector in enumerate(self._selectors):
+            for numbers in selector.taken.parts():
+                yield k, self._layers[k].own(numbers)
+
+    def add(self, samples: Stroke) -> Iterator[tuple[int, NDArray[np.int64]]]:
+        """Take in samples while layers' numbers and newly touched points are read."""
+        for start in range(0, len(samples.origins), SWEPT):
+            batch = samples.run(slice(start, start + SWEPT))
+            if len(self._layers) > 1 and self._brush.kind.meets(self._brush.values):
+                batch = replace(batch, met=self._met(batch))
+            for k, (selector, T) in enumerate(zip(self._selectors, self._T, strict=True)):
+                for fresh in selector.add(batch.placed(T)):
+                    yield k, self._layers[k].own(fresh)
+
+    def _met(self, batch: Stroke) -> NDArray[np.float64]:
+        """Return the points (S, 3) in which rays first meet any layer's surface; NaN: none."""
+        nearest = np.full(len(batch.origins), np.inf)
+        hits = np.full((len(batch.origins), 3), np.nan)
+        for layer, T in zip(self._layers, self._T, strict=True):
+            there = batch.placed(T)
+            meets = clipped(there.clip, layer.points, layer.meets)
+            found = first_hits(layer.points, there.origins, there.directions, batch.radius, meets)
+            found = transformed(layer.T_shown_layer, found)
+            along = np.einsum("ij,ij->i", found - batch.origins, batch.directions)
+            nearer = along < nearest  # not where NaN
+            nearest[nearer], hits[nearer] = along[nearer], found[nearer]
+        return hits

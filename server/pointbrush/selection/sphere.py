@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.ranges import ranges
-from pointbrush.selection.parameters import RADIUS
 from pointbrush.selection.points import Points
-from pointbrush.selection.shape import Parts, Selecting, Shape
+from pointbrush.selection.shape import RADIUS, Parts, Selecting, Shape
 
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.clip import Clip
-from pointbrush.selection.parameters import rows, unit
+from pointbrush.selection.box import Clip
 from pointbrush.selection.rigid import transformed, translation
-from pointbrush.selection.shape import Shape, Values
+from pointbrush.selection.shape import Shape, Values, rows, unit
 from pointbrush.selection.shapes import SHAPES
 
 TOOLS = ("paint", "erase", "delete", "restore")

@@ -8,7 +8,7 @@ from pydantic import Field, create_model
 
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
-from pointbrush.selection.parameters import (
+from pointbrush.selection.shape import (
     EditName,
     Flag,
     Kind,

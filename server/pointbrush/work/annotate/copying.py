@@ -9,7 +9,7 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED
-from pointbrush.selection.near import near, reach_of
+from pointbrush.selection.points import near, reach_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.accepting import called, require
 from pointbrush.work.annotate.painted_frame import frame_points

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from pointbrush.labels import View
 from pointbrush.ranges import by_block
 from pointbrush.selection import Points, PointSet, Stroke
-from pointbrush.selection.overlay import Layer
 from pointbrush.selection.ray import Alive
+from pointbrush.selection.selecting import Layer
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.changing import Changing

@@ -12,7 +12,7 @@ from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.palette import HIGHEST, default_color
 from pointbrush.labels.types import PAINTED
-from pointbrush.selection.parts import connected_parts, usual_gap
+from pointbrush.selection.cluster import connected_parts, usual_gap
 from pointbrush.sequences import Sequence as Recording
 
 MOST_PARTS = 64

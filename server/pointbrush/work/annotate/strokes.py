@@ -13,7 +13,7 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, View, Write
 from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Stroke
-from pointbrush.selection.overlay import OverlaySelector
+from pointbrush.selection.selecting import OverlaySelector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import PaintedFrame
 from pointbrush.work.annotate.placing import placements, require_overlaid

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection import Points, Stroke, first_hits
-from pointbrush.selection.clip import clipped
+from pointbrush.selection.box import clipped
 from pointbrush.selection.ray import Alive
 
 Floats = NDArray[np.float64]

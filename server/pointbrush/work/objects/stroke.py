@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore
 from pointbrush.selection import Stroke
-from pointbrush.selection.near import near, reach_of
+from pointbrush.selection.points import near, reach_of
 from pointbrush.selection.rigid import inverse, transformed
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import PaintedFrame

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.parts import touching
+from pointbrush.selection.cluster import touching
 from pointbrush.work.reviewing.checks.options import CheckOptions
 
 F64 = NDArray[np.float64]
