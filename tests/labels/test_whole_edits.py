@@ -12,7 +12,7 @@ import pytest
 from waiting import eventually
 
 from pointbrush.labels import GapError, LabelStore, Write
-from pointbrush.labels import changes as packed_changes
+from pointbrush.labels import draft as packed_changes
 from pointbrush.labels import effect as effects
 from pointbrush.labels.packing import BLOCK
 

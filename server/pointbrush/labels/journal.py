@@ -19,10 +19,9 @@ from sqlalchemy import (
 
 from pointbrush.labels import schema
 from pointbrush.labels.blocks import Place
-from pointbrush.labels.changes import Changes
 from pointbrush.labels.database import CHUNK
 from pointbrush.labels.derived import derive
-from pointbrush.labels.draft import Draft
+from pointbrush.labels.draft import Changes, Draft
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change
 from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
