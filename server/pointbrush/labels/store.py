@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import BadInputError
-from pointbrush.labels import backup, check, history, integrity, palette, plans, reading, repair
+from pointbrush.labels import backup, check, history, integrity, palette, plans, reading
 from pointbrush.labels.accounts import Accounts
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
@@ -385,7 +385,7 @@ class LabelStore:
 
         Other processes that have the sequence open go on with what they know: stop them first.
         """
-        return self._sessions.rebuild(sequence, repair.repair)
+        return self._sessions.rebuild(sequence, check.repair)
 
     def restore_sequence(
         self,
