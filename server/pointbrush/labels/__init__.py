@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
+    from pointbrush.labels.accounts import Token, Tokens
     from pointbrush.labels.backup import move, restore
     from pointbrush.labels.database import Limits
     from pointbrush.labels.integrity import check_database
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from pointbrush.labels.reviews import Review
     from pointbrush.labels.store import LabelStore
     from pointbrush.labels.taxonomy import Category
-    from pointbrush.labels.tokens import Token, Tokens
     from pointbrush.labels.types import (
         Cell,
         Commit,
@@ -62,8 +62,8 @@ _PLACES = {
     "Review": "pointbrush.labels.reviews",
     "LabelStore": "pointbrush.labels.store",
     "Category": "pointbrush.labels.taxonomy",
-    "Token": "pointbrush.labels.tokens",
-    "Tokens": "pointbrush.labels.tokens",
+    "Token": "pointbrush.labels.accounts",
+    "Tokens": "pointbrush.labels.accounts",
     "Cell": "pointbrush.labels.types",
     "Commit": "pointbrush.labels.types",
     "Delta": "pointbrush.labels.types",

@@ -1,20 +1,32 @@
-"""Accounts: who edits are by.  An account's id is what undo goes by; its name is what is shown.
+"""Accounts, the tokens that open them, and sign-ins of the page.
 
-The account of a token has the token's name as its id, and needs no row.  Of those who share the
-server's own token each signed-in session has one, ``session:…``, with the name that was chosen.
+An account's id is what undo goes by; its name is what is shown.  The account of a token has the
+token's name as its id, and needs no row.  Of those who share the server's own token each
+signed-in session has one, ``session:…``, with the name that was chosen.
+
+A token is a random secret and a role; of it, and of the random id in a sign-in's cookie, only the
+SHA-256 is stored.  A slow password hash would add nothing: the secret is 256 random bits, which
+nobody can guess from its digest at any speed; and every request pays for the check.
 """
 
 from __future__ import annotations
 
+import hashlib
+import hmac
+import secrets
 import threading
+import time
 import unicodedata
+from dataclasses import dataclass
+from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import Row, and_, bindparam, delete, insert, select, update
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.database import Database
-from pointbrush.labels.schema import accounts
-from pointbrush.labels.statements import driver_of, upsert
+from pointbrush.labels.schema import accounts, sign_ins, tokens
+from pointbrush.labels.statements import Statement, driver_of, upsert
+from pointbrush.roles import ROLES, Role
 
 LONGEST_NAME = 128
 OWNER = "owner"
@@ -82,3 +94,157 @@ def require_token_name(name: str) -> None:
             f"name: expected another one than pointbrush's own ({', '.join(sorted(RESERVED))}) "
             f"and none with a colon, got {name!r}"
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """Record of a token; times are seconds since the epoch, None: never."""
+
+    id: str
+    role: Role
+    name: str
+    created: float
+    expires: float | None
+    revoked: float | None
+    account: str
+    """The account that its edits are by."""
+
+    @property
+    def valid(self) -> bool:
+        """Whether it lets somebody in now."""
+        return self.revoked is None and (self.expires is None or time.time() < self.expires)
+
+
+class Tokens:
+    """The tokens of one database."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def add(self, role: str, name: str = "", expires: float | None = None) -> str:
+        """Make a token and return its secret, which is shown this once.
+
+        ``name`` is whom it is for; without one the token is an account of its own.  ``expires``:
+        seconds since the epoch.  Raises BadInputError for an unknown role or a name that no token
+        may have, ConflictError for the name of a valid token.
+        """
+        if role not in ROLES:
+            raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
+        if name:
+            require_token_name(name)
+        secret = secrets.token_urlsafe(32)
+        number = secrets.token_hex(4)
+        row = {
+            "id": number,
+            "account": name or f"token {number}",
+            "role": role,
+            "name": name,
+            "digest": digest_of(secret),
+            "created": time.time(),
+            "expires": expires,
+        }
+        with self._database.write() as connection:
+            if name:
+                same = connection.execute(select(tokens).where(tokens.c.name == name)).all()
+                if any(token_of(other).valid for other in same):
+                    raise ConflictError(
+                        f"name: expected one that no valid token has, got {name!r}; revoke it first"
+                    )
+            connection.execute(insert(tokens), row)
+        return secret
+
+    def list(self) -> list[Token]:
+        """All tokens, oldest first, revoked and expired ones too."""
+        with self._database.read() as connection:
+            rows = connection.execute(select(tokens).order_by(tokens.c.created)).all()
+        return [token_of(row) for row in rows]
+
+    def revoke(self, token_id: str) -> Token:
+        """End a token's validity now; raises NotFoundError for an unknown id."""
+        with self._database.write() as connection:
+            here = tokens.c.id == token_id
+            row = connection.execute(select(tokens).where(here)).one_or_none()
+            if row is None:
+                raise NotFoundError(f"token: expected the id of a token, got {token_id!r}")
+            if row.revoked is None:
+                connection.execute(update(tokens).where(here).values(revoked=time.time()))
+            return token_of(connection.execute(select(tokens).where(here)).one())
+
+    def check(self, secret: str) -> Token | None:
+        """The valid token with this secret, or None."""
+        digest = digest_of(secret)
+        row = self._database.look(_OF_DIGEST, {"digest": digest})
+        # The look-up compares digests, from whose timing no secret can be built; the comparison
+        # that decides is constant in time all the same.
+        if row is None or not hmac.compare_digest(row.digest.encode(), digest.encode()):
+            return None
+        token = token_of(row)
+        return token if token.valid else None
+
+
+_OF_DIGEST = Statement(select(tokens).where(tokens.c.digest == bindparam("digest")))
+
+
+def digest_of(secret: str) -> str:
+    """Return what is kept of a secret."""
+    return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
+
+
+def token_of(row: Row[Any]) -> Token:
+    """Return what a row says."""
+    return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked, row.account)
+
+
+@dataclass(frozen=True, slots=True)
+class SignIn:
+    """Identity behind a cookie: a person's ``token``, or the server's own (None).
+
+    ``account`` is the one that its edits are by; ``owner`` is the digest of the server's own token
+    that it was made with, or "".
+    """
+
+    account: str
+    token: Token | None
+    owner: str
+
+
+class SignIns:
+    """The sign-ins of one database."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def add(self, account: str, token: str | None, owner: str, expires: float) -> str:
+        """Make a sign-in and return its id for the cookie.
+
+        ``token``: a token's id; ``owner``: the digest of the server's own; ``expires``: seconds
+        since the epoch.  Those that have expired go.
+        """
+        secret = secrets.token_urlsafe(32)
+        row = {
+            "digest": digest_of(secret), "token": token, "owner": owner, "account": account,
+            "created": time.time(), "expires": expires,
+        }  # fmt: skip
+        with self._database.write() as connection:
+            connection.execute(delete(sign_ins).where(sign_ins.c.expires < time.time()))
+            connection.execute(insert(sign_ins), row)
+        return secret
+
+    def check(self, secret: str) -> SignIn | None:
+        """Return what a cookie stands for, or None once it, or its token, lets nobody in."""
+        joined = sign_ins.outerjoin(tokens, tokens.c.id == sign_ins.c.token)
+        chosen = (sign_ins.c.account, sign_ins.c.owner, sign_ins.c.token.label("of"), tokens)
+        valid = and_(sign_ins.c.digest == digest_of(secret), sign_ins.c.expires > time.time())
+        with self._database.read() as connection:
+            row = connection.execute(select(*chosen).select_from(joined).where(valid)).one_or_none()
+        if row is None:
+            return None
+        if row.of is None:
+            return SignIn(row.account, None, row.owner)
+        token = None if row.id is None else token_of(row)
+        return SignIn(row.account, token, "") if token is not None and token.valid else None
+
+    def end(self, secret: str) -> None:
+        """End a sign-in; an unknown one is no error."""
+        with self._database.write() as connection:
+            connection.execute(delete(sign_ins).where(sign_ins.c.digest == digest_of(secret)))

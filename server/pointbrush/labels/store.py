@@ -8,7 +8,7 @@ from typing import Any
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import backup, check, history, integrity, palette, plans, reading
-from pointbrush.labels.accounts import Accounts
+from pointbrush.labels.accounts import Accounts, SignIns, Tokens
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
@@ -19,10 +19,8 @@ from pointbrush.labels.plans import new_entry
 from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
 from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.sign_ins import SignIns
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
-from pointbrush.labels.tokens import Tokens
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
 from pointbrush.labels.view import View
 from pointbrush.labels.writer import require_import

@@ -16,8 +16,7 @@ from starlette.requests import HTTPConnection
 
 from pointbrush.errors import ForbiddenError, TooManyRequestsError, UnauthorizedError
 from pointbrush.labels import Token
-from pointbrush.labels.accounts import OWNER
-from pointbrush.labels.tokens import digest_of
+from pointbrush.labels.accounts import OWNER, digest_of
 from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.clients import Clients, is_loopback

@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 from pointbrush.errors import ReadOnlyError
 from pointbrush.labels import LabelStore, Token
-from pointbrush.labels.sign_ins import SignIn
-from pointbrush.labels.tokens import digest_of
+from pointbrush.labels.accounts import SignIn, digest_of
 
 SESSION_DAYS = 30
 MOST_KEPT = 10_000
