@@ -1,4 +1,8 @@
-"""The journal: appending edits and reading them back; only an edit's ``state`` ever changes."""
+"""The journal: appending edits and reading them back; only an edit's ``state`` ever changes.
+
+Tables derived from it (palette, tracks, counts, each frame's last change) are kept beside it, so
+that nobody has to replay it.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,7 @@ from sqlalchemy import (
     Row,
     and_,
     bindparam,
+    delete,
     insert,
     select,
     update,
@@ -20,12 +25,11 @@ from sqlalchemy import (
 from pointbrush.labels import schema
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.database import CHUNK
-from pointbrush.labels.derived import derive
 from pointbrush.labels.draft import Changes, Draft
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change
 from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
-from pointbrush.labels.statements import Driver, Statement
+from pointbrush.labels.statements import Driver, Statement, upsert
 from pointbrush.labels.types import Commit
 
 FIND = Statement(
@@ -82,6 +86,21 @@ BLOCKS_AT_ONCE = 256
 
 Told = str | Callable[[int, int], str]
 """A sentence of the history, or what makes it of the numbers of points and frames changed."""
+_PUT_LABEL, _PUT_TRACK = upsert(schema.labels), upsert(schema.tracks)
+_PUT_COUNT, _PUT_CHANGE = upsert(schema.counts), upsert(schema.frame_changes)
+_DROP_LABEL = Statement(
+    delete(schema.labels).where(
+        schema.labels.c.sequence == bindparam("sequence"), schema.labels.c.id == bindparam("id")
+    )
+)
+_DROP_TRACK = Statement(
+    delete(schema.tracks).where(
+        schema.tracks.c.sequence == bindparam("sequence"),
+        schema.tracks.c.frame == bindparam("frame"),
+        schema.tracks.c.label == bindparam("label"),
+    )
+)
+_FIELDS = ("id", "name", "category", "color", "locked", "visible", "instance", "position")
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,3 +282,27 @@ def set_state(connection: Connection, number: int, revision: int, **values: int)
     """Mark an edit as undone, or as redone."""
     here = and_(edits.c.sequence == number, edits.c.revision == revision)
     connection.execute(update(edits).where(here).values(**values))
+
+
+def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
+    """Bring the palette, the tracks, the counts and the frames' last changes up to date."""
+    here = {"sequence": draft.state.number}
+
+    def row(**columns: Any) -> dict[str, Any]:
+        return {**here, **columns}
+
+    given = [label for label in draft.labels.values() if label is not None]
+    _PUT_LABEL.run_each(driver, [row(**{f: getattr(one, f) for f in _FIELDS}) for one in given])
+    gone = [row(id=number) for number, label in draft.labels.items() if label is None]
+    _DROP_LABEL.run_each(driver, gone)
+    tracks = [row(frame=f, label=n, data=data) for (f, n), data in draft.tracks.items()]
+    _PUT_TRACK.run_each(driver, [one for one in tracks if one["data"] is not None])
+    _DROP_TRACK.run_each(driver, [one for one in tracks if one["data"] is None])
+    counts = effect.counts.items()
+    _PUT_COUNT.run_each(
+        driver,
+        [row(frame=f, label=n, points=a, painted=b, held=c) for (f, n), (a, b, c) in counts],
+    )
+    _PUT_CHANGE.run_each(
+        driver, [row(frame=frame, revision=draft.revision) for frame in effect.frames]
+    )
