@@ -1,11 +1,12 @@
-"""The palette: checking a label's fields, and what the journal says a label is now."""
+"""The palette: checking a label's fields, free names and colours, what the journal makes of a label."""
 
 from __future__ import annotations
 
 import colorsys
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
+from itertools import count
 from typing import Any
 
 from sqlalchemy import Connection, select
@@ -25,6 +26,7 @@ FIELDS: dict[str, type] = {
 }  # fmt: skip
 _COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 _GOLDEN = 0.618033988749895
+_NUMBERED = re.compile(r"(.*?)\s*(\d{0,9})", re.DOTALL)
 
 
 def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -128,3 +130,36 @@ def created_by(connection: Connection, number: int, revision: int) -> Label:
 def _label(label_id: int, fields: dict[str, Any]) -> Label | None:
     exists = fields.pop("exists", False)
     return Label(label_id, **fields) if exists and "name" in fields else None
+
+
+def free_name_and_color(fields: Mapping[str, Any], others: Collection[Label]) -> dict[str, Any]:
+    """Return ``name`` and ``color`` of ``fields``, changed where one of ``others`` has them."""
+    names = {label.name.strip().casefold() for label in others}
+    colors = {label.color for label in others}
+    return {
+        "name": _free_name(fields["name"], names),
+        "color": _free_color(fields["color"], colors),
+    }
+
+
+def _free_name(name: str, taken: Collection[str]) -> str:
+    """Return ``name``, or with its number counted on: "pin 2" for "pin" or "pin 1"."""
+    if name.strip().casefold() not in taken:
+        return name
+    numbered = _NUMBERED.fullmatch(name.strip())
+    base, digits = numbered.groups() if numbered else (name, "")
+    for number in count(int(digits or 1) + 1):
+        end = f" {number}" if base else str(number)
+        found = base[: NAME_LIMIT - len(end)] + end
+        if found.casefold() not in taken:
+            return found
+    raise AssertionError("numbers do not end")
+
+
+def _free_color(color: str, taken: Collection[str]) -> str:
+    """Return ``color``, or the first of the palette's own that is not taken."""
+    if color not in taken:
+        return color
+    return next(
+        (found for i in range(1, HIGHEST) if (found := default_color(i)) not in taken), color
+    )

@@ -10,9 +10,9 @@ from typing import Any
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import journal, palette, schema, undo
-from pointbrush.labels.distinct import free_name_and_color
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry, Told
+from pointbrush.labels.palette import free_name_and_color
 from pointbrush.labels.state import SequenceState
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label, Write
