@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from pointbrush.labels.backup import move, restore
     from pointbrush.labels.database import Limits
     from pointbrush.labels.integrity import check_database
+    from pointbrush.labels.reading import View
     from pointbrush.labels.recordings import KEPT_SECONDS, Known
     from pointbrush.labels.reviews import Review
     from pointbrush.labels.store import LabelStore
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
         Label,
         Write,
     )
-    from pointbrush.labels.view import View
 
 __all__ = [
     "KEPT_SECONDS",
@@ -71,7 +71,7 @@ _PLACES = {
     "FrameValues": "pointbrush.labels.types",
     "GapError": "pointbrush.labels.types",
     "Label": "pointbrush.labels.types",
-    "View": "pointbrush.labels.view",
+    "View": "pointbrush.labels.reading",
     "Write": "pointbrush.labels.types",
 }
 if not TYPE_CHECKING:

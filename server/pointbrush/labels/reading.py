@@ -1,20 +1,32 @@
-"""Reading the state: annotation values, counts, tracks."""
+"""Read the labels: values of points, counts, tracks, the history, and the view a stroke has."""
 
 from __future__ import annotations
 
 import json
+import time
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import Connection, distinct, func, select
+from sqlalchemy import Connection, Row, and_, distinct, func, select
 
 from pointbrush.errors import BadInputError
-from pointbrush.labels import schema
+from pointbrush.labels import journal, schema
 from pointbrush.labels.packing import BLOCK, DELETION, LABELS, deleted_of, label_of, provenance_of
-from pointbrush.labels.state import SequenceState, visible
-from pointbrush.labels.types import FrameValues
+from pointbrush.labels.schema import edits
+from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.state import NotInMemoryError, SequenceState, visible
+from pointbrush.labels.types import EditInfo, FrameValues, GapError, Label
+from pointbrush.labels.writes import require_paintable
 from pointbrush.ranges import by_block
+
+HISTORY_LIMIT = 1_000
+"""Lines in one answer."""
+SINCE_EDITS = 2_000
+SINCE_POINTS = 5_000_000
+"""Beyond so many edits or changed points, whole annotations are the shorter way to catch up."""
+FRESH_SECONDS = 0.02
+"""After a look at the database another one is made at the earliest."""
 
 
 def values(
@@ -109,3 +121,121 @@ def labelled_frames(connection: Connection) -> dict[str, int]:
         .group_by(sequences.c.id)
     )
     return {str(name): int(frames) for name, frames in connection.execute(query)}
+
+
+def history_lines(
+    connection: Connection, number: int, before: int | None, limit: int
+) -> list[EditInfo]:
+    """Lines of the history, newest first; raises BadInputError for a limit below 1."""
+    if limit < 1:
+        raise BadInputError(f"limit: expected 1 or more, got {limit}")
+    target = edits.alias()
+    query = (
+        select(edits, target.c.id.label("target_id"))
+        .join(
+            target,
+            and_(target.c.sequence == edits.c.sequence, target.c.revision == edits.c.target),
+            isouter=True,
+        )
+        .where(edits.c.sequence == number)
+    )
+    if before is not None:
+        query = query.where(edits.c.revision < before)
+    rows = connection.execute(
+        query.order_by(edits.c.revision.desc()).limit(min(limit, HISTORY_LIMIT))
+    )
+    return [edit_info(row, row.target_id) for row in rows]
+
+
+def authors(connection: Connection, number: int) -> set[str]:
+    """The accounts that edited the sequence."""
+    query = select(edits.c.author).where(edits.c.sequence == number).distinct()
+    return set(connection.execute(query).scalars())
+
+
+def edit_info(row: Row[Any], target: str | None = None) -> EditInfo:
+    """A row as a line of the history."""
+    return EditInfo(
+        id=row.id,
+        revision=row.revision,
+        author=row.author,
+        time=row.time,
+        kind=row.kind,
+        summary=row.summary,
+        points=row.points,
+        frames=tuple(json.loads(row.frames)),
+        undone=row.state in (schema.UNDONE, schema.DROPPED),
+        target=target,
+    )
+
+
+def stacks(ask: journal.Ask, number: int, author: str) -> tuple[EditInfo | None, EditInfo | None]:
+    """Return the edits that ``author``'s undo, and redo, would take."""
+    last = journal.top_of_stack(ask, number, author, schema.ACTIVE)
+    undone = journal.top_of_stack(ask, number, author, schema.UNDONE)
+    return last and edit_info(last), undone and edit_info(undone)
+
+
+def rows_to_resend(connection: Connection, state: SequenceState, revision: int) -> list[Row[Any]]:
+    """Rows after ``revision``, oldest first; raises GapError when whole is shorter."""
+    missed = state.revision - revision
+    if not 0 <= missed <= SINCE_EDITS:
+        raise GapError(
+            f"revision: expected {max(0, state.revision - SINCE_EDITS)} to {state.revision}, "
+            f"got {revision}"
+        )
+    after = and_(edits.c.sequence == state.number, edits.c.revision > revision)
+    points = connection.execute(select(func.sum(edits.c.points)).where(after)).scalar() or 0
+    if points > SINCE_POINTS:
+        raise GapError(f"revision: {points:,} points changed since {revision}")
+    return journal.rows_since(connection, state.number, revision, SINCE_EDITS)
+
+
+class View:
+    """Labels of a sequence as this process knows them, its own commits included; thread-safe.
+
+    Other processes' commits are seen after ``look``.  An edit that commits looks by itself.
+    """
+
+    def __init__(self, sessions: Sessions, sequence: str) -> None:
+        """``sequence`` has just been looked at."""
+        self._sessions, self._sequence = sessions, sequence
+        self._looked = time.monotonic()
+
+    def look(self) -> None:
+        """Take in what other processes committed; raises NotFoundError, UnavailableError."""
+        if time.monotonic() - self._looked > FRESH_SECONDS:
+            with self._sessions.knowing(self._sequence):
+                self._looked = time.monotonic()
+
+    def values(self, frame: int, first: int, count: int | None) -> FrameValues:
+        """Annotation of points [first, first + count) of a frame, as far as it has them."""
+        try:
+            with self._sessions.knowing(self._sequence, look=False) as state:
+                return values(None, state, frame, first, count)
+        except NotInMemoryError:
+            with self._sessions.reading(self._sequence) as (connection, state):
+                return values(connection, state, frame, first, count)
+
+    def at(self, frame: int, numbers: NDArray[np.int64]) -> FrameValues:
+        """Annotation of sorted point ``numbers`` (n,) of a frame."""
+        try:
+            with self._sessions.knowing(self._sequence, look=False) as state:
+                return at(None, state, frame, numbers)
+        except NotInMemoryError:
+            with self._sessions.reading(self._sequence) as (connection, state):
+                return at(connection, state, frame, numbers)
+
+    def palette(self) -> dict[int, Label]:
+        """The labels by their ids."""
+        with self._sessions.knowing(self._sequence, look=False) as state:
+            return state.palette
+
+    def hidden(self) -> NDArray[np.bool_]:
+        """For each label id 0..65535, whether the palette hides it."""
+        with self._sessions.knowing(self._sequence, look=False) as state:
+            return state.hidden
+
+    def require_paintable(self, label: int, hidden: frozenset[int] | None = None) -> None:
+        """Raise as ``LabelStore.require_paintable`` does."""
+        require_paintable(self.palette(), label, hidden)

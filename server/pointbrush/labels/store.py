@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import BadInputError
-from pointbrush.labels import backup, check, history, integrity, palette, plans, reading
+from pointbrush.labels import backup, check, integrity, palette, plans, reading
 from pointbrush.labels.accounts import Accounts, SignIns, Tokens
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
@@ -16,13 +16,13 @@ from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
 from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
+from pointbrush.labels.reading import View
 from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
-from pointbrush.labels.view import View
 from pointbrush.labels.writer import require_import
 
 
@@ -322,19 +322,19 @@ class LabelStore:
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
         """Return the edits that the author's undo, and redo, would take."""
         with self._sessions.knowing(sequence) as state:
-            return history.stacks(self._database.look, state.number, author)
+            return reading.stacks(self._database.look, state.number, author)
 
     def edits(
         self, sequence: str, *, before: int | None = None, limit: int = 100
     ) -> list[EditInfo]:
         """The history, newest first, from below revision ``before``; at most 1,000 lines."""
         with self._sessions.reading(sequence) as (connection, state):
-            return history.lines(connection, state.number, before, limit)
+            return reading.history_lines(connection, state.number, before, limit)
 
     def authors(self, sequence: str) -> set[str]:
         """The accounts that edited a sequence."""
         with self._sessions.reading(sequence) as (connection, state):
-            return history.authors(connection, state.number)
+            return reading.authors(connection, state.number)
 
     def find(self, sequence: str, edit_id: str) -> Commit | None:
         """The commit of an edit by its id, ``repeated``, or None."""
@@ -346,7 +346,7 @@ class LabelStore:
         Raises GapError when there are too many, or ``revision`` lies in the future.
         """
         with self._sessions.reading(sequence) as (connection, state):
-            rows = history.rows_to_resend(connection, state, revision)
+            rows = reading.rows_to_resend(connection, state, revision)
             return [self._sessions.load(connection, state, row) for row in rows]
 
     # ── care ─────────────────────────────────────────────────────────────────────────────
