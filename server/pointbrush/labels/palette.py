@@ -1,4 +1,4 @@
-"""The palette: checking a label's fields, free names and colours, what the journal makes of a label."""
+"""The palette: check a label's fields, find free names and colours, fold what the journal says."""
 
 from __future__ import annotations
 
