@@ -25,10 +25,10 @@ from sqlalchemy import (
 from sqlalchemy.engine import URL
 
 from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
-from pointbrush.labels.look import Look
 from pointbrush.labels.private_copy import PrivateCopy
 from pointbrush.labels.statements import (
     Driver,
+    Look,
     Statement,
     Values,
     dialect_of,
