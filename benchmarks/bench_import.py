@@ -222,7 +222,7 @@ def probe(target: Path) -> None:
     print(f"{np.median(table['count']):.0f} points at the median; {frame.blocks.num:,} blocks")
     print(f"  wire {wire:.2f} bytes a point, on disk {disk:.1f}")
     rng = np.random.default_rng(0)
-    centres = frame.xyz[np.sort(rng.integers(0, frame.count, 50))].astype(np.float64)
+    centres = frame.coordinates[np.sort(rng.integers(0, frame.count, 50))].astype(np.float64)
     times, found = [], []
     for centre in np.concatenate([centres, centres]):
         start = time.perf_counter()
@@ -230,7 +230,7 @@ def probe(target: Path) -> None:
         points = np.concatenate(
             [np.arange(frame.blocks.first[b], frame.blocks.first[b + 1]) for b in blocks]
         )
-        near = np.linalg.norm(frame.xyz[points] - centre, axis=1) < 0.1
+        near = np.linalg.norm(frame.coordinates[points] - centre, axis=1) < 0.1
         times.append(time.perf_counter() - start)
         found.append(int(near.sum()))
     cold, warm = np.array(times[:50]) * 1e3, np.array(times[50:]) * 1e3

@@ -27,6 +27,14 @@ class DepthCamera:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Scaling:
+    """Coordinates as whole numbers: ``whole × scale + offset`` (3,), computed in this order."""
+
+    scale: NDArray[np.float64]
+    offset: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PointFrame:
     """N points in the source file's order.
 
@@ -44,6 +52,7 @@ class PointFrame:
     ``other``      further fields of the source (N,), in its order and types, for exports.
     ``header``     the source's header as its format keeps it for exports, or None.
     ``rows``       (N,) which row of the source each point was, where some were left out; or None.
+    ``scaling``    of the whole numbers that the source has for coordinates, or None.
 
     Raises BadInputError when shapes, types or values are not as stated.
     """
@@ -62,6 +71,7 @@ class PointFrame:
     other: Mapping[str, NDArray[Any]] = field(default_factory=dict)
     header: bytes | None = None
     rows: NDArray[np.int64] | None = None
+    scaling: Scaling | None = None
 
     def __post_init__(self) -> None:
         xyz = self.xyz

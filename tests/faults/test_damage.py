@@ -177,7 +177,7 @@ def test_an_octree_cut_while_served(octree: ServerProcess) -> None:
         brush = {"label": 1, "radius": 0.3}
         live.send(type="stroke_begin", id=edit, frame=0, brush=brush)
         live.send(type="stroke_samples", id=edit, samples=STROKE["samples"])
-        for name in ("xyz", "source_index"):
+        for name in ("coordinates", "source_index"):
             cut(frame_file(octree, f"000000/{name}.npy"))
         cut(frame_file(octree, "000000.wire"))
         live.send(type="stroke_samples", id=edit, samples=STROKE["samples"])
@@ -262,7 +262,7 @@ def test_a_frame_damaged_while_it_is_exported_is_a_named_gap(tmp_path: Path) -> 
             assert answer.status_code == 200
             pieces = answer.iter_bytes()
             content = next(pieces)  # the server is ahead by 16 pieces at most
-            cut(frame_file(server, f"{FRAMES - 1:06d}/xyz.npy"))
+            cut(frame_file(server, f"{FRAMES - 1:06d}/coordinates.npy"))
             content += b"".join(pieces)
         archive = zipfile.ZipFile(io.BytesIO(content))
         assert archive.testzip() is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, CancelledError, DamagedError, TooLargeError
-from pointbrush.frame import PointFrame
+from pointbrush.frame import PointFrame, Scaling
 from pointbrush.sequences import (
     Manifest,
     StoredFrame,
@@ -21,6 +22,7 @@ from pointbrush.sequences import (
     open_sequence,
     verify,
 )
+from pointbrush.sequences.columns import residual
 from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.octree import nodes as octree
 from pointbrush.sequences.octree import partition
@@ -114,6 +116,54 @@ def test_every_point_once_and_exact(
     assert stored.chunk_table["level"].max() > 4
     with pytest.raises(TooLargeError, match="k-d tree"):
         _ = stored.kdtree
+
+
+@pytest.mark.parametrize(("far", "dtype"), [(0.0, np.float32), (4.2e6, float)])
+def test_octrees_of_before_manifest_version_4_are_read(
+    tmp_path: Path, small_limits: None, far: float, dtype: type
+) -> None:
+    whole = site(30_000, far=far, dtype=dtype)
+    manifest = put(importer.split(whole), tmp_path / "s")
+    packed = open_sequence(tmp_path / "s")[0]
+    place, shift = tmp_path / "s" / "frames" / "000000", np.array(manifest.shift)
+    exact = residual(whole.xyz[packed.source_index], packed.xyz, shift)
+    np.save(place / "xyz.npy", packed.xyz)
+    if exact is not None:
+        np.save(place / "residual.npy", exact)
+    for name in ("coordinates", "block_base", "block_bits"):
+        (place / f"{name}.npy").unlink()
+    (place / "meta.json").write_text(json.dumps({"dtype": whole.xyz.dtype.name}))
+    (tmp_path / "s" / "checksums.json").unlink()
+    plain = open_sequence(tmp_path / "s")[0]
+    assert plain.source_xyz().tobytes() == whole.xyz.tobytes()
+    some = np.array([5, 29_000, 17])
+    assert np.array_equal(plain.coordinates[some], packed.coordinates[some])
+    assert_octree(plain, manifest, 1000)
+
+
+def test_a_las_octree_takes_at_most_22_bytes_a_point_and_is_exact(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importer, "LARGE_POINTS", 100_000)
+    count, rng = 150_000, np.random.default_rng(3)
+    scaling = Scaling(np.full(3, 0.001), np.array([448_000.0, 5_411_000.0, 0.0]))
+    whole = np.rint((site(count).xyz + [260, 930, 310]) * 1000) * scaling.scale + scaling.offset
+    # A point that is no whole number of millimetres, and the zero with a sign.
+    whole[7, 0], whole[9, 2] = np.nextafter(whole[7, 0], np.inf), -0.0
+    rgb = (128 + 70 * np.sin(whole * 0.7)).astype(np.uint8) + rng.integers(0, 8, (count, 3), "u1")
+    frame = PointFrame(whole, rgb=rgb, scaling=scaling)
+    put(importer.split(frame), tmp_path / "s")
+    used = sum(path.stat().st_size for path in (tmp_path / "s").rglob("*") if path.is_file())
+    assert used <= 22 * count
+    stored = open_sequence(tmp_path / "s")[0]
+    assert stored.source_xyz().tobytes() == whole.tobytes()
+    picked = np.sort(rng.choice(count, 1000, replace=False))
+    assert np.array_equal(stored.coordinates[picked], stored.xyz[picked])
+    assert np.array_equal(stored.coordinates[:500], stored.xyz[:500])
+    exact = stored.read_source(1000, 3000, ["xyz"])["xyz"]
+    assert exact.tobytes() == whole[stored.source_index[1000:3000]].tobytes()
+    with pytest.raises(IndexError, match=f"points 0 to {count - 1}"):
+        stored.coordinates[np.array([count])]
 
 
 def test_upper_levels_are_an_even_picture(tmp_path: Path, small_limits: None) -> None:
@@ -211,7 +261,7 @@ def test_cancelling_at_any_stage_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("name", ["xyz.npy", "chunks.npy", "meta.json"])
+@pytest.mark.parametrize("name", ["coordinates.npy", "chunks.npy", "meta.json"])
 def test_damage_is_found_and_refused(tmp_path: Path, small_limits: None, name: str) -> None:
     put(importer.split(site(30_000)), tmp_path / "s")
     file = tmp_path / "s" / "frames" / "000000" / name

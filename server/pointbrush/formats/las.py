@@ -30,7 +30,7 @@ from pointbrush.formats.las_header import (
     read_records,
 )
 from pointbrush.formats.options import Limits, ReadOptions
-from pointbrush.frame import PointFrame
+from pointbrush.frame import PointFrame, Scaling
 
 Array = NDArray[Any]
 OURS = ("label", "instance")
@@ -136,7 +136,8 @@ def _frame(
         for i, color in enumerate(COLORS):
             # 8 bits times 256 or 257, as writers scale them, become themselves.
             rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
-    return frame_from_columns(name, columns, options)
+    scaling = Scaling(header.scales, header.offsets)
+    return replace(frame_from_columns(name, columns, options), scaling=scaling)
 
 
 def decoded_records(

@@ -204,7 +204,9 @@ class ReviewPanel:
         for label, way in ways.items():
             way.sort(key=lambda entry: entry[0])
             values = self._workspace.values(self._sequence, way[0][0])
-            own = self._recording[way[0][0]].xyz[(values.label == label) & ~values.deleted]
+            own = self._recording[way[0][0]].coordinates[
+                np.flatnonzero((values.label == label) & ~values.deleted)
+            ]
             if not len(own):
                 continue
             first = np.linalg.inv(np.asarray(way[0][1], np.float64).reshape(4, 4))

@@ -42,7 +42,7 @@ def grow(
     """
     members = None
     if points.kdtree is not None:
-        xyz, tree = points.xyz, points.kdtree()
+        xyz, tree = points.xyz[:], points.kdtree()
     else:
         members = swept_ball(points, seed[None], _reach(points, seed))
         if len(members) == 0:

@@ -31,6 +31,14 @@ LEAST_REACH = 0.005
 """Metres, about a depth camera's noise."""
 
 
+class Coordinates(Protocol):
+    """Coordinates (N, 3) float32 by number: an array, or one that is unpacked when it is read."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, which: slice | NDArray[np.int64], /) -> NDArray[np.float32]: ...
+
+
 class Blocks(Protocol):
     """Bounding boxes of runs of spatially adjacent points, and of the chunks that hold the runs.
 
@@ -93,7 +101,7 @@ class Points:
     looked at, where the frame is larger than memory.
     """
 
-    xyz: NDArray[np.float32]
+    xyz: Coordinates
     blocks: Blocks
     rgb: NDArray[np.uint8] | None = None
     levels: tuple[int, ...] = (0,)
@@ -171,7 +179,7 @@ class Points:
         if self.pixels is None:
             return spacing
         axis, pitch = self.pixels.axis, max(map(abs, self.pixels.pitch))
-        depth = np.abs(self.xyz[numbers, axis] - self.pixels.eye[axis])
+        depth = np.abs(self.xyz[numbers][:, axis] - self.pixels.eye[axis])
         return np.asarray(np.minimum(spacing, PIXELS_APART * pitch * depth))
 
 

@@ -67,7 +67,7 @@ def _swept_of(
     first = points.blocks.first[near]
     counts = points.blocks.first[near + 1] - first
     numbers = ranges(first, first + counts)
-    xyz = np.take(points.xyz, numbers, axis=0).astype(np.float64)
+    xyz = points.xyz[numbers].astype(np.float64)
     borders = np.concatenate([[0], np.cumsum(counts)])
     inside, whole = np.zeros(len(numbers), np.bool_), np.zeros(len(near), np.bool_)
     for k in range(len(starts)):

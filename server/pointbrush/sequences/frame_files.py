@@ -13,12 +13,15 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import DamagedError
 from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.columns import from_local
+from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.octree.arrays import (
     Arrays,
     Layout,
@@ -33,6 +36,7 @@ from pointbrush.sequences.octree.arrays import (
     read_rows,
     release,
 )
+from pointbrush.sequences.octree.coordinates import PACKED, Coordinates
 from pointbrush.sequences.verification import stamp_of, verifier
 
 COPIED_BYTES = 256 << 20
@@ -59,11 +63,12 @@ class FrameFiles:
     count: int
 
     def __init__(
-        self, folder: Path, index: int, points: int, checksums: Mapping[str, str], identity: str
+        self, folder: Path, index: int, manifest: Manifest, checksums: Mapping[str, str]
     ) -> None:
         """``folder`` holds the sequence's frames; ``checksums`` are by name within it."""
         self.index, self._folder = index, folder
-        self._checksums, self._identity = checksums, identity
+        self._checksums, self._identity = checksums, manifest.identity
+        self._shift, points = np.array(manifest.shift), manifest.points[index]
         self._wire_path = folder / f"{index:06d}.wire"
         self._wire: memoryview | None = None
         with self.telling():
@@ -115,6 +120,21 @@ class FrameFiles:
     def rows(self, name: str, first: int, stop: int) -> NDArray[Any]:
         """Rows ``first`` to before ``stop`` of an array."""
         raise NotImplementedError
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the coordinates that were imported."""
+        dtype: np.dtype[Any] = np.dtype(self.meta["dtype"])
+        return dtype
+
+    def source(self, first: int, stop: int) -> NDArray[Any]:
+        """Coordinates of points ``first`` to before ``stop`` as they were imported, bit for bit."""
+        exact = self.rows("residual", first, stop) if "residual" in self.names else None
+        return from_local(self.rows("xyz", first, stop), exact, self._shift, self.dtype)
+
+    def coordinates(self) -> NDArray[np.float32] | Coordinates:
+        """Local coordinates (N, 3) by number."""
+        return self.array("xyz")
 
     def wire(self, start: int, stop: int) -> memoryview:
         """Bytes ``start`` to before ``stop`` of the wire file."""
@@ -185,19 +205,26 @@ class CopiedFiles(FrameFiles):
 
 
 class MappedFiles(FrameFiles):
-    """An octree: a folder of ``.npy`` files, and the wire file, which is read piece by piece."""
+    """An octree: a folder of ``.npy`` files, and the wire file, which is read piece by piece.
+
+    With plain coordinates, as octrees of before manifest version 4 have them.
+    """
 
     large = True
+    tables: tuple[str, ...] = TABLES
+    positions = "xyz"
+    """The array that holds the coordinates."""
 
     def _open(self) -> None:
         self.path = self._wire_path.with_suffix("")
         self.meta = read_meta(self.path)
         self._arrays = {file.stem: map_npy(file) for file in sorted(self.path.glob("*.npy"))}
-        missing = {"xyz", "source_index", *TABLES} - self._arrays.keys()
+        missing = {self.positions, "source_index", *self.tables} - self._arrays.keys()
         if missing:
             raise DamagedError(f"expected the files {', '.join(sorted(missing))}.npy, got none")
-        self.names, self.count = frozenset(self._arrays), len(self._arrays["xyz"])
-        for name in TABLES:
+        self.names = frozenset({*self._arrays, "xyz"})
+        self.count = len(self._arrays["source_index"])
+        for name in self.tables:
             path = self.path / f"{name}.npy"
             verifier.require(path, self.checksum(path))
             self._arrays[name] = read_rows(path, 0, len(self._arrays[name]))
@@ -207,7 +234,8 @@ class MappedFiles(FrameFiles):
 
     def paths(self, names: Collection[str]) -> list[Path]:
         """See FrameFiles."""
-        return [self.path / f"{name}.npy" for name in sorted(self.names.intersection(names))]
+        kept = {self.positions if name == "xyz" else name for name in names}
+        return [self.path / f"{name}.npy" for name in sorted(kept & self._arrays.keys())]
 
     def array(self, name: str) -> NDArray[Any]:
         """See FrameFiles."""
@@ -251,12 +279,61 @@ class MappedFiles(FrameFiles):
             release(array)
 
 
+class PackedFiles(MappedFiles):
+    """An octree with packed coordinates."""
+
+    tables = (*TABLES, *PACKED[1:])
+    positions = PACKED[0]
+    _whole: ref[NDArray[np.float32]] | None = None
+
+    def _open(self) -> None:
+        super()._open()
+        try:
+            self._packed = Coordinates(self._arrays, self.meta, self._shift)
+        except (ValueError, KeyError, TypeError) as error:
+            raise DamagedError(f"expected coordinates in {self.path.name}, got: {error}") from error
+
+    def array(self, name: str) -> NDArray[Any]:
+        """See FrameFiles."""
+        if name != "xyz":
+            return super().array(name)
+        # Kept as long as somebody has it, so that whoever asks again need not unpack it again.
+        whole = None if self._whole is None else self._whole()
+        if whole is None:
+            whole = self.rows(name, 0, self.count)
+            whole.flags.writeable = False
+            self._whole = ref(whole)
+        return whole
+
+    def rows(self, name: str, first: int, stop: int) -> NDArray[Any]:
+        """See FrameFiles."""
+        if name != "xyz":
+            return super().rows(name, first, stop)
+        return self._packed.local(first, stop, self._words(first, stop))
+
+    def source(self, first: int, stop: int) -> NDArray[Any]:
+        """See FrameFiles."""
+        return self._packed.source(first, stop, self._words(first, stop))
+
+    def coordinates(self) -> Coordinates:
+        """See FrameFiles."""
+        with self.telling():
+            self._look(self.positions)
+        return self._packed
+
+    def _words(self, first: int, stop: int) -> NDArray[np.uint64]:
+        return super().rows(self.positions, *self._packed.span(first, stop))
+
+
 def open_frame_files(
-    folder: Path, index: int, points: int, checksums: Mapping[str, str], identity: str
+    folder: Path, index: int, manifest: Manifest, checksums: Mapping[str, str]
 ) -> CopiedFiles | MappedFiles:
     """The files of frame ``index`` in ``folder``; raises DamagedError."""
-    kind = MappedFiles if (folder / f"{index:06d}").is_dir() else CopiedFiles
-    return kind(folder, index, points, checksums, identity)
+    place = folder / f"{index:06d}"
+    if not place.is_dir():
+        return CopiedFiles(folder, index, manifest, checksums)
+    kind = MappedFiles if (place / "xyz.npy").exists() else PackedFiles
+    return kind(folder, index, manifest, checksums)
 
 
 def _cut(view: memoryview) -> bool:

@@ -20,7 +20,8 @@ from pointbrush.sequences.columns import POINT_FIELDS, encode_frame, frame_meta
 from pointbrush.sequences.files import new_folder, write_file
 from pointbrush.sequences.manifest import FILE, Manifest, encode_manifest
 from pointbrush.sequences.octree.ahead import WORKERS, ahead
-from pointbrush.sequences.octree.arrays import digest, file_digest, map_npy, write_arrays
+from pointbrush.sequences.octree.arrays import digest, file_digest, map_npy, read_meta, write_arrays
+from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.large import LargeFrame
 from pointbrush.sequences.other import write_other
@@ -213,6 +214,7 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     return record(
         frame,
         encoded.arrays,
+        encoded.arrays["xyz"],
         encoded.error,
         named,
         dropped=frame.dropped,
@@ -257,4 +259,5 @@ def _store_large(
         }
     arrays = {file.stem: map_npy(file) for file in path.glob("*.npy")}
     checksums |= beside
-    return record(first[0], arrays, error, checksums, dropped=dropped, large=True)
+    xyz = Coordinates(arrays, read_meta(path), grid.shift)
+    return record(first[0], arrays, xyz, error, checksums, dropped=dropped, large=True)

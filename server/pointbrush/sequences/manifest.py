@@ -18,7 +18,7 @@ from pointbrush.sequences.files import replace_file
 FILE = "manifest.json"
 VERSION = 4
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
-further fields as it packs arrays; all are read."""
+further fields as it packs arrays, and the coordinates of octrees; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""

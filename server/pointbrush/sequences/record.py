@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -14,6 +15,7 @@ from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.depth.lattice import GRID_CELLS
 from pointbrush.sequences.manifest import Manifest
+from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.room import RoomFinder
 
 _PREFIX = 4096
@@ -41,7 +43,8 @@ class Record:
 
 def record(
     frame: PointFrame,
-    arrays: dict[str, NDArray[Any]],
+    arrays: Mapping[str, NDArray[Any]],
+    xyz: NDArray[np.float32] | Coordinates,
     error: float,
     checksums: dict[str, str],
     *,
@@ -50,18 +53,21 @@ def record(
     side_error: float = 0.0,
     color_error: float = 0.0,
 ) -> Record:
-    """Describe stored ``arrays``; ``frame``, or its first part, gives pose, sensor and time."""
-    xyz, chunks = arrays["xyz"], arrays["chunks"]
-    none = np.full(3, np.nan)
+    """Describe stored ``arrays``; ``frame``, or its first part, gives pose, sensor and time.
+
+    ``xyz`` are the points' local coordinates.
+    """
+    chunks = arrays["chunks"]
+    count, none = len(arrays["source_index"]), np.full(3, np.nan)
     return Record(
-        count=len(xyz),
+        count=count,
         fields=("xyz", *(name for name in POINT_FIELDS if _says_something(name, arrays))),
-        lo=chunks["lo"].min(axis=0).astype(np.float64) if len(xyz) else none,
-        hi=chunks["hi"].max(axis=0).astype(np.float64) if len(xyz) else none,
+        lo=chunks["lo"].min(axis=0).astype(np.float64) if count else none,
+        hi=chunks["hi"].max(axis=0).astype(np.float64) if count else none,
         error=error,
         side_error=side_error,
         color_error=color_error,
-        prefix=_prefix(xyz, chunks),
+        prefix=xyz[: _prefix(chunks)].copy(),
         pose=None if frame.pose is None else frame.pose.ravel().tolist(),
         viewpoint=None if frame.viewpoint is None else frame.viewpoint.tolist(),
         timestamp=None if frame.timestamp is None else float(frame.timestamp),
@@ -80,14 +86,14 @@ def _position_error(records: list[Record], grid: Grid, extent: float) -> float:
     return max(error, max((record.side_error for record in records), default=0.0) + rounded)
 
 
-def _prefix(xyz: NDArray[np.float32], chunks: NDArray[Any]) -> NDArray[np.float32]:
-    """An even subsample of the points: whole chunks, as far as they are few."""
+def _prefix(chunks: NDArray[Any]) -> int:
+    """Count the first points that are an even subsample: whole chunks, as far as they are few."""
     stops = chunks["first"] + chunks["count"]
     few = stops[stops <= _PREFIX]
-    return xyz[: int(few.max(initial=0)) or _PREFIX].copy()
+    return int(few.max(initial=0)) or _PREFIX
 
 
-def _says_something(name: str, arrays: dict[str, NDArray[Any]]) -> bool:
+def _says_something(name: str, arrays: Mapping[str, NDArray[Any]]) -> bool:
     """Whether a frame has a field; labels that are all 0 are none, and nobody looks for them."""
     return name in arrays and (name != "label" or bool(arrays[name].any()))
 

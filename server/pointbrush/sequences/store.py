@@ -81,8 +81,7 @@ class Sequence:
         return read_rows(self.path, self._checksums, index, self[index].count)
 
     def _files(self, index: int) -> CopiedFiles | MappedFiles:
-        points = self.manifest.points[index]
-        return open_frame_files(self.path / FRAMES, index, points, self._checksums, self.identity)
+        return open_frame_files(self.path / FRAMES, index, self.manifest, self._checksums)
 
     @cached_property
     def _checksums(self) -> dict[str, str]:

@@ -15,10 +15,10 @@ from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.cache import Cache
-from pointbrush.sequences.columns import from_local
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles
 from pointbrush.sequences.manifest import Manifest
+from pointbrush.sequences.octree.coordinates import Coordinates
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -77,8 +77,13 @@ class StoredFrame:
 
     @property
     def xyz(self) -> NDArray[np.float32]:
-        """(N, 3) float32, local metres."""
+        """(N, 3) float32, local metres; of an octree's frame, ``coordinates`` costs less memory."""
         return self._files.array("xyz")
+
+    @property
+    def coordinates(self) -> NDArray[np.float32] | Coordinates:
+        """The same by number: of an octree's frame only the points that are asked for."""
+        return self._files.coordinates()
 
     @property
     def source_index(self) -> NDArray[np.uint32]:
@@ -127,8 +132,7 @@ class StoredFrame:
     @property
     def source_dtype(self) -> np.dtype[Any]:
         """float32 or float64: the type of the coordinates that were imported."""
-        dtype: np.dtype[Any] = np.dtype(self._files.meta["dtype"])
-        return dtype
+        return self._files.dtype
 
     def to_source(self, stored_values: NDArray[Any]) -> NDArray[Any]:
         """A per-point array (N, …) from stored into source order."""
@@ -158,8 +162,7 @@ class StoredFrame:
 
     def source_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
         """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit."""
-        exact = self._column("residual")
-        return self.to_source(from_local(self.xyz, exact, self._shift, self.source_dtype))
+        return self.to_source(self._files.source(0, self.count))
 
     def read(self, name: str, first: int, stop: int) -> NDArray[Any]:
         """Rows ``first`` to before ``stop`` of a stored array.
@@ -201,9 +204,7 @@ class StoredFrame:
             if name != "xyz" and name in self._files.names
         }
         if "xyz" in names:
-            exact = self.read("residual", first, stop) if "residual" in self._files.names else None
-            local = self.read("xyz", first, stop)
-            columns["xyz"] = from_local(local, exact, self._shift, self.source_dtype)
+            columns["xyz"] = self._files.source(first, stop)
         return columns
 
     @cached_property

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
 from pointbrush.selection.objects import prepare as prepare_objects
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.columns import encode_frame
+from pointbrush.sequences.octree.coordinates import PACKED, Coordinates, pack_coordinates
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.work.compiling import note_compiled
@@ -53,10 +55,17 @@ class _Frame:
 
 
 def encode() -> None:
-    """Encode a frame as an import does, and build its tree."""
+    """Encode a frame as an import does, build its tree, and pack it as an octree's points."""
     made = generate("tabletop", 1, 1).frame(0)
     encode_frame(made, GridChooser()([made]))
     kdtree.build(made.xyz.astype(np.float32))
+    first = np.array([0, len(made)])
+    for source in (made.xyz.astype(np.float32), made.xyz.astype(np.float64)):
+        packed = pack_coordinates(source, np.ones((2, 3)), first)
+        arrays: dict[str, NDArray[Any]] = {"block_first": first}
+        arrays |= zip(PACKED, (packed.words, packed.base, packed.bits), strict=True)
+        meta = {"dtype": source.dtype.name, "scaling": np.ones((2, 3))}
+        Coordinates(arrays, meta, np.zeros(3))[:1]
 
 
 def select_object() -> None:

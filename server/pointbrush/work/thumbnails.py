@@ -38,7 +38,7 @@ def thumbnail(frame: StoredFrame, T_room_local: Points) -> bytes:
 def draw(frame: StoredFrame, T_room_local: Points) -> NDArray[np.uint8]:
     """Return the picture, (HEIGHT, WIDTH, 3) colours."""
     picture = np.broadcast_to(_BACK, (HEIGHT, WIDTH, 3)).copy()
-    local = np.asarray(frame.xyz[:POINTS], np.float64)
+    local = np.asarray(frame.coordinates[:POINTS], np.float64)
     if len(local) == 0:
         return picture
     rotation, origin = T_room_local[:3, :3], T_room_local[:3, 3]

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,19 @@ from pointbrush.sequences.files import write_all, write_file
 from pointbrush.sequences.octree.segment import Segment
 
 _COPY = 1 << 24
+_WORD = np.dtype("<u8")
 _DIRTY = 1 << 28
 """Bytes written after which the disk is set to work while the next segments are encoded."""
+
+
+def _write_header(out: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any]) -> int:
+    """Write the header of an ``.npy`` file of this shape; returns its length."""
+    header = io.BytesIO()
+    descr = np.lib.format.dtype_to_descr(dtype)
+    np.lib.format.write_array_header_1_0(
+        header, {"descr": descr, "fortran_order": False, "shape": shape}
+    )
+    return out.write(header.getvalue())
 
 
 class Column:
@@ -29,16 +40,9 @@ class Column:
         """``like`` gives the type and the shape of one row."""
         self.path, self.rows = path, rows
         self.dtype, self._tail = like.dtype, like.shape[1:]
-        header = io.BytesIO()
-        descr = np.lib.format.dtype_to_descr(like.dtype)
-        shape = (rows, *self._tail)
-        np.lib.format.write_array_header_1_0(
-            header, {"descr": descr, "fortran_order": False, "shape": shape}
-        )
-        self._start = len(header.getvalue())
         self._row = int(np.prod(self._tail, dtype=np.int64)) * like.itemsize
         self._file = path.open("w+b")
-        self._file.write(header.getvalue())
+        self._start = _write_header(self._file, (rows, *self._tail), like.dtype)
         self._file.flush()
         os.truncate(path, self._start + rows * self._row)
 
@@ -72,18 +76,50 @@ class Column:
             self._file.close()
 
 
+class Pile:
+    """Bytes in a temporary file, taken out again in another order."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("w+b")
+        self.size = 0
+
+    def add(self, data: bytes | memoryview) -> slice:
+        """Write bytes behind the others; returns where they are."""
+        self._file.write(data)
+        start, self.size = self.size, self.size + len(data)
+        return slice(start, self.size)
+
+    def copy(self, parts: list[slice], out: BinaryIO) -> None:
+        """Write parts one after another into ``out``, durably."""
+        for part in parts:
+            self._file.seek(part.start)
+            left = part.stop - part.start
+            while left:
+                data = self._file.read(min(left, _COPY))
+                out.write(data)
+                left -= len(data)
+        out.flush()
+        os.fsync(out.fileno())
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._file.close()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Tables:
     """Summary of a written segment in memory; ``parent`` is the segment above, once known."""
 
     points: int
+    base: NDArray[np.int64]
+    bits: NDArray[np.uint8]
     chunks: NDArray[Any]
     block_first: NDArray[np.int64]
     block_lo: NDArray[np.float32]
     block_hi: NDArray[np.float32]
     blocks_per_chunk: NDArray[np.int64]
-    wire_at: int
-    wire_bytes: int
+    wire: slice
+    words: slice
 
 
 class LargeWriter:
@@ -95,8 +131,7 @@ class LargeWriter:
         self._columns: dict[str, Column] = {}
         self._segments: list[_Tables] = []
         self._above: dict[int, int] = {}
-        self._wire = (temporary / "wire").open("w+b")
-        self._wire_bytes = 0
+        self._wire, self._words = Pile(temporary / "wire"), Pile(temporary / "words")
         self._dirty = 0
         self._syncer = ThreadPoolExecutor(1, "sync")
         self._syncing: Future[None] | None = None
@@ -108,6 +143,7 @@ class LargeWriter:
     def __exit__(self, *_: object) -> None:
         self._syncer.shutdown(wait=True)
         self._wire.close()
+        self._words.close()
         for column in self._columns.values():
             column.close()
 
@@ -116,21 +152,21 @@ class LargeWriter:
         self._free -= len(segment)
         for name, part in segment.columns.items():
             self._column(name, part).write(self._free, part)
-        self._wire.write(segment.wire)
         self.error = max(self.error, segment.error)
         self._segments.append(
             _Tables(
                 len(segment),
+                segment.packed.base,
+                segment.packed.bits,
                 segment.chunks,
                 segment.block_first,
                 segment.block_lo,
                 segment.block_hi,
                 segment.blocks_per_chunk,
-                self._wire_bytes,
-                len(segment.wire),
+                self._wire.add(segment.wire),
+                self._words.add(segment.packed.words.data.cast("B")),
             )
         )
-        self._wire_bytes += len(segment.wire)
         self._sync_behind(sum(part.nbytes for part in segment.columns.values()))
         return len(self._segments) - 1
 
@@ -173,23 +209,15 @@ class LargeWriter:
             raise ValueError(f"expected {self._rows} points, {self._free} are missing")
         order = list(reversed(range(len(self._segments))))
         tables = [self._segments[number] for number in order]
-        self._copy_wire(tables)
+        with self._folder.with_suffix(".wire").open("wb") as out:
+            self._wire.copy([table.wire for table in tables], out)
+        with (self._folder / "coordinates.npy").open("wb") as out:
+            _write_header(out, (self._words.size // _WORD.itemsize,), _WORD)
+            self._words.copy([table.words for table in tables], out)
         for name, array in self._block_arrays(tables).items():
             np.save(self._folder / f"{name}.npy", array)
         np.save(self._folder / "chunks.npy", self._chunk_table(order))
         write_file(self._folder / "meta.json", json.dumps(dict(meta)).encode())
-
-    def _copy_wire(self, tables: list[_Tables]) -> None:
-        with self._folder.with_suffix(".wire").open("wb") as out:
-            for table in tables:
-                self._wire.seek(table.wire_at)
-                left = table.wire_bytes
-                while left:
-                    data = self._wire.read(min(left, _COPY))
-                    out.write(data)
-                    left -= len(data)
-            out.flush()
-            os.fsync(out.fileno())
 
     def _chunk_table(self, order: list[int]) -> NDArray[Any]:
         rows, first_chunk = [], {}
@@ -204,7 +232,7 @@ class LargeWriter:
                 chunks["parent"][~inner] = first_chunk[self._above[segment]]
             chunks["first"] += points
             chunks["offset"] += offset
-            points, offset = points + table.points, offset + table.wire_bytes
+            points, offset = points + table.points, offset + table.wire.stop - table.wire.start
             number += len(chunks)
             rows.append(chunks)
         return np.concatenate(rows)
@@ -221,5 +249,7 @@ class LargeWriter:
             "block_first": np.append(np.concatenate(first), ends[-1]),
             "block_lo": np.concatenate([table.block_lo for table in tables]),
             "block_hi": np.concatenate([table.block_hi for table in tables]),
+            "block_base": np.concatenate([table.base for table in tables]),
+            "block_bits": np.concatenate([table.bits for table in tables]),
             "block_of_chunk": np.concatenate([[0], np.cumsum(per_chunk)]).astype(np.int64),
         }

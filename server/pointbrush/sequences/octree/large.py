@@ -11,6 +11,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -52,8 +53,9 @@ class LargeFrame:
             partition = self._partition(pool, parts, grid, total)
             cells, root = partition.finish()
             with LargeWriter(self.folder, self._temporary, partition.rows) as writer:
-                above = self._subtrees(pool, partition, cells, root, grid, writer)
-                self._ancestors(partition, above, root, grid, writer)
+                encode = partial(encode_cube, grid=grid, scaling=np.array(parts.meta["scaling"]))
+                above = self._subtrees(pool, partition, cells, root, encode, writer)
+                self._ancestors(partition, above, root, encode, writer)
                 self._report(0.97, "writing the tables")
                 writer.finish(parts.meta)
         shutil.rmtree(self._temporary)
@@ -87,7 +89,7 @@ class LargeFrame:
         partition: Partition,
         cells: list[Cell],
         root: int,
-        grid: Grid,
+        encode_rows: Callable[..., Segment],
         writer: LargeWriter,
     ) -> dict[int, dict[Key, list[_Branch]]]:
         """Write every cube's subtree, last cube first; what they hand up, by level and cube."""
@@ -97,7 +99,7 @@ class LargeFrame:
             corner, edge = partition.cube(cell)
             level = root - cell.exponent
             rows = partition.take(cell)
-            return cell, encode_cube(rows, corner, edge, level, grid, hands_up=len(cells) > 1)
+            return cell, encode_rows(rows, corner, edge, level, hands_up=len(cells) > 1)
 
         done = 0
         for cell, segment in ahead(pool, encode, reversed(cells)):
@@ -114,7 +116,7 @@ class LargeFrame:
         partition: Partition,
         above: dict[int, dict[Key, list[_Branch]]],
         root: int,
-        grid: Grid,
+        encode_rows: Callable[..., Segment],
         writer: LargeWriter,
     ) -> None:
         """Build the levels above the cubes from what these handed up, deepest first."""
@@ -127,7 +129,7 @@ class LargeFrame:
                 exponent = root - (level - 1)
                 corner, edge = partition.cube(Cell(exponent, key))
                 rows = np.concatenate([part.up for part in parts])
-                segment = encode_cube(rows, corner, edge, level - 1, grid, hands_up=level > 1)
+                segment = encode_rows(rows, corner, edge, level - 1, hands_up=level > 1)
                 below = [number for part in parts for number in part.segments]
                 if len(segment):
                     number = writer.add(segment)

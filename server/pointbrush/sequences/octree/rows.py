@@ -13,6 +13,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS, frame_meta, to_local
+from pointbrush.sequences.octree.coordinates import scaling_of
 from pointbrush.sequences.octree.order import bounds
 from pointbrush.sequences.octree.partition import Groups, edge_exponent, group
 
@@ -76,7 +77,8 @@ class Parts:
                 continue
             given = row_dtype(frame)
             if dtype is None:
-                dtype, self.meta = given, frame_meta(frame)
+                dtype, scaling = given, scaling_of(frame).tolist()
+                self.meta = frame_meta(frame) | {"scaling": scaling}
                 lo, hi = bounds(to_local(frame.xyz, self._grid.shift))
                 exponent = edge_exponent(float((hi - lo).max()))
             if given != dtype:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from pointbrush.sequences import blocks
 from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
-from pointbrush.sequences.columns import POINT_FIELDS, gather, residual, to_local
+from pointbrush.sequences.columns import POINT_FIELDS, gather, to_local
+from pointbrush.sequences.octree.coordinates import Packed, pack_coordinates
 from pointbrush.sequences.octree.nodes import Node, build, hand_up, sort_codes
 from pointbrush.sequences.octree.order import morton_codes
 from pointbrush.sequences.octree.rows import Rows
@@ -24,6 +25,7 @@ class Segment:
     """
 
     columns: dict[str, NDArray[Any]]
+    packed: Packed
     chunks: NDArray[Any]
     wire: bytes
     block_first: NDArray[np.int64]
@@ -34,7 +36,7 @@ class Segment:
     up: Rows
 
     def __len__(self) -> int:
-        return len(self.columns["xyz"])
+        return len(self.columns["source_index"])
 
 
 def encode_cube(
@@ -43,10 +45,14 @@ def encode_cube(
     edge: float,
     level: int,
     grid: Grid,
+    scaling: NDArray[np.float64],
     *,
     hands_up: bool,
 ) -> Segment:
-    """The subtree over ``rows`` in the cube at ``corner`` (local), ``level`` below the root."""
+    """The subtree over ``rows`` in the cube at ``corner`` (local), ``level`` below the root.
+
+    ``scaling`` (2, 3): scale and offset of the source's whole numbers, zeros for none.
+    """
     local = to_local(rows["xyz"], grid.shift)
     codes, order = sort_codes(morton_codes(local, corner, edge))
     keep = np.ones(len(rows), np.bool_)
@@ -62,6 +68,7 @@ def encode_cube(
         parents,
         level,
         grid,
+        scaling,
         gather(rows, order[~keep]),
     )
 
@@ -79,6 +86,7 @@ def _encode(
     parents: list[int],
     level: int,
     grid: Grid,
+    scaling: NDArray[np.float64],
     up: Rows,
 ) -> Segment:
     names = rows.dtype.names or ()
@@ -98,7 +106,12 @@ def _encode(
     block_first, of_chunk = blocks.cut(first)
     lo, hi = blocks.bound(xyz, block_first)
     return Segment(
-        _columns(rows, xyz, grid),
+        {
+            name: np.ascontiguousarray(rows[name])
+            for name in ("source_index", *POINT_FIELDS)
+            if name in names
+        },
+        pack_coordinates(rows["xyz"], scaling, block_first),
         chunks.table,
         chunks.wire,
         block_first[:-1],
@@ -108,17 +121,3 @@ def _encode(
         chunks.error,
         up,
     )
-
-
-def _columns(rows: Rows, xyz: NDArray[np.float32], grid: Grid) -> dict[str, NDArray[Any]]:
-    names = rows.dtype.names or ()
-    columns: dict[str, NDArray[Any]] = {"xyz": xyz}
-    for name in ("source_index", *POINT_FIELDS):
-        if name in names:
-            columns[name] = np.ascontiguousarray(rows[name])
-    exact = residual(rows["xyz"], xyz, grid.shift)
-    if exact is not None:
-        # One width from the start where it is likely: widening a column later copies all of it.
-        wide = rows["xyz"].dtype == np.float64 and exact.dtype.itemsize < 4
-        columns["residual"] = exact.astype(np.int32) if wide else exact
-    return columns

@@ -39,7 +39,7 @@ def copy_labels(
         raise BadInputError(f"source: expected another frame than {frame}, got the same")
     placed = placements(store, recording, frame, [source])[-1]
     values = store.values(recording.manifest.id, source)
-    xyz, points = recording[source].xyz, frame_points(recording[frame])
+    xyz, points = recording[source].coordinates, frame_points(recording[frame])
 
     def writes() -> Iterator[tuple[int, Write]]:
         for label in labels:

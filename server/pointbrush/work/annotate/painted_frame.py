@@ -22,7 +22,7 @@ def frame_points(frame: StoredFrame, up: tuple[float, float, float] = (0.0, 0.0,
     levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
     large, many = frame.large, frame.count > LARGE_POINTS
     return Points(
-        xyz=frame.xyz,
+        xyz=frame.coordinates,
         blocks=frame.blocks,
         rgb=frame.rgb,
         # An octree's nodes are not global levels: there each block stands for itself.

@@ -57,7 +57,7 @@ def split_label(
     store.require_paintable(sequence, label_id)
     values = store.values(sequence, frame)
     numbers = np.flatnonzero((values.label == label_id) & ~values.deleted)
-    xyz = recording[frame].xyz[numbers]
+    xyz = recording[frame].coordinates[numbers]
     wide = usual_gap(xyz) if gap is None else gap
     part = connected_parts(xyz, wide)
     counts = np.bincount(part, minlength=1)

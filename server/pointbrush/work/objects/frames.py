@@ -35,7 +35,7 @@ def object_frame(
 
     viewpoint = _viewpoint(frame, manifest)
     return ObjectFrame(
-        xyz=part(frame.xyz),  # type: ignore[arg-type]
+        xyz=np.ascontiguousarray(frame.coordinates[slice(None) if members is None else members]),
         rgb=part(frame.rgb),  # type: ignore[arg-type]
         intensity=part(frame.intensity),  # type: ignore[arg-type]
         viewpoint=viewpoint,
@@ -54,7 +54,7 @@ def sensor_kind(frame: StoredFrame, viewpoint: Floats | None) -> SensorKind:
     if frame.count == 0:
         return "room"
     xyz = np.asarray(
-        frame.xyz[: SENSING.sample], np.float64
+        frame.coordinates[: SENSING.sample], np.float64
     )  # the first points are an even subsample
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
     extent = float(np.ptp(xyz, axis=0).max(initial=0.0))

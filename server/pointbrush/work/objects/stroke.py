@@ -95,7 +95,7 @@ class ObjectStroke:
 
     def _others(self, own: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
         """Return the further frames, each with stored numbers of the points at the same place."""
-        xyz = self._recording[self.frame].xyz[own].astype(np.float64)
+        xyz = self._recording[self.frame].coordinates[own].astype(np.float64)
         reach = reach_of(xyz) if self._placed[1:] else 0.0
         local = self._brush.to_local(np.asarray(self._recording.manifest.shift, np.float64))
         view = self._store.view(self._recording.manifest.id)

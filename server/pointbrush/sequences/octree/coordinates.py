@@ -1,0 +1,155 @@
+"""Coordinates of an octree's points, packed so that they come back as the source had them.
+
+The points of a block lie close together: each axis is kept as differences to its least value, in
+as many bits as the greatest one takes.  Values are whole numbers where ``whole × scale + offset``,
+as a LAS file says, gives the source's floats bit for bit, elsewhere the floats' bit patterns in the
+order of the floats.  A block begins with a word of 64 bits; its points follow one another, x, y, z,
+lowest bits first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.frame import PointFrame
+
+WIDTH = 127
+"""Part of a block's byte for an axis that counts the bits of a value."""
+FLOATS = 128
+"""The rest of it: values are bit patterns of floats, not whole numbers."""
+PACKED = ("coordinates", "block_base", "block_bits")
+"""Names of the arrays of a frame that are a ``Packed``."""
+_WORD_BITS = 64
+_MOST_WORDS = 3
+"""Words of a point whose coordinates have all their bits."""
+
+Which = slice | NDArray[np.integer[Any]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Packed:
+    """Coordinates of blocks: ``words`` (W,), and ``base`` and ``bits`` (B, 3) of each block."""
+
+    words: NDArray[np.uint64]
+    base: NDArray[np.int64]
+    bits: NDArray[np.uint8]
+
+
+def scaling_of(frame: PointFrame) -> NDArray[np.float64]:
+    """Scale and offset (2, 3) of a source's whole numbers, zeros where it has none."""
+    if frame.scaling is None or frame.xyz.dtype != np.float64:
+        return np.zeros((2, 3))
+    return np.array([frame.scaling.scale, frame.scaling.offset])
+
+
+def pack_coordinates(
+    source: NDArray[Any], scaling: NDArray[np.float64], first: NDArray[np.int64]
+) -> Packed:
+    """Pack source coordinates (N, 3) of the blocks ``first[b]:first[b + 1]``."""
+    # Compiled loops, which only an import needs.
+    from pointbrush.sequences.octree.packing import pack
+
+    source, blocks = np.ascontiguousarray(source), len(first) - 1
+    base, bits = np.empty((blocks, 3), np.int64), np.empty((blocks, 3), np.uint8)
+    words = np.zeros(_MOST_WORDS * len(source) + blocks, np.uint64)
+    used = pack(source, _patterns(source), scaling, first, base, bits, words)
+    return Packed(words[:used].copy(), base, bits)
+
+
+def _patterns(source: NDArray[Any]) -> NDArray[np.signedinteger[Any]]:
+    """The same memory as integers."""
+    return source.view(np.dtype(f"i{source.dtype.itemsize}"))
+
+
+class Coordinates:
+    """Packed coordinates (N, 3): ``coordinates[numbers]`` are local ones, float32 metres.
+
+    Only what is asked for is unpacked.
+    """
+
+    def __init__(
+        self,
+        arrays: Mapping[str, NDArray[Any]],
+        meta: Mapping[str, Any],
+        shift: NDArray[np.float64],
+    ) -> None:
+        """``arrays`` and ``meta`` are the frame's; raises ValueError when they do not fit."""
+        packed = Packed(*(arrays[name] for name in PACKED))
+        self._packed, self._first, self._shift = packed, arrays["block_first"], shift
+        self._dtype: np.dtype[Any] = np.dtype(meta["dtype"])
+        self._scaling = np.array(meta["scaling"], np.float64)
+        counts = np.diff(self._first)
+        point_bits = (packed.bits & WIDTH).sum(axis=1, dtype=np.int64)
+        words = -(-counts * point_bits // _WORD_BITS)
+        self._word = np.concatenate([[0], np.cumsum(words)]).astype(np.int64)
+        if (
+            (counts < 0).any()
+            or self._first[0] != 0
+            or packed.base.shape != packed.bits.shape
+            or packed.bits.shape != (len(counts), 3)
+            or self._scaling.shape != (2, 3)
+            or point_bits.max(initial=0) > _MOST_WORDS * _WORD_BITS
+            or self._word[-1] != len(packed.words)
+        ):
+            raise ValueError("packed coordinates that do not fit their blocks")
+
+    def __len__(self) -> int:
+        return int(self._first[-1])
+
+    def __getitem__(self, which: Which) -> NDArray[np.float32]:
+        """Local coordinates (K, 3) of points by number (K,), or of a slice."""
+        numbers = self._numbers(which)
+        return self._local(self._unpack(numbers, self._packed.words, 0))
+
+    def span(self, first: int, stop: int) -> tuple[int, int]:
+        """Where the words of points ``first`` to before ``stop`` begin and end."""
+        if first >= stop:
+            return 0, 0
+        blocks = np.searchsorted(self._first, [first, stop - 1], side="right") - 1
+        return int(self._word[blocks[0]]), int(self._word[blocks[1] + 1])
+
+    def local(self, first: int, stop: int, words: NDArray[np.uint64]) -> NDArray[np.float32]:
+        """Local coordinates of a run of points, from the words of their span."""
+        return self._local(self.source(first, stop, words))
+
+    def source(self, first: int, stop: int, words: NDArray[np.uint64]) -> NDArray[Any]:
+        """Coordinates of the same as they were imported, bit for bit."""
+        return self._unpack(np.arange(first, stop), words, self.span(first, stop)[0])
+
+    def _numbers(self, which: Which) -> NDArray[np.int64]:
+        if isinstance(which, slice):
+            return np.arange(*which.indices(len(self)))
+        if which.dtype == np.bool_:
+            return np.flatnonzero(which)
+        numbers = np.ascontiguousarray(which, np.int64)
+        if len(numbers) and not 0 <= int(numbers.min()) <= int(numbers.max()) < len(self):
+            raise IndexError(f"expected points 0 to {len(self) - 1}, got others")
+        return numbers
+
+    def _unpack(
+        self, numbers: NDArray[np.int64], words: NDArray[np.uint64], first_word: int
+    ) -> NDArray[Any]:
+        # Compiled loops, which load with the first points of an octree that are asked for.
+        from pointbrush.sequences.octree.packing import unpack
+
+        out = np.empty((len(numbers), 3), self._dtype)
+        packed, word = self._packed, self._word - first_word if first_word else self._word
+        unpack(
+            *(words, word, self._first, packed.base, packed.bits, numbers),
+            *(self._scaling, out, _patterns(out)),
+        )
+        return out
+
+    def _local(self, source: NDArray[Any]) -> NDArray[np.float32]:
+        if source.dtype == np.float32 and not self._shift.any():
+            return source
+        from pointbrush.sequences.octree.packing import shifted
+
+        local = np.empty(source.shape, np.float32)
+        shifted(source, self._shift, local)
+        return local

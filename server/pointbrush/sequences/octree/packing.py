@@ -1,0 +1,186 @@
+"""Compiled loops of ``coordinates``: pack blocks, unpack some points.
+
+They take long to load, so that modules import them where they are needed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.sequences.octree.coordinates import FLOATS, WIDTH
+
+_MOST_WHOLE = 2.0**52
+
+Words = NDArray[np.uint64]
+
+
+@compiled
+def pack(
+    source: NDArray[np.floating[Any]],
+    patterns: NDArray[np.signedinteger[Any]],
+    scaling: NDArray[np.float64],
+    first: NDArray[np.int64],
+    base: NDArray[np.int64],
+    bits: NDArray[np.uint8],
+    words: Words,
+) -> int:
+    """Pack the blocks ``first[b]:first[b + 1]`` of ``source`` (N, 3) into zeroed ``words``.
+
+    ``patterns`` are the same floats as integers, ``scaling`` (2, 3) their scale, 0 for none, and
+    offset.  Fills in ``base`` and ``bits`` (B, 3); returns the words used.
+    """
+    longest = 0
+    for block in range(len(bits)):
+        longest = max(longest, first[block + 1] - first[block])
+    values = np.empty((3, longest), np.int64)
+    word = 0
+    for block in range(len(bits)):
+        start, stop = first[block], first[block + 1]
+        for axis in range(3):
+            own, scale, offset = values[axis], scaling[0, axis], scaling[1, axis]
+            kind = 0
+            if not _whole(source, patterns, start, stop, axis, scale, offset, own):
+                _ordinals(patterns, start, stop, axis, own)
+                kind = FLOATS
+            base[block, axis], width = _span(own, stop - start)
+            bits[block, axis] = kind + width
+        at = word * 64
+        for place in range(stop - start):
+            for axis in range(3):
+                width = bits[block, axis] & WIDTH
+                if width > 0:
+                    _put(words, at, width, np.uint64(values[axis, place] - base[block, axis]))
+                at += width
+        word = (at + 63) // 64
+    return word
+
+
+@innermost
+def _whole(
+    source: NDArray[np.floating[Any]],
+    patterns: NDArray[np.signedinteger[Any]],
+    start: int,
+    stop: int,
+    axis: int,
+    scale: float,
+    offset: float,
+    values: NDArray[np.int64],
+) -> bool:
+    """Fill in the whole numbers of a block; returns whether these give its floats back."""
+    if scale == 0.0:
+        return False
+    inverse = 1.0 / scale
+    for place in range(start, stop):
+        value = source[place, axis]
+        whole = np.rint((value - offset) * inverse)
+        if not abs(whole) <= _MOST_WHOLE or whole * scale + offset != value:
+            return False
+        if value == 0.0 and patterns[place, axis] != 0:  # of the two zeros the negative one
+            return False
+        values[place - start] = np.int64(whole)
+    return True
+
+
+@innermost
+def _ordinals(
+    patterns: NDArray[np.signedinteger[Any]],
+    start: int,
+    stop: int,
+    axis: int,
+    values: NDArray[np.int64],
+) -> None:
+    """Fill in the bit patterns of a block's floats as integers in the floats' order."""
+    magnitude = np.int64(2 ** (8 * patterns.itemsize - 1) - 1)
+    for place in range(start, stop):
+        pattern = np.int64(patterns[place, axis])
+        values[place - start] = pattern ^ ((pattern >> 63) & magnitude)
+
+
+@innermost
+def _span(values: NDArray[np.int64], count: int) -> tuple[int, int]:
+    """Least value, and the bits of the greatest difference to it."""
+    least = most = values[0]
+    for place in range(1, count):
+        least = min(least, values[place])
+        most = max(most, values[place])
+    # Modulo 2**64, which the greatest difference fits.
+    left, width = np.uint64(most - least), 0
+    while left > np.uint64(0):
+        left >>= np.uint64(1)
+        width += 1
+    return least, width
+
+
+@innermost
+def _put(words: Words, at: int, width: int, value: np.uint64) -> None:
+    word, shift = at >> 6, at & 63
+    words[word] |= value << np.uint64(shift)
+    if shift + width > 64:
+        words[word + 1] |= value >> np.uint64(64 - shift)
+
+
+@innermost
+def _get(words: Words, at: int, width: int) -> np.uint64:
+    word, shift = at >> 6, at & 63
+    value = words[word] >> np.uint64(shift)
+    if shift + width > 64:
+        value |= words[word + 1] << np.uint64(64 - shift)
+    return np.uint64(value & (~np.uint64(0) >> np.uint64(64 - width)))
+
+
+@compiled
+def unpack(
+    words: Words,
+    block_word: NDArray[np.int64],
+    block_first: NDArray[np.int64],
+    base: NDArray[np.int64],
+    bits: NDArray[np.uint8],
+    numbers: NDArray[np.int64],
+    scaling: NDArray[np.float64],
+    out: NDArray[np.floating[Any]],
+    patterns: NDArray[np.signedinteger[Any]],
+) -> None:
+    """Write the source coordinates of points ``numbers`` (K,) into ``out`` (K, 3).
+
+    ``block_word`` (B,) counts from the first of ``words``; ``patterns`` is ``out`` as integers.
+    Points that are adjacent in the order given are found the fastest.
+    """
+    magnitude = np.int64(2 ** (8 * patterns.itemsize - 1) - 1)
+    block = -1
+    start = stop = 0
+    stride = 0
+    for place in range(len(numbers)):
+        number = numbers[place]
+        if number < start or number >= stop:
+            block += 1
+            if not (block < len(bits) and block_first[block] <= number < block_first[block + 1]):
+                block = np.searchsorted(block_first, number, side="right") - 1
+            start, stop = block_first[block], block_first[block + 1]
+            stride = 0
+            for axis in range(3):
+                stride += bits[block, axis] & WIDTH
+        at = block_word[block] * 64 + (number - start) * stride
+        for axis in range(3):
+            width = bits[block, axis] & WIDTH
+            value = base[block, axis]
+            if width > 0:
+                value += np.int64(_get(words, at, width))
+            at += width
+            if bits[block, axis] >= FLOATS:
+                patterns[place, axis] = value ^ ((value >> 63) & magnitude)
+            else:
+                out[place, axis] = value * scaling[0, axis] + scaling[1, axis]
+
+
+@compiled
+def shifted(
+    source: NDArray[np.floating[Any]], shift: NDArray[np.float64], out: NDArray[np.float32]
+) -> None:
+    """Write source coordinates (K, 3) less ``shift`` into ``out``."""
+    for place in range(len(source)):
+        for axis in range(3):
+            out[place, axis] = np.float32(np.float64(source[place, axis]) - shift[axis])
