@@ -7,8 +7,8 @@ from pointbrush.streaming.reference import generate
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def test_the_protocol_page_is_fresh() -> None:
-    text = (DOCS / "protocol.md").read_text(encoding="utf-8")
+def test_the_page_of_messages_is_fresh() -> None:
+    text = (DOCS / "messages.md").read_text(encoding="utf-8")
     assert text == generate(), "run `python -m pointbrush.streaming.reference`"
 
 

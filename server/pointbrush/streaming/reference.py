@@ -1,36 +1,33 @@
-"""Writes docs/protocol.md from the models, so that what is written is what is spoken.
+"""Write docs/messages.md from the models, so that what is written is what is spoken.
 
 ``python -m pointbrush.streaming.reference`` writes it; a test fails when it is stale.
 """
 
 from __future__ import annotations
 
+import ast
+import json
 import re
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from pointbrush.streaming.schema import client_schema, schema_hash, server_schema
 from pointbrush.streaming.typescript import type_of
 
-TARGET = Path(__file__).parents[3] / "docs" / "protocol.md"
+TARGET = Path(__file__).parents[3] / "docs" / "messages.md"
+SOURCES = Path(__file__).parent / "messages"
 HEAD = """# The socket's messages
 
-Written from `server/pointbrush/streaming/messages/` by
-`python -m pointbrush.streaming.reference`.
-
-`GET /api/v1/stream` as a WebSocket, with the subprotocol `pointbrush.{hash}` (it changes with any
-message, so that a stale page is refused instead of misread), a bearer token or the page's cookie,
-and no compression.  Each message is one binary msgpack map with `type`; bytes are little-endian.
-Points are numbered in stored order: level by level, a prefix of a frame is the frame decimated.
-How the messages play together is told in [streaming.md](streaming.md).
-
-A message that cannot be used is answered with `error`, and the session goes on; one that is too
-large closes the socket with 1009, text with 1003, the server's end with 1001.
+Written from `server/pointbrush/streaming/messages/` by `python -m pointbrush.streaming.reference`;
+[protocol.md](protocol.md) says how they play together.  The subprotocol is `pointbrush.{hash}`.
+Types are TypeScript's; `?` marks a field that may be left out.  Bytes are little-endian.
 """
 
 
 def generate() -> str:
-    """The whole page, ending in a newline."""
+    """Return the whole page, ending in a newline."""
     client, server = client_schema(), server_schema()
     parts = [HEAD.format(hash=schema_hash())]
     parts += ["## From the client", *_messages(client, complete=False)]
@@ -58,20 +55,47 @@ def _messages(schema: dict[str, Any], *, complete: bool) -> list[str]:
 def _section(title: str, definition: dict[str, Any], *, complete: bool) -> str:
     required = set(definition.get("required", ()))
     lines = [f"### {title}", "", _prose(definition.get("description", "")), ""]
-    fields = {k: v for k, v in definition["properties"].items() if k != "type"}
-    if fields:
-        lines += ["| field | type | |", "|---|---|---|"]
-    for name, schema in fields.items():
-        note = "" if complete or name in required else "may be left out"
-        note = "; ".join(filter(None, (note, _prose(schema.get("description", "")))))
-        kind = type_of(schema).replace("|", "\\|")
-        lines.append(f"| `{name}` | `{kind}` | {note} |")
+    notes = _notes(definition["title"])
+    for name, schema in definition["properties"].items():
+        if name == "type":
+            continue
+        kind = type_of(schema)
+        if not (complete or name in required):
+            name, kind = f"{name}?", kind + _default(schema)
+        note = _prose(schema.get("description") or notes.get(name.rstrip("?"), ""))
+        lines.append(f"- `{name}: {kind}`" + (f": {note}" if note else ""))
     return "\n".join([*lines, ""])
 
 
+def _notes(name: str) -> dict[str, str]:
+    """Return the docstrings of a model's fields; a generated model has them in its schema."""
+    for path in SOURCES.glob("*.py"):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and node.name == name:
+                return dict(_documented(node))
+    return {}
+
+
+def _documented(model: ast.ClassDef) -> Iterator[tuple[str, str]]:
+    for field, note in pairwise(model.body):
+        match field, note:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(text))),
+            ):
+                yield name, text
+
+
+def _default(schema: dict[str, Any]) -> str:
+    """Return what a field is when it is left out, if that is more than nothing."""
+    default = schema.get("default")
+    return f" = {json.dumps(default)}" if default not in (None, "", []) else ""
+
+
 def _prose(text: str) -> str:
-    """Docstrings' markup as Markdown's."""
-    return re.sub(r"\s*\n\s*", " ", text.strip()).replace("``", "`").replace("|", "\\|")
+    """Return the Markdown of a docstring."""
+    line = re.sub(r"\s*\n\s*", " ", text.strip()).replace("``", "`")
+    return re.sub(r"docs/([\w-]+\.md)", r"[\1](\1)", line)
 
 
 def main() -> None:

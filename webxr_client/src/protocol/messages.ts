@@ -314,7 +314,7 @@ export interface Depth {
   data: Uint8Array;
 }
 
-/** A run of points that is a band of a depth image (docs/streaming.md says of which pixels). */
+/** A run of points that is a band of a depth image: docs/depth-format.md. */
 export interface DepthChunk {
   index: number;
   level: number;

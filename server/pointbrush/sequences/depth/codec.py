@@ -3,7 +3,7 @@
 The pixels of a ``Band`` are gone through in the order of its points.  Each is predicted from the
 two known ones beside it (their mean), or in level 0 from those left, above and between (the median
 that JPEG-LS takes).  What is left is a token, whose frequencies depend on how far the two differ,
-and low bits.  docs/streaming.md describes the bytes.
+and low bits.  docs/depth-format.md describes the bytes.
 """
 
 from __future__ import annotations

@@ -76,7 +76,7 @@ class Lattice(Message):
 
 
 class DepthChunk(Message):
-    """A run of points that is a band of a depth image (docs/streaming.md says of which pixels)."""
+    """A run of points that is a band of a depth image: docs/depth-format.md."""
 
     index: Count
     level: Annotated[int, Field(ge=0, le=64)]

@@ -1,4 +1,4 @@
-/** The bytes of a band: frequencies, tokens in rANS, and low bits (`docs/streaming.md`). */
+/** The bytes of a band: frequencies, tokens in rANS, and low bits (`docs/depth-format.md`). */
 
 /** Contexts of pixels with both neighbours, by the bits of their difference; with one; with none. */
 export const BOTH = 9;

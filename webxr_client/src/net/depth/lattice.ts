@@ -1,4 +1,4 @@
-/** The interlaced levels of a depth camera's pixels, as the server cuts them (`docs/streaming.md`). */
+/** The interlaced levels of a depth camera's pixels, as the server cuts them (`docs/depth-format.md`). */
 import type { Lattice } from '../../protocol/messages';
 
 /** Rows of a strip: a level's points are numbered strip by strip, column by column within one. */
