@@ -17,13 +17,12 @@ from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError
 from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
-from pointbrush.streaming.asking import Asker
 from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub
-from pointbrush.streaming.opening import of_this_import, sequence_info
 from pointbrush.streaming.plan import Plan
+from pointbrush.streaming.requests import Asker, of_this_import, sequence_info
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
