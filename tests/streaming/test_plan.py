@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.outbox import MOST_DELTA_BYTES, Outbox, QueuedDelta
-from pointbrush.streaming.plan import Piece, Plan
+from pointbrush.streaming.plan import Piece, Plan, PlayClock
 from pointbrush.streaming.rate import Link
 from pointbrush.streaming.table import FrameTable
 

@@ -17,11 +17,10 @@ from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError
 from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
-from pointbrush.streaming.clock import PlayClock
 from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub
-from pointbrush.streaming.plan import Plan
+from pointbrush.streaming.plan import Plan, PlayClock
 from pointbrush.streaming.requests import Asker, of_this_import, sequence_info
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
