@@ -7,7 +7,6 @@ of the frame store); coordinates are metres in the source's frame unless a field
 Packed arrays are little-endian ``bytes``.
 """
 
-from pointbrush.streaming.messages.brush import Brush, ClipBox
 from pointbrush.streaming.messages.client import (
     Ask,
     ClientMessage,
@@ -47,7 +46,9 @@ from pointbrush.streaming.messages.server import (
     Welcome,
 )
 from pointbrush.streaming.messages.values import (
+    Brush,
     Chunk,
+    ClipBox,
     Color,
     Count,
     DepthChunk,

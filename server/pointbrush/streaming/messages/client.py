@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from pointbrush.selection import MAX_FRAMES
-from pointbrush.streaming.messages.brush import Brush
 from pointbrush.streaming.messages.values import (
+    Brush,
     Color,
     Count,
     FrameIndex,
