@@ -17,7 +17,7 @@ from pointbrush.sequences.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.session import ViewerSession
-from pointbrush.streaming.shared.shelf import OpenFrame, Shelf
+from pointbrush.streaming.shared.stock import OpenFrame, Shelf
 from pointbrush.workspace import Workspace
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.client import viewer

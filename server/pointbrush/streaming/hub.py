@@ -22,7 +22,7 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.shared.cache import MessageCache
 from pointbrush.streaming.shared.presence import Presence
-from pointbrush.streaming.shared.shelf import Shelf
+from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.workspace import (
     Event,

@@ -18,8 +18,7 @@ from pointbrush.streaming.encoding import (
 from pointbrush.streaming.outbox import Outbox, QueuedDelta
 from pointbrush.streaming.shared.board import Board, Place
 from pointbrush.streaming.shared.cache import MessageCache, Versioned
-from pointbrush.streaming.shared.shelf import Shelf
-from pointbrush.streaming.shared.stock import PointsMessage, Stock
+from pointbrush.streaming.shared.stock import PointsMessage, Shelf, Stock
 from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.workspace import Provisional, Workspace
 
