@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import asyncio
 
-from pointbrush.streaming.wake import Wake
+from pointbrush.streaming.outbox import Wake
 
 
 def test_a_ring_before_the_wait_is_not_lost_and_wakes_once() -> None:
