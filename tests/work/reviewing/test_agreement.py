@@ -11,8 +11,7 @@ import pytest
 from PIL import Image
 
 from pointbrush.errors import BadInputError
-from pointbrush.work.reviewing.confusion import agreement, pairs
-from pointbrush.work.reviewing.picture import COLORS, Difference, draw
+from pointbrush.work.reviewing.comparing import COLORS, Difference, agreement, draw, pairs
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

@@ -10,9 +10,8 @@ import pytest
 
 from pointbrush.labels import Label
 from pointbrush.work.reviewing.checks import counting, placing
-from pointbrush.work.reviewing.checks.finding import Finding, grouped
-from pointbrush.work.reviewing.checks.options import CheckOptions
-from pointbrush.work.reviewing.checks.sketch import Sketch, sketch_frame
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, grouped
+from pointbrush.work.reviewing.checks.placing import Sketch, sketch_frame
 
 OPTIONS = CheckOptions()
 PIN = Label(1, "pin")

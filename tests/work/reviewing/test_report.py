@@ -14,10 +14,9 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.labels import EditInfo, Review
-from pointbrush.work.reviewing.report.effort import EffortOptions, effort_of
+from pointbrush.work.reviewing.report.gather import EffortOptions, effort_of, to_csv
 from pointbrush.work.reviewing.report.html import duration, to_html
 from pointbrush.work.reviewing.report.plots import MOST, columns
-from pointbrush.work.reviewing.report.table import to_csv
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

@@ -15,9 +15,8 @@ from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.reviewing.checks import counting, placing
 from pointbrush.work.reviewing.checks.counting import Counts
-from pointbrush.work.reviewing.checks.finding import KINDS, Finding, grouped
-from pointbrush.work.reviewing.checks.options import CheckOptions
-from pointbrush.work.reviewing.checks.sketch import Sketch, sketch_frame
+from pointbrush.work.reviewing.checks.finding import KINDS, CheckOptions, Finding, grouped
+from pointbrush.work.reviewing.checks.placing import Sketch, sketch_frame
 
 REMEMBERED = 8
 """Recordings whose sketches are kept."""

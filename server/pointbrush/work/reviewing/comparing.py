@@ -1,9 +1,12 @@
-"""Two recordings of the same points, labelled by two people, side by side."""
+"""Two recordings of the same points, labelled by two people: how far they agree, as a picture too."""
 
 from __future__ import annotations
 
+import io
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
 from typing import Literal
 
 import numpy as np
@@ -14,12 +17,165 @@ from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import source_blocks
 from pointbrush.work.annotate.kept import KeptAnnotation
-from pointbrush.work.reviewing.confusion import Agreement, agreement, pairs
-from pointbrush.work.reviewing.picture import Difference, draw
 
+Names = Mapping[int, str]
+"""Key by which a label is compared: name or category; 0, no label, is "" and compared too."""
+BITS = 16
+SIZE = 720
+"""Pixels of the longer side."""
+DOT = 2
+"""Pixels of a point's side; of one that differs twice as many."""
+MARGIN = 0.15
+"""Around the labelled points, as a share of their extent."""
+OUTLIERS = 1.0
+"""Percent of points at each end that do not decide what is shown."""
+BACKGROUND = (17, 19, 24)
 By = Literal["name", "category"]
 SAME_PLACE = 1e-3
 """Metres that the bounds of two imports of the same points may differ by."""
+
+
+@dataclass(frozen=True, slots=True)
+class LabelAgreement:
+    """Points that the first, the second, and both gave a label of this name; ``iou`` 0..1."""
+
+    name: str
+    first: int
+    second: int
+    both: int
+
+    @property
+    def iou(self) -> float:
+        """Intersection over union."""
+        return self.both / max(1, self.first + self.second - self.both)
+
+
+@dataclass(frozen=True, slots=True)
+class FrameAgreement:
+    """Points of a frame that either labelled, and those of them that differ."""
+
+    frame: int
+    labelled: int
+    differ: int
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """Per label by name, per frame; ``miou`` is the mean over the names that either used.
+
+    ``same``: the share of points with a label in either that have the same in both.
+    """
+
+    labels: Sequence[LabelAgreement]
+    frames: Sequence[FrameAgreement]
+
+    @property
+    def miou(self) -> float | None:
+        """Mean of the labels' IoU; None where neither has labelled anything."""
+        return float(np.mean([each.iou for each in self.labels])) if self.labels else None
+
+    @property
+    def same(self) -> float | None:
+        """Share of labelled points that agree; None where there are none."""
+        labelled = sum(each.labelled for each in self.frames)
+        differ = sum(each.differ for each in self.frames)
+        return 1 - differ / labelled if labelled else None
+
+
+def pairs(first: NDArray[np.uint16], second: NDArray[np.uint16]) -> Counter[tuple[int, int]]:
+    """Return how many points have each pair of label ids; both (N,)."""
+    joined = first.astype(np.uint32) << BITS | second
+    values, numbers = np.unique(joined, return_counts=True)
+    return Counter(
+        {
+            (int(value) >> BITS, int(value) & 0xFFFF): int(number)
+            for value, number in zip(values, numbers, strict=True)
+        }
+    )
+
+
+def agreement(
+    frames: Mapping[int, Counter[tuple[int, int]]], first: Names, second: Names
+) -> Agreement:
+    """Return the agreement from each frame's pairs of label ids, labels compared by name."""
+    alone: tuple[Counter[str], Counter[str]] = (Counter(), Counter())
+    both: Counter[str] = Counter()
+    told = []
+    for frame, counts in sorted(frames.items()):
+        labelled = differ = 0
+        for (mine, theirs), points in counts.items():
+            a, b = first.get(mine, ""), second.get(theirs, "")
+            alone[0][a] += points
+            alone[1][b] += points
+            labelled += points if a or b else 0
+            if a == b:
+                both[a] += points
+            else:
+                differ += points
+        told.append(FrameAgreement(frame, labelled, differ))
+    names = sorted((alone[0].keys() | alone[1].keys()) - {""}, key=str.lower)
+    labels = [LabelAgreement(n, alone[0][n], alone[1][n], both[n]) for n in names]
+    return Agreement(labels, told)
+
+
+class Difference(IntEnum):
+    """Comparison of two annotations at a point, in the order in which it is drawn."""
+
+    UNLABELLED = 0
+    SAME = 1
+    FIRST = 2
+    SECOND = 3
+    OTHER = 4
+
+
+COLORS = {
+    Difference.UNLABELLED: (58, 62, 72),
+    Difference.SAME: (150, 156, 168),
+    Difference.FIRST: (64, 156, 255),
+    Difference.SECOND: (255, 159, 28),
+    Difference.OTHER: (255, 64, 129),
+}
+"""Told apart by people who see red and green alike."""
+
+
+def draw(places: NDArray[np.float64], what: NDArray[np.uint8]) -> bytes:
+    """Return a PNG of points at (N, 2), right and down in metres, that are ``what`` (N,)."""
+    from PIL import Image  # a server that answers has not loaded it
+
+    low, high = _window(places, what)
+    scale = SIZE / max(float((high - low).max()), 1e-6)
+    width, height = (max(1, int(np.ceil(side * scale))) for side in (high - low))
+    canvas = np.empty((height, width, 3), np.uint8)
+    canvas[:] = BACKGROUND
+    pixels = np.floor((places - low) * scale).astype(np.int64)
+    for kind, color in COLORS.items():
+        _dots(canvas, pixels[what == kind], color, DOT * (1 + (kind >= Difference.FIRST)))
+    out = io.BytesIO()
+    Image.fromarray(canvas).save(out, "PNG")
+    return out.getvalue()
+
+
+def _window(
+    places: NDArray[np.float64], what: NDArray[np.uint8]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the box that is shown: the labelled points and some room, or all without any."""
+    shown = places[what != Difference.UNLABELLED] if what.any() else places
+    if not len(shown):
+        return np.zeros(2), np.ones(2)
+    low, high = np.percentile(shown, [OUTLIERS, 100 - OUTLIERS], axis=0)
+    room = max(0.1, MARGIN * float((high - low).max()))
+    return low - room, high + room
+
+
+def _dots(
+    canvas: NDArray[np.uint8], pixels: NDArray[np.int64], color: tuple[int, int, int], size: int
+) -> None:
+    height, width, _ = canvas.shape
+    for right in range(size):
+        for down in range(size):
+            x, y = pixels[:, 0] + right, pixels[:, 1] + down
+            inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+            canvas[y[inside], x[inside]] = color
 
 
 def compare(

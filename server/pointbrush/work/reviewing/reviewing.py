@@ -13,8 +13,7 @@ from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
 from pointbrush.work.reviewing.checking import Checked, Checker
 from pointbrush.work.reviewing.checks.finding import Finding
-from pointbrush.work.reviewing.comparing import By
-from pointbrush.work.reviewing.confusion import Agreement
+from pointbrush.work.reviewing.comparing import Agreement, By
 from pointbrush.work.reviewing.report.gather import Report, gather
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import Label
-from pointbrush.work.reviewing.checks.finding import Finding
-from pointbrush.work.reviewing.checks.options import CheckOptions
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
 
 Counts = NDArray[np.int64]
 """Points of a label (F,) in each frame."""

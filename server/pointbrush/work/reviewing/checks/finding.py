@@ -1,9 +1,9 @@
-"""Finding of a check."""
+"""A finding of a check, and the thresholds from which something is suspicious."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Literal, get_args
 
 Kind = Literal["name", "few", "stray", "jump", "unlike"]
@@ -51,3 +51,41 @@ def grouped(found: Iterable[Finding]) -> list[Finding]:
         else:
             runs.append(each)
     return runs
+
+
+@dataclass(frozen=True, slots=True)
+class CheckOptions:
+    """Numbers of the checks; raises ValueError for one that is not above 0.
+
+    ``few_points``    a label with at most so many points in a frame is a slip of the brush.
+    ``sample``        points of a label that are looked at in a frame.
+    ``link``          metres: points no farther apart belong together, whatever their density.
+    ``spacing``       the same, as a multiple of the median distance to the nearest point.
+    ``stray``         metres from the largest piece of a label at which another piece is far off,
+    ``stray_extent``  or this share of that piece's diagonal, whichever is more.
+    ``jump``          metres between two frames that are a jump,
+    ``jump_factor``   if they are also so many times the label's median step near there.
+    ``window``        frames to either side that are neighbours.
+    ``share``         a label with less than this share of its neighbours' points, or so much
+                      more, is unlike them.
+    ``sizable``       points below which a label's count may do what it likes.
+    ``gap``           frames that a label may be missing from between two that have it.
+    """
+
+    few_points: int = 5
+    sample: int = 4000
+    link: float = 0.1
+    spacing: float = 4.0
+    stray: float = 0.5
+    stray_extent: float = 0.5
+    jump: float = 0.3
+    jump_factor: float = 4.0
+    window: int = 3
+    share: float = 0.3
+    sizable: int = 30
+    gap: int = 3
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if not getattr(self, field.name) > 0:
+                raise ValueError(f"{field.name}: expected more than 0")

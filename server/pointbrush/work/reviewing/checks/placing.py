@@ -1,15 +1,110 @@
-"""Checks of where the points of labels are."""
+"""Checks of where the points of labels are, from a sketch of each frame's labels.
+
+A sketch is as much of a label's points as the checks need: its middle, and the piece that lies far
+from the rest.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pointbrush.labels import Label
-from pointbrush.work.reviewing.checks.finding import Finding
-from pointbrush.work.reviewing.checks.options import CheckOptions
-from pointbrush.work.reviewing.checks.sketch import Sketch
+from pointbrush.selection.cluster import touching
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
+
+F64 = NDArray[np.float64]
+Place = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Stray:
+    """Points far from their object: their share 0..1, how far in metres, and a place among them."""
+
+    share: float
+    distance: float
+    place: tuple[float, float, float]
+
+
+def find_stray(xyz: F64, options: CheckOptions) -> Stray | None:
+    """Return the farthest piece of points (N, 3) that is far from the largest one, or None."""
+    from scipy.spatial import cKDTree  # a server that answers has not loaded it
+
+    if len(xyz) < 2:
+        return None
+    nearest = np.asarray(cKDTree(xyz).query(xyz, k=[2])[0])
+    piece = pieces(xyz, max(options.link, options.spacing * float(np.median(nearest))))
+    sizes = np.bincount(piece)
+    if len(sizes) == 1:
+        return None
+    main = xyz[piece == sizes.argmax()]
+    far = max(options.stray, options.stray_extent * float(np.linalg.norm(np.ptp(main, axis=0))))
+    others = piece != sizes.argmax()
+    away = cKDTree(main).query(xyz[others])[0]
+    # A piece is as far as its nearest point.
+    near = np.full(len(sizes), np.inf)
+    np.minimum.at(near, piece[others], away)
+    near[sizes.argmax()] = 0.0
+    found = np.flatnonzero(near > far)
+    if not len(found):
+        return None
+    worst = found[np.argmax(sizes[found])]
+    x, y, z = (float(value) for value in np.median(xyz[piece == worst], axis=0))
+    share = float(sizes[found].sum() / len(xyz))
+    return Stray(share, float(near[worst]), (x, y, z))
+
+
+def pieces(xyz: F64, cell: float) -> NDArray[np.int64]:
+    """Return the piece (N,) that each point is of: points in touching cells of ``cell`` metres."""
+    return touching(np.floor(xyz / cell).astype(np.int64))
+
+
+@dataclass(frozen=True, slots=True)
+class Sketch:
+    """A label in a frame: its middle in the frame's and the world's coordinates, its far piece."""
+
+    points: int
+    center: Place
+    world: Place
+    stray: Stray | None
+
+
+def sketch_frame(
+    xyz: NDArray[np.floating],
+    label: NDArray[np.uint16],
+    pose: F64 | None,
+    shift: F64,
+    options: CheckOptions,
+) -> Mapping[int, Sketch]:
+    """Return a sketch of each label above 0.
+
+    ``xyz`` (N, 3) local metres in progressive order, so that the first points of a label are an
+    even sample of it; ``label`` (N,); ``pose`` ``T_world_frame`` of source coordinates or None;
+    ``shift`` (3,) source − local.
+    """
+    numbers = np.flatnonzero(label)
+    order = np.argsort(label[numbers], kind="stable")
+    numbers = numbers[order]
+    ids, starts = np.unique(label[numbers], return_index=True)
+    parts = np.split(numbers, starts[1:]) if len(ids) else []
+    found = {}
+    for number, part in zip(ids.tolist(), parts, strict=True):
+        sample = xyz[part[: options.sample]].astype(np.float64) + shift
+        center = np.median(sample, axis=0)
+        world = center if pose is None else pose[:3, :3] @ center + pose[:3, 3]
+        stray = find_stray(sample, options)
+        found[int(number)] = Sketch(len(part), as_place(center), as_place(world), stray)
+    return found
+
+
+def as_place(point: F64) -> Place:
+    """Return a point (3,) as plain numbers."""
+    x, y, z = (float(value) for value in point)
+    return x, y, z
+
 
 Sketches = Mapping[int, Mapping[int, Sketch]]
 """Frame → label → how it looks there."""

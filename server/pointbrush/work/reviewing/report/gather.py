@@ -1,21 +1,86 @@
-"""Figures of a recording for its report."""
+"""Figures of a recording for its report, and tables of them as CSV.
+
+The seconds and strokes that people spent on frames come from the times of their edits.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import csv
+import io
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import EditInfo, Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.reviewing.report.effort import Effort, effort_of
 from pointbrush.work.reviewing.states import Overview, State, overlapping
 
+STROKES = frozenset({"paint", "erase", "delete", "restore"})
+MACHINE = frozenset({"tracking", "import"})
+"""Kinds of edits that a person waits for and does not make."""
 PAGE = 1_000
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
+Table = Literal["frames", "labels", "people"]
+TABLES: tuple[Table, ...] = get_args(Table)
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""A cell of words that begins so would be a formula in a spreadsheet."""
+Rows = Iterator[Sequence[Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class EffortOptions:
+    """``idle`` seconds without an edit are a pause; ``first``: what an edit after one counts."""
+
+    idle: float = 60.0
+    first: float = 5.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.first <= self.idle:
+            raise ValueError("first: expected 0 to idle seconds")
+
+
+@dataclass(slots=True)
+class Effort:
+    """Seconds, strokes and edits of a person in a frame, or of several together."""
+
+    seconds: float = 0.0
+    strokes: int = 0
+    edits: int = 0
+
+    def add(self, other: Effort) -> None:
+        """Add another's."""
+        self.seconds += other.seconds
+        self.strokes += other.strokes
+        self.edits += other.edits
+
+
+def effort_of(
+    edits: Iterable[EditInfo], options: EffortOptions | None = None
+) -> Mapping[tuple[int | None, str], Effort]:
+    """Return effort by frame and author; frame None: edits of no frame, as of the palette.
+
+    ``edits`` are in the order of their times.  The time since an author's last edit goes to the
+    frames of the next one, in equal parts; each of them gets its stroke.
+    """
+    options = options or EffortOptions()
+    last: dict[str, float] = {}
+    found: dict[tuple[int | None, str], Effort] = defaultdict(Effort)
+    for edit in edits:
+        if edit.kind in MACHINE:
+            continue
+        gap = edit.time - last.get(edit.author, float("-inf"))
+        seconds = gap if 0 <= gap <= options.idle else options.first
+        last[edit.author] = edit.time
+        frames: tuple[int | None, ...] = edit.frames or (None,)
+        for frame in frames:
+            stroke = int(edit.kind in STROKES and frame is not None)
+            found[frame, edit.author].add(Effort(seconds / len(frames), stroke, 1))
+    return dict(found)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,3 +185,63 @@ def _edits(store: LabelStore, sequence: str) -> Iterator[EditInfo]:
         before = page[-1].revision
     for page in reversed(pages):
         yield from reversed(page)
+
+
+def to_csv(report: Report, table: Table) -> str:
+    """Return a table of the report, with a line of column names."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    for row in WRITERS[table](report):
+        writer.writerow([_cell(value) for value in row])
+    return out.getvalue()
+
+
+def _frames(report: Report) -> Rows:
+    yield (
+        "frame", "state", "assignee", "points", "labelled", "painted", "confidence", "seconds",
+        "strokes",
+    )  # fmt: skip
+    confidence, effort = report.mean_confidence, report.per_frame()
+    for frame, points in enumerate(report.points.tolist()):
+        yield (
+            frame, report.states[frame], report.assignees[frame], points,
+            int(report.labelled[frame]), int(report.painted[frame]), float(confidence[frame]),
+            effort[frame].seconds, effort[frame].strokes,
+        )  # fmt: skip
+
+
+def _labels(report: Report) -> Rows:
+    yield "label", "name", "category", "color", "frames", "points", "confidence"
+    for label in report.palette:
+        points = report.by_label[label.id]
+        known = report.confidence.get(label.id, np.array([]))
+        known = known[np.isfinite(known)]
+        mean = float(known.mean()) if len(known) else float("nan")
+        yield (
+            label.id, label.name, label.category, label.color, int((points > 0).sum()),
+            int(points.sum()), mean,
+        )  # fmt: skip
+
+
+def _people(report: Report) -> Rows:
+    yield "frame", "person", "seconds", "strokes", "edits"
+    for (frame, person), effort in sorted(
+        report.effort.items(), key=lambda each: (each[0][0] is None, each[0][0] or 0, each[0][1])
+    ):
+        place = "" if frame is None else frame
+        yield place, person, effort.seconds, effort.strokes, effort.edits
+
+
+def _cell(value: object) -> object:
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.3f}"
+    if isinstance(value, str) and value.startswith(FORMULA):
+        return f"'{value}"
+    return value
+
+
+WRITERS: dict[Table, Callable[[Report], Rows]] = {
+    "frames": _frames,
+    "labels": _labels,
+    "people": _people,
+}
