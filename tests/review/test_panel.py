@@ -11,7 +11,7 @@ import numpy as np
 from serving import add_sequence, settings_in
 
 from pointbrush.labels import Label
-from pointbrush.review.colors import blend, lookup
+from pointbrush.review.drawing import blend, lookup
 from pointbrush.review.panel import ReviewPanel, doubtful_frames
 from pointbrush.workspace import Workspace
 

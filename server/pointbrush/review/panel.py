@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit
-from pointbrush.review.colors import blend, lookup
+from pointbrush.review.drawing import STEPS, Drawing, add_plot, blend, curves, lookup, told
 from pointbrush.review.explaining import Explaining, ExplainRequest, first_frame
-from pointbrush.review.plots import add_plot, curves
-from pointbrush.review.steps import STEPS, Drawing, told
 from pointbrush.settings import Settings
 from pointbrush.workspace import Event, Workspace
 

@@ -1,17 +1,22 @@
-"""Draw the steps by which a label was found in a frame into a viser scene."""
+"""Draw into a viser page: labelled points, the steps by which a label was found, plots."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from viser import uplot
 
+from pointbrush.labels import Label
 from pointbrush.tracking.compute.rigid import IcpStep
 from pointbrush.tracking.explanation import Explanation
 
+PLAIN = 160
+"""Grey of points without colour of their own."""
 F64 = NDArray[np.float64]
 Colors = NDArray[np.uint8]
 ROOT = "/steps"
@@ -23,6 +28,31 @@ FAR_RESIDUAL = 0.05
 PAIRS = 400
 """Pairs of an iteration that are drawn."""
 STEPS = ("Predicted poses", "Hypotheses", "Registered surface", "Background", "Claims")
+Curves = tuple[NDArray[np.float64], ...]
+WIDTH = 2.0
+ASPECT = 2.2
+
+
+def lookup(palette: Iterable[Label]) -> NDArray[np.uint8]:
+    """Label colours (65536, 3) by label id."""
+    table = np.full((65_536, 3), PLAIN, np.uint8)
+    for label in palette:
+        table[label.id] = tuple(bytes.fromhex(label.color[1:]))
+    return table
+
+
+def blend(
+    rgb: NDArray[np.uint8] | None,
+    label: NDArray[np.uint16],
+    colors: NDArray[np.uint8],
+    share: float,
+) -> NDArray[np.uint8]:
+    """Colours (N, 3): ``share`` 0..1 of the label's colour on labelled points (N,)."""
+    base = np.full((len(label), 3), PLAIN, np.uint8) if rgb is None else rgb.copy()
+    labeled = label > 0
+    mixed = (1 - share) * base[labeled] + share * colors[label[labeled]]
+    base[labeled] = np.round(mixed).astype(np.uint8)
+    return base
 
 
 @dataclass(frozen=True)
@@ -137,3 +167,30 @@ def told(found: Explanation) -> str:
     elif track.state not in ("painted", "tracked"):
         lines.append("No hypothesis was registered: nothing that moved was near the predictions.")
     return "\n\n".join(lines[:2]) + "\n\n" + "\n".join(lines[2:])
+
+
+def curves(
+    tracks: Sequence[Mapping[str, Any]], palette: Sequence[Label], frames: int, key: str
+) -> Curves:
+    """Frame numbers (F,), and a value (F,) a frame for each label; NaN where there is none."""
+    values = {label.id: np.full(frames, np.nan) for label in palette}
+    for track in tracks:
+        if track["label"] in values and 0 <= track["frame"] < frames:
+            values[track["label"]][track["frame"]] = track[key]
+    return (np.arange(frames, dtype=np.float64), *values.values())
+
+
+def add_plot(gui: viser.GuiApi, title: str, data: Curves, palette: Sequence[Label]) -> Any:
+    """Add a plot of values 0 to 1 with a line for each label."""
+    lines = [
+        uplot.Series(label=label.name, stroke=label.color, width=WIDTH, spanGaps=False)
+        for label in palette
+    ]
+    return gui.add_uplot(
+        data,
+        (uplot.Series(label="frame"), *lines),
+        title=title,
+        scales={"x": uplot.Scale(time=False, auto=True), "y": uplot.Scale(range=(0.0, 1.05))},
+        aspect=ASPECT,
+        legend=uplot.Legend(show=True),
+    )
