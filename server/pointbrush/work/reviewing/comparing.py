@@ -1,4 +1,4 @@
-"""Two recordings of the same points, labelled by two people: how far they agree, as a picture too."""
+"""Agreement of two recordings of the same points, labelled by two people; as a picture too."""
 
 from __future__ import annotations
 
