@@ -19,8 +19,7 @@ from pointbrush.labels import Token
 from pointbrush.labels.accounts import OWNER, digest_of
 from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
-from pointbrush.web.clients import Clients, is_loopback
-from pointbrush.web.rates import KNOWN_CLIENTS, RateLimit
+from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.roles import PREFIX, ROUTES, call_of
 from pointbrush.web.sessions import WebSessions
 from pointbrush.workspace import Workspace

@@ -1,12 +1,13 @@
-"""Origin of a request: the client's address, through trusted proxies or not."""
+"""Callers by their address, through trusted proxies or not, and how often each may ask."""
 
 from __future__ import annotations
 
 import ipaddress
+import time
 
 from starlette.requests import HTTPConnection
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, TooManyRequestsError
 
 FORWARDING = (
     "forwarded", "via", "x-real-ip", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto",
@@ -14,6 +15,9 @@ FORWARDING = (
 )  # fmt: skip
 """Headers by which a proxy shows itself."""
 UNKNOWN = "unknown"
+BURST_SECONDS = 10
+"""A client may spend this many seconds' worth of requests at once, unless told otherwise."""
+KNOWN_CLIENTS = 10_000
 
 
 class Clients:
@@ -66,3 +70,25 @@ def is_loopback(host: str) -> bool:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host == "localhost"
+
+
+class RateLimit:
+    """Token buckets by client; raises TooManyRequestsError when one is empty."""
+
+    def __init__(self, per_second: float, burst: float | None = None) -> None:
+        """``burst``: what a client may spend at once."""
+        self._rate = per_second
+        self._burst = per_second * BURST_SECONDS if burst is None else burst
+        self._buckets: dict[str, tuple[float, float]] = {}
+
+    def spend(self, client: str, now: float | None = None) -> None:
+        """Take one token of ``client``."""
+        now = time.monotonic() if now is None else now
+        left, since = self._buckets.pop(client, (self._burst, now))
+        left = min(self._burst, left + (now - since) * self._rate)
+        # Popped and put back: the dict stays in order of use, so the first is the stalest.
+        self._buckets[client] = (max(left - 1.0, 0.0), now)
+        if len(self._buckets) > KNOWN_CLIENTS:
+            del self._buckets[next(iter(self._buckets))]
+        if left < 1.0:
+            raise TooManyRequestsError(f"expected at most {self._rate:g} requests a second")

@@ -20,8 +20,8 @@ from pointbrush.errors import (
 from pointbrush.settings import Settings
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web.auth import Gate, bearer_of
+from pointbrush.web.clients import RateLimit
 from pointbrush.web.problems import problem_of
-from pointbrush.web.rates import RateLimit
 
 PLAIN_HOST = re.compile(r"[\w.:\[\]-]+", re.ASCII)
 BODY_PAUSE = 30.0

@@ -9,15 +9,23 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
+from starlette.types import Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from pointbrush.shortage import most_connections
-from pointbrush.web.refusal import too_many_connections
+from pointbrush.web.problems import problem
 
 HEARD_OUT = 32
 """Connections too many that are answered in words; any more are closed at once."""
 REFUSED_SECONDS = 2.0
 """Time in which a connection too many must ask something to be answered."""
+
+
+async def too_many_connections(scope: Scope, receive: Receive, send: Send) -> None:
+    """Answer any request; an ASGI application."""
+    detail = "the server has as many connections as it may; try again when one has ended"
+    headers = {"Connection": "close"}
+    await problem(503, detail, "Temporarily unavailable", headers)(scope, receive, send)
 
 
 class PatientProtocol(H11Protocol):

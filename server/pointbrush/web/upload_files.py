@@ -1,4 +1,7 @@
-"""Uploaded files on their way to an import: names that are safe, folders as they were chosen."""
+"""Calls that take uploaded files in a form, or a JSON body with the same options.
+
+Names of files are made safe, and folders stay as they were chosen.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +9,44 @@ import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Any, TypeVar
 
+from pydantic import BaseModel, ValidationError
 from starlette.datastructures import UploadFile
 
 from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.streaming.encoding import describe
+from pointbrush.streaming.shared.status import MalformedError
 
+Model = TypeVar("Model", bound=BaseModel)
 COPY_BLOCK = 1 << 20
 TOGETHER = "upload"
 """The folder, in the upload's own, that several chosen folders lie in."""
+
+
+def described(model: type[BaseModel], options: dict[str, Any]) -> dict[str, Any]:
+    """Describe both bodies in OpenAPI: ``model`` as JSON, ``options`` of a form with ``files``."""
+    files = {"type": "array", "minItems": 1, "items": {"type": "string", "format": "binary"}}
+    form = {"type": "object", "required": ["files"], "properties": {"files": files, **options}}
+    return {
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/json": {"schema": model.model_json_schema()},
+                "multipart/form-data": {"schema": form},
+            },
+        }
+    }
+
+
+def parse_json(model: type[Model], body: bytes) -> Model:
+    """Validate a JSON body; raises MalformedError for no JSON, BadInputError for other fields."""
+    try:
+        return model.model_validate_json(body)
+    except ValidationError as error:
+        found = error.errors()
+        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
+        raise kind(describe(found)) from None
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,7 @@
 """REST resources: one module per resource, each with a ``router``."""
 
 from pointbrush.web.routes import (
-    agreement,
     annotations,
-    cameras,
     checks,
     edits,
     export,
@@ -13,9 +11,6 @@ from pointbrush.web.routes import (
     labels,
     meta,
     objects,
-    palette,
-    placements,
-    report,
     review,
     sequences,
     taxonomy,
@@ -23,6 +18,6 @@ from pointbrush.web.routes import (
 )
 
 RESOURCES = (
-    meta, sequences, imports, frames, cameras, labels, palette, placements, taxonomy, edits,
-    objects, annotations, tracking, export, jobs, review, checks, agreement, report,
+    meta, sequences, imports, frames, labels, taxonomy, edits, objects, annotations, tracking,
+    export, jobs, review, checks,
 )  # fmt: skip

@@ -19,11 +19,10 @@ from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.jobs import Job
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
-from pointbrush.web.files_or_json import described, parse_json
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 from pointbrush.web.schemas_work import JobOut
-from pointbrush.web.upload_files import save
+from pointbrush.web.upload_files import described, parse_json, save
 from pointbrush.work.imports.roots import allowed
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace

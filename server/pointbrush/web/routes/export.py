@@ -1,22 +1,198 @@
-"""Exports, streamed while they are written."""
+"""Exports, streamed while they are written.
+
+On their way to clients they are bounded in number, in threads of their own, as fast as read.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated
+import asyncio
+import threading
+from collections import Counter
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import CancelledError
+from dataclasses import dataclass
+from typing import Annotated, BinaryIO, cast
 
 from fastapi import Query, Request, Response
+from fastapi.responses import StreamingResponse
+from starlette.types import Receive, Scope, Send
 
+from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
 from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
-from pointbrush.web.exports import respond
 from pointbrush.web.problems import responses
 
+PIECES = 16
+PIECE = 256 << 10
+LOOK_SECONDS = 1.0
+"""Interval in which a writer that waits for room looks whether anybody still reads."""
 router = resource("export")
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FrameRange = Annotated[
     str | None, Query(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$", description="I:J, J not included")
 ]
+
+
+@dataclass
+class Place:
+    """One export's place; free again when its writer and its response have both ended."""
+
+    person: str
+    holders: int = 2
+
+
+class Exports:
+    """Places for exports; all calls come from the event loop's thread."""
+
+    def __init__(self, most: int, per_person: int) -> None:
+        """``most`` at once in all, ``per_person`` of one person."""
+        self._most, self._per_person = most, per_person
+        self._taken: Counter[str] = Counter()
+
+    def take(self, person: str) -> Place:
+        """Return a place; raises TooManyRequestsError or UnavailableError when there is none."""
+        if self._taken[person] >= self._per_person:
+            raise TooManyRequestsError(
+                f"export: expected at most {self._per_person} exports of one person at once; "
+                "read or stop one of those under way first"
+            )
+        if self._taken.total() >= self._most:
+            raise UnavailableError(
+                f"export: expected at most {self._most} exports at once, of all people; "
+                "try again when one has ended"
+            )
+        self._taken[person] += 1
+        return Place(person)
+
+    def leave(self, place: Place) -> None:
+        """Note that the writer or the response of ``place`` has ended."""
+        place.holders -= 1
+        if place.holders == 0:
+            self._taken[place.person] -= 1
+            if not self._taken[place.person]:
+                del self._taken[place.person]
+
+
+class Pipe:
+    """A write-only file for one thread; its pieces are taken in the event loop."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._pieces: asyncio.Queue[bytes | BaseException | None] = asyncio.Queue(PIECES)
+        self._gathered = bytearray()
+        self._closed = threading.Event()
+
+    def write(self, data: bytes) -> int:
+        """Take ``data``; raises BrokenPipeError when nobody reads any more."""
+        self._gathered += data
+        if len(self._gathered) >= PIECE:
+            self._flush_piece()
+        return len(data)
+
+    def flush(self) -> None:
+        """Nothing: pieces leave when they are large enough."""
+
+    def finish(self, error: BaseException | None) -> None:
+        """No more will come; ``error`` is raised in the reader."""
+        try:
+            if error is None:
+                self._flush_piece()
+            self._put(error)
+        except BrokenPipeError:
+            return
+
+    def _flush_piece(self) -> None:
+        piece, self._gathered = bytes(self._gathered), bytearray()
+        if piece:
+            self._put(piece)
+
+    def _put(self, item: bytes | BaseException | None) -> None:
+        if self._closed.is_set() or self._loop.is_closed():
+            raise BrokenPipeError("the client has gone")
+        waiting = asyncio.run_coroutine_threadsafe(self._pieces.put(item), self._loop)
+        while True:
+            try:
+                waiting.result(LOOK_SECONDS)
+                return
+            except (TimeoutError, CancelledError):
+                if self._closed.is_set() or self._loop.is_closed():
+                    waiting.cancel()
+                    raise BrokenPipeError("the client has gone") from None
+
+    async def next(self) -> bytes:
+        """Return the next piece, empty after the last; raises what the writer raised."""
+        item = await self._pieces.get()
+        if isinstance(item, BaseException):
+            raise item
+        return item or b""
+
+    def close(self) -> None:
+        """Nothing is read any more: the writer ends at its next piece."""
+        self._closed.set()
+        while not self._pieces.empty():
+            self._pieces.get_nowait()
+
+
+class ExportResponse(StreamingResponse):
+    """A pipe's pieces; ``ended`` is called however the response ends."""
+
+    def __init__(
+        self, first: bytes, pipe: Pipe, ended: Callable[[], None], headers: dict[str, str]
+    ) -> None:
+        super().__init__(_body(first, pipe), media_type="application/zip", headers=headers)
+        self._ended = ended
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the pieces."""
+        try:
+            await super().__call__(scope, receive, send)
+        finally:
+            self._ended()
+
+
+async def _body(first: bytes, pipe: Pipe) -> AsyncIterator[bytes]:
+    piece = first
+    while piece:
+        yield piece
+        piece = await pipe.next()
+
+
+async def respond(
+    exports: Exports,
+    person: str,
+    write: Callable[[BinaryIO], None],
+    headers: dict[str, str],
+) -> ExportResponse:
+    """Have ``write(file)`` run in a thread, and return the response that its bytes make.
+
+    The first piece is awaited, so that what it raises before is still answered as a problem.
+    """
+    loop = asyncio.get_running_loop()
+    pipe, place = Pipe(loop), exports.take(person)
+
+    def run() -> None:
+        try:
+            write(cast(BinaryIO, pipe))
+        except BaseException as error:
+            pipe.finish(error)
+        else:
+            pipe.finish(None)
+        finally:
+            if not loop.is_closed():
+                loop.call_soon_threadsafe(exports.leave, place)
+
+    def ended() -> None:
+        pipe.close()
+        exports.leave(place)
+
+    threading.Thread(target=run, name="pointbrush-export", daemon=True).start()
+    try:
+        first = await pipe.next()
+    except BaseException:
+        ended()
+        raise
+    return ExportResponse(first, pipe, ended, headers)
 
 
 @router.get(

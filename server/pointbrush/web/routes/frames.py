@@ -1,25 +1,33 @@
-"""A frame's points, annotation layers, and immutable wire chunks."""
+"""A frame's points, annotation layers and immutable wire chunks, and what is shown beside them.
+
+Camera pictures and how the points project into them, and placements of the frames that are laid
+over it.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from fastapi import Depends, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import StreamingResponse
+from fastapi.responses import FileResponse, StreamingResponse
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict
 
 from pointbrush.errors import NotFoundError
+from pointbrush.selection import MAX_FRAMES
 from pointbrush.sequences import Chunk
-from pointbrush.streaming.messages import Uuid
+from pointbrush.sequences.pictures import MEDIA_TYPES, find_picture, read_projections
+from pointbrush.streaming.messages import Matrix4, Uuid
 from pointbrush.web import npy
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
 from pointbrush.work.annotate.layers import require_layer
-from pointbrush.workspace import Workspace
+from pointbrush.workspace import Placement, Workspace
 
 router = resource("frames")
 Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
@@ -30,6 +38,7 @@ BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
 REVALIDATED = "private, no-cache"
 HOUR = "private, max-age=3600"
+Many = Annotated[int, Query(ge=0, le=MAX_FRAMES // 2)]
 
 
 @router.get(
@@ -202,3 +211,105 @@ def get_thumbnail(seq: SequenceId, i: FramePath, workspace: Ws) -> Response:
     return Response(
         workspace.thumbnail(seq, i), media_type="image/jpeg", headers={"Cache-Control": HOUR}
     )
+
+
+class CameraOut(BaseModel):
+    """A picture of a frame; a point p in source coordinates is at ``K (T_camera_frame p)``.
+
+    ``distortion`` are the coefficients of ``model`` (``plumb_bob``: k1, k2, p1, p2, k3; none: the
+    picture is rectified).  ``K`` and ``T_camera_frame`` are null where they are not known.
+    """
+
+    model_config = ConfigDict(from_attributes=True)
+
+    name: str
+    width: int
+    height: int
+    K: list[list[float]] | None
+    distortion: list[float]
+    model: str
+    T_camera_frame: list[list[float]] | None
+
+
+@router.get("/sequences/{seq}/frames/{i}/cameras", responses=responses(404))
+def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[CameraOut]:
+    """The cameras that took a picture at this frame; [] where there is none."""
+    recording = workspace.recording(seq)
+    found = read_projections(recording.path, recording[i].index)
+    return [CameraOut.model_validate(each) for each in found]
+
+
+@router.get(
+    "/sequences/{seq}/frames/{i}/images/{camera}",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The picture as it came",
+            "content": dict.fromkeys(MEDIA_TYPES.values(), BINARY),
+        },
+        304: {"description": "Not modified"},
+        **responses(404),
+    },
+)
+def get_image(
+    seq: SequenceId,
+    i: FramePath,
+    camera: Annotated[str, Path(max_length=200, description="its name")],
+    request: Request,
+    workspace: Ws,
+) -> Response:
+    """The picture that a camera took at this frame, byte for byte as it was imported."""
+    recording = workspace.recording(seq)
+    path = find_picture(recording.path, recording[i].index, camera)
+    tag = f'"{recording.identity}-{path.name}"'
+    headers = {"ETag": tag, "Cache-Control": REVALIDATED}
+    if tag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    return FileResponse(path, media_type=MEDIA_TYPES[path.suffix], headers=headers)
+
+
+class MovingOut(BaseModel):
+    """Placement of the points of a tracked label, source coordinates."""
+
+    label: int
+    T_shown_frame: Matrix4
+
+
+class PlacementOut(BaseModel):
+    """Placement of a frame over the shown one, source coordinates, row-major 4x4.
+
+    ``moving``: labels whose points lie elsewhere, by their tracks.
+    """
+
+    frame: int
+    T_shown_frame: Matrix4
+    moving: list[MovingOut]
+
+    @classmethod
+    def of(cls, placement: Placement, shift: NDArray[np.float64]) -> PlacementOut:
+        """From local coordinates (source minus ``shift``)."""
+
+        def source(T: NDArray[np.float64]) -> list[float]:
+            moved = T.copy()
+            moved[:3, 3] += shift - T[:3, :3] @ shift
+            return [float(value) for value in moved.ravel()]
+
+        moving = [
+            MovingOut(label=label, T_shown_frame=source(T))
+            for label, T in sorted(placement.moving.items())
+        ]
+        return cls(
+            frame=placement.frame, T_shown_frame=source(placement.T_shown_frame), moving=moving
+        )
+
+
+@router.get("/sequences/{seq}/frames/{i}/placements", responses=responses(404))
+def list_placements(
+    seq: SequenceId, i: FramePath, workspace: Ws, before: Many = 0, after: Many = 0
+) -> list[PlacementOut]:
+    """Frame ``i`` and those round it: where a stroke with ``frames`` takes their points to lie.
+
+    By the recording's poses, and points of a label that is tracked in both frames by its track.
+    """
+    found, shift = workspace.placements(seq, i, before, after)
+    return [PlacementOut.of(placement, shift) for placement in found]
