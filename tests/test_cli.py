@@ -246,8 +246,9 @@ def test_tokens_are_added_listed_and_revoked(capsys: pytest.CaptureFixture[str])
 
 HEAVY = (
     "numpy", "scipy", "numba", "sqlalchemy", "psycopg", "pydantic", "fastapi", "uvicorn", "viser",
-    "pointbrush.tracking", "pointbrush.streaming", "pointbrush.web", "pointbrush.review",
-    "pointbrush.samples",
+    "PIL", "tqdm", "pointbrush.tracking", "pointbrush.streaming", "pointbrush.web",
+    "pointbrush.review", "pointbrush.samples", "pointbrush.work.reviewing",
+    "pointbrush.formats.registry", "pointbrush.formats.exports",
 )  # fmt: skip
 """Packages that take their time to import."""
 STORED = ("numpy", "sqlalchemy")
@@ -262,6 +263,7 @@ STORED = ("numpy", "sqlalchemy")
         (["info"], STORED),
         (["token", "list"], STORED),
         (["export", "none", "--format", "ply", "--out", "out"], STORED),
+        (["report", "none", "--out", "out.csv"], (*STORED, "pointbrush.work.reviewing")),
         (["check"], STORED),
     ],
     ids=" ".join,

@@ -1,4 +1,4 @@
-"""The commands: each calls the workspace and prints."""
+"""The commands: each imports what it alone needs, calls the workspace and prints."""
 
 from __future__ import annotations
 
@@ -14,17 +14,12 @@ from pathlib import Path
 from pointbrush import printing
 from pointbrush.arguments import has_password
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
-from pointbrush.formats import Limits
-from pointbrush.formats.annotation import read_map
-from pointbrush.formats.corrections import Corrections, parse_corrections
 from pointbrush.labels import check_database
 from pointbrush.private import open_to_others
 from pointbrush.progress import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, restore_backup
-from pointbrush.work.imports.previewing import PreviewRequest, preview
 from pointbrush.work.place import own_url
-from pointbrush.work.reviewing import to_csv, to_html
 from pointbrush.workspace import Workspace
 
 AUTHOR = "command line"
@@ -55,6 +50,10 @@ def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG00
 
 def import_(given: argparse.Namespace, settings: Settings) -> None:
     """Import files as one recording and print its id, or what would be imported."""
+    from pointbrush.formats import Limits
+    from pointbrush.formats.corrections import Corrections, parse_corrections
+    from pointbrush.work.imports.previewing import PreviewRequest, preview
+
     chosen = parse_corrections({f.name: getattr(given, f.name) for f in fields(Corrections)})
     if given.dry_run:
         limits = Limits(settings.max_frame_points)
@@ -74,6 +73,8 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> None:
     """Import labels made elsewhere and print what was found."""
+    from pointbrush.formats.annotation import read_map
+
     with closing(Workspace(settings)) as workspace:
         job = workspace.import_labels(
             given.sequence,
@@ -207,6 +208,8 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> None:
 
 def report(given: argparse.Namespace, settings: Settings) -> None:
     """Write a report of a recording's labels."""
+    from pointbrush.work.reviewing import to_csv, to_html
+
     suffix = printing.report_suffix(given.out)
     with closing(Workspace(settings)) as workspace:
         found = workspace.reviewing.report(given.sequence)

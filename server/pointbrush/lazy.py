@@ -1,10 +1,14 @@
-"""Packages whose names are imported when they are first asked for: commands start without them."""
+"""Names that are imported, and parts that are made, when first asked for: commands start early."""
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
+
+Part = TypeVar("Part")
 
 
 def lazily(package: str, places: Mapping[str, str]) -> Callable[[str], Any]:
@@ -19,3 +23,22 @@ def lazily(package: str, places: Mapping[str, str]) -> Callable[[str], Any]:
         return value
 
     return find
+
+
+class once(cached_property[Part]):  # noqa: N801 – a decorator
+    """A part of an object that is made when first asked for, whichever threads ask at a time."""
+
+    def __init__(self, make: Callable[[Any], Part]) -> None:
+        super().__init__(make)
+        self._making = threading.RLock()
+
+    if not TYPE_CHECKING:
+
+        def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
+            # Python's own makes it twice since 3.12, for two threads.
+            with self._making:
+                return super().__get__(instance, owner)
+
+    def made(self, instance: object) -> bool:
+        """Return whether ``instance`` has the part."""
+        return self.attrname in vars(instance)

@@ -7,8 +7,6 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from tqdm import tqdm
-
 from pointbrush.errors import CancelledError, PointbrushError
 from pointbrush.jobs import ENDED
 
@@ -56,6 +54,8 @@ def follow(look: Look, job: Followed) -> dict[str, Any]:
 
 
 def _bar(look: Look, job: Followed) -> Followed:
+    from tqdm import tqdm
+
     layout = "{desc}: {percentage:3.0f}% |{bar}| {postfix}"
     with tqdm(total=1.0, desc=job.kind, bar_format=layout, leave=True) as bar:
         while job.state not in ENDED:

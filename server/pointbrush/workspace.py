@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush import formats
 from pointbrush.errors import (
     BadInputError,
     NotFoundError,
     ReadOnlyError,
 )
-from pointbrush.formats import EXPORTS, category_names, export
-from pointbrush.formats import Limits as ReadLimits
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import DATASETS, ClassName, Dataset
 from pointbrush.jobs import Job, JobRunner
@@ -34,6 +32,7 @@ from pointbrush.labels import (
     LabelStore,
     Limits,
 )
+from pointbrush.lazy import lazily, once
 from pointbrush.private import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
@@ -55,9 +54,7 @@ from pointbrush.work.events import (
     Retracted,
     SequencesChanged,
 )
-from pointbrush.work.imports.annotating import LABELS, LabelImports, LabelRequest
-from pointbrush.work.imports.previewing import Preview, PreviewRequest, Previews
-from pointbrush.work.imports.submitting import IMPORT, SAMPLE, ImportRequest, Imports
+from pointbrush.work.imports.submitting import IMPORT, LABELS, SAMPLE, ImportRequest, Imports
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listed, entry, listing, problems_of
@@ -70,10 +67,12 @@ from pointbrush.work.objects import (
 )
 from pointbrush.work.palettes import NamedLabel
 from pointbrush.work.readiness import require_room
-from pointbrush.work.reviewing import Reviewing
 from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:
+    from pointbrush.work.imports.annotating import LabelImports
+    from pointbrush.work.imports.previewing import Preview, Previews
+    from pointbrush.work.reviewing import Reviewing
     from pointbrush.work.tracking.runs import Runs
 
 __all__ = [
@@ -92,6 +91,8 @@ __all__ = [
     "StaleCandidateError",
     "Workspace",
 ]
+if not TYPE_CHECKING:
+    __getattr__ = lazily(__name__, {"Preview": "pointbrush.work.imports.previewing"})
 
 
 class Workspace:
@@ -121,8 +122,6 @@ class Workspace:
         self._imports = Imports(
             self.library, self.store, self.runner, self._publish, settings.max_frame_points
         )
-        self._previews = Previews()
-        self._label_imports = LabelImports(self.store, self.runner, settings.max_frame_points)
         self._objects = Objects(
             self.store, settings.workspace.absolute() / "objects", settings.selector, self._publish
         )
@@ -141,7 +140,6 @@ class Workspace:
             self.paths.hide,
         )
         self._deletion = Deletion(self.library, self.store)
-        self.reviewing = Reviewing(self.store, self.recording)
         self._deletion.tidy()
         self._imports.complete(self.sequences())
         self.store.seal()
@@ -150,7 +148,8 @@ class Workspace:
     def close(self) -> None:
         """Cancel jobs or leave them to the next server, end worker processes and the database."""
         self._objects.close()
-        self._previews.close()
+        if Workspace._previews.made(self):
+            self._previews.close()
         self.runner.close()
         self._job_book.close()
         self._unsubscribe()
@@ -187,9 +186,29 @@ class Workspace:
 
         self.runner.make_ready(load_default_method)
 
-    @cached_property
+    # ── parts whose code most commands do without ────────────────────────────────────────
+
+    @once
+    def reviewing(self) -> Reviewing:
+        """States, notes and people of frames; checks, agreement and reports."""
+        from pointbrush.work.reviewing import Reviewing
+
+        return Reviewing(self.store, self.recording)
+
+    @once
+    def _previews(self) -> Previews:
+        from pointbrush.work.imports.previewing import Previews
+
+        return Previews()
+
+    @once
+    def _label_imports(self) -> LabelImports:
+        from pointbrush.work.imports.annotating import LabelImports
+
+        return LabelImports(self.store, self.runner, self.settings.max_frame_points)
+
+    @once
     def _runs(self) -> Runs:
-        """Runs of tracking, whose code most commands do without."""
         from pointbrush.work.tracking.runs import Runs
 
         return Runs(self.store, self.runner, self._publish, self.settings.database_url)
@@ -299,7 +318,9 @@ class Workspace:
         roots: Sequence[Path] = (),
     ) -> Preview:
         """Say what ``import_paths`` would do; nothing is written.  Raises what readers raise."""
-        limits = ReadLimits(self.settings.max_frame_points, roots=tuple(roots))
+        from pointbrush.work.imports.previewing import PreviewRequest
+
+        limits = formats.Limits(self.settings.max_frame_points, roots=tuple(roots))
         absolute = tuple(path.absolute() for path in paths)
         return self._previews.of(
             PreviewRequest(absolute, chosen or Corrections(), limits, name, fps)
@@ -325,6 +346,8 @@ class Workspace:
         ground out of boxes; ``field`` names the field of points that is labels; ``cleanup`` is
         removed when the job has ended.  Raises NotFoundError.
         """
+        from pointbrush.work.imports.annotating import LabelRequest
+
         request = LabelRequest(
             place.absolute(),
             label_format,
@@ -694,17 +717,17 @@ class Workspace:
         Path nothing is left then, a stream has not begun, or goes on and names the gap.
         """
         recording = self.recording(sequence)
-        if export_format not in EXPORTS:
-            known = ", ".join(sorted(EXPORTS))
+        if export_format not in formats.EXPORTS:
+            known = ", ".join(sorted(formats.EXPORTS))
             raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
         gaps: list[str] | None = None if isinstance(out, Path) else []
         labeled = exporting.labeled_frames(self.store, recording, chosen, gaps)
         palette = self.store.palette(sequence)
-        numbers = self.store.taxonomy.numbers(category_names(palette))
+        numbers = self.store.taxonomy.numbers(formats.category_names(palette))
         datasets = {name: self.store.taxonomy.known_as(name) for name in DATASETS}
-        export(export_format, labeled, palette, out, gaps, numbers, datasets)
+        formats.export(export_format, labeled, palette, out, gaps, numbers, datasets)
 
     def categories(self) -> list[Category]:
         """The classes of the workspace: each has one number in all recordings."""

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from pointbrush.formats.options import Limits, ReadOptions
     from pointbrush.formats.palette import SourceLabel, source_palette
     from pointbrush.formats.registry import FORMATS, Format, format_named, format_names
-    from pointbrush.formats.source import Source, open_source, read, source_name
+    from pointbrush.formats.source import Source, open_source, read, reported, source_name
 
 __all__ = [
     "EXPORTS",
@@ -40,6 +40,7 @@ __all__ = [
     "format_names",
     "open_source",
     "read",
+    "reported",
     "sizes_of",
     "source_name",
     "source_palette",
@@ -64,6 +65,7 @@ _PLACES = {
     "Source": "pointbrush.formats.source",
     "open_source": "pointbrush.formats.source",
     "read": "pointbrush.formats.source",
+    "reported": "pointbrush.formats.source",
     "source_name": "pointbrush.formats.source",
 }
 if not TYPE_CHECKING:

@@ -7,12 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.pictures import PictureSource
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.check import CHECKSUMS, encode_checksums
 from pointbrush.sequences.chunk import Grid
@@ -28,6 +27,9 @@ from pointbrush.sequences.other import write_other
 from pointbrush.sequences.pictures import write_pictures
 from pointbrush.sequences.record import Record, make_manifest, record
 from pointbrush.sequences.store import FRAMES
+
+if TYPE_CHECKING:
+    from pointbrush.formats.pictures import PictureSource
 
 Progress = Callable[[float, str], None]
 

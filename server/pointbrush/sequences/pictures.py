@@ -11,12 +11,14 @@ import json
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pointbrush.errors import DamagedError, NotFoundError
-from pointbrush.formats.pictures import Picture
 from pointbrush.sequences.files import write_file
 from pointbrush.sequences.octree.arrays import digest
+
+if TYPE_CHECKING:
+    from pointbrush.formats.pictures import Picture
 
 CAMERAS = "cameras"
 MEDIA_TYPES = {".jpg": "image/jpeg", ".png": "image/png", ".webp": "image/webp"}

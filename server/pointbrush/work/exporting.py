@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush import formats
 from pointbrush.errors import BadInputError, DamagedError
-from pointbrush.formats import BlockedFrame, ExportFrame, LabeledFrame
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence, source_blocks
@@ -67,7 +67,7 @@ def require_whole(recording: Sequence, frames: range) -> None:
 
 def labeled_frames(
     store: LabelStore, recording: Sequence, frames: range, gaps: list[str] | None = None
-) -> Iterator[ExportFrame]:
+) -> Iterator[formats.ExportFrame]:
     """Each frame of ``frames`` with its annotation and tracks, one at a time.
 
     A frame that is an octree comes in blocks.  A damaged frame is left out and told in ``gaps``,
@@ -90,7 +90,7 @@ def labeled_frames(
         if not large:
             yield from read()
             continue
-        yield BlockedFrame(
+        yield formats.BlockedFrame(
             index=index,
             count=recording[index].count,
             kept=int(kept.sizes.sum()),
@@ -117,7 +117,7 @@ def _blocks(
     kept: KeptAnnotation,
     tracks: list[dict[str, Any]],
     up: NDArray[np.float64],
-) -> Iterator[LabeledFrame]:
+) -> Iterator[formats.LabeledFrame]:
     """A frame with its annotation in blocks of source order."""
     stored = recording[index]
     header, rows = recording.source_header(index), recording.source_rows(index)
@@ -130,7 +130,7 @@ def _blocks(
     for columns in source_blocks(stored, read):
         part = slice(first, first + len(columns["label"]))
         first = part.stop
-        yield LabeledFrame(
+        yield formats.LabeledFrame(
             index=index,
             points=_point_frame(recording, index, columns),
             label=columns["label"],

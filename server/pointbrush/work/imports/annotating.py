@@ -31,12 +31,11 @@ from pointbrush.labels.palette import default_color
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.work.imports.importing import IMPORTED, learn_own
+from pointbrush.work.imports.submitting import LABELS
 from pointbrush.worker import Channel
 
 Key = tuple[int, int]
 """Numbers of a class and of an instance, 0 for none."""
-LABELS = "labels"
-"""Of a job's request: an import of labels."""
 MOST_LABELS = 65_534
 TOLD = 100
 """Entries of a report's lists."""

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush import formats
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import Limits, ReadOptions, open_source, source_palette
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
-from pointbrush.formats.palette import SourceLabel, source_dataset
-from pointbrush.formats.source import reported
+from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.palette import SourceLabel, source_dataset, source_palette
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
@@ -51,7 +51,7 @@ class ImportWork:
 
         Nothing is left behind on any error.
         """
-        with reported() as warnings:
+        with formats.reported() as warnings:
             self._import(channel)
         channel.item(list(warnings))
 
@@ -75,7 +75,7 @@ class ImportWork:
                 **about,
             )
             return
-        with open_source(self.paths, limits=limits, chosen=self.chosen) as source:
+        with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
             import_frames(
                 _limited(source.frames, self.max_points),
                 self.target,

@@ -9,8 +9,8 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from pointbrush import formats
 from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
-from pointbrush.formats import source_name
 from pointbrush.formats.corrections import Corrections
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import LabelStore
@@ -24,8 +24,8 @@ from pointbrush.worker import Work
 
 log = logging.getLogger(__name__)
 
-IMPORT, SAMPLE = "import", "sample"
-"""Of a job's request: an import of paths, or of the sample recording."""
+IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
+"""Of a job's request: an import of paths, of the sample recording, or of labels made elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class Imports:
         return None
 
     def _begin(self, request: ImportRequest, job: Job, cleanup: Path | None) -> Job:
-        guard = self._reserve(request.name or source_name(request.paths))
+        guard = self._reserve(request.name or formats.source_name(request.paths))
         work = importing.ImportWork(
             paths=request.paths,
             target=self._library.folder / guard.sequence,
