@@ -17,6 +17,7 @@ from pointbrush.sequences import Manifest, Sequence, import_frames, open_sequenc
 from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.sequences.manifest import encode_manifest
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera
@@ -124,6 +125,17 @@ def test_a_lattice_is_kept_by_the_manifest_as_it_is(sequence: Sequence) -> None:
     assert again.lattice == sequence.manifest.lattice
     assert lattice_of(sequence).bands[0].level == 0
     assert all(a.level <= b.level for a, b in pairwise(lattice_of(sequence).bands))
+
+
+def test_images_of_an_older_format_go_as_points(tmp_path: Path) -> None:
+    made = put([depth_camera(0)], tmp_path / "s")
+    older = replace(made.manifest, depth_format=1)
+    (made.path / "manifest.json").write_bytes(encode_manifest(older))
+    opened = open_sequence(made.path)
+    assert opened.manifest.depth_lattice is None
+    assert opened[0].depth_ends is None
+    assert opened[0].lattice == made.manifest.lattice  # tracking still looks along its rays
+    assert opened[0].wire(0, 1) == made[0].wire(0, 1)
 
 
 def test_tracking_takes_the_lattice_from_the_manifest(sequence: Sequence) -> None:

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, Lattice
 from pointbrush.sequences.files import replace_file
 
 FILE = "manifest.json"
-VERSION = 4
+VERSION = 5
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
-further fields as it packs arrays, and the coordinates of octrees; all are read."""
+further fields as it packs arrays, and the coordinates of octrees, 5 tells the format of depth
+images; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -40,6 +41,7 @@ class Manifest:
     ``color_error``     greatest root mean square difference of a frame's streamed colours and the
                         stored ones, of 255; only pictures of depth cameras differ.
     ``lattice``         pixels that the frames' points lie on, or None; ``unit`` and ``eye`` local.
+    ``depth_format``    version of the bytes of the frames' depth images, where they have some.
     ``intensity_range`` source values that stream as 0 and 255, or None.
     ``poses``           ``T_world_frame`` per frame, row-major 4x4 or None.
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
@@ -61,6 +63,7 @@ class Manifest:
     position_error: float
     color_error: float
     lattice: Lattice | None
+    depth_format: int
     intensity_range: list[float] | None
     dropped: list[int]
     poses: list[Matrix | None]
@@ -76,6 +79,11 @@ class Manifest:
         """16 hex digits that tell this import from every other, also from one of the same id."""
         told = [self.imported_as, self.created, self.source, self.lo, self.hi]
         return blake2b(json.dumps(told).encode(), digest_size=8).hexdigest()
+
+    @property
+    def depth_lattice(self) -> Lattice | None:
+        """The lattice of depth images that can be sent, or None."""
+        return self.lattice if self.depth_format == DEPTH_FORMAT else None
 
     @property
     def T_room_local(self) -> NDArray[np.float64]:  # noqa: N802 - named for its direction
@@ -124,6 +132,7 @@ def read_manifest(path: Path) -> Manifest:
     content.setdefault("found_room", content["room"])
     content.setdefault("imported_as", content["id"])
     content.setdefault("color_error", 0.0)
+    content.setdefault("depth_format", 1)
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 

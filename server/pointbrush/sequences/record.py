@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS
-from pointbrush.sequences.depth.lattice import GRID_CELLS
+from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.room import RoomFinder
@@ -132,6 +132,7 @@ def make_manifest(
         position_error=_position_error(records, grid, float((hi - lo).max())),
         color_error=max((record.color_error for record in records), default=0.0),
         lattice=grid.lattice,
+        depth_format=DEPTH_FORMAT,
         intensity_range=None if grid.intensity_range is None else list(grid.intensity_range),
         dropped=[record.dropped for record in records],
         poses=[record.pose for record in records],

@@ -67,6 +67,7 @@ class StoredFrame:
         self.index, self.count, self.large = index, files.count, files.large
         self._files, self._identity = files, manifest.identity
         self._shift, self._lattice = np.array(manifest.shift), manifest.lattice
+        self._sends_depth = manifest.depth_lattice is not None
         pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
         self.pose = None if pose is None else np.array(pose).reshape(4, 4)
         self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
@@ -127,7 +128,7 @@ class StoredFrame:
     @property
     def lattice(self) -> Lattice | None:
         """The pixels that the frame's points lie on, as the import found them, or None."""
-        return None if self.depth_ends is None else self._lattice
+        return None if self._files.depth_ends is None else self._lattice
 
     @property
     def source_dtype(self) -> np.dtype[Any]:
@@ -254,9 +255,10 @@ class StoredFrame:
     def depth_ends(self) -> NDArray[np.int64] | None:
         """Ends of the chunks (C,) in the wire file as parts of a depth image, None without one.
 
+        One in an older format counts as none.
         The chunks are the same points; the first one begins where the encoded points end.
         """
-        return self._files.depth_ends
+        return self._files.depth_ends if self._sends_depth else None
 
     def depth(self, first_chunk: int, stop_chunk: int) -> memoryview:
         """The bytes of the same chunks as parts of the frame's depth image; raises DamagedError."""

@@ -52,7 +52,7 @@ def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
         large=manifest.large,
         position_error=manifest.position_error,
         color_error=manifest.color_error,
-        lattice=None if manifest.lattice is None else _lattice(manifest.lattice),
+        lattice=None if manifest.depth_lattice is None else _lattice(manifest.depth_lattice),
         revision=room.revision,
         frame=frame,
     )

@@ -29,10 +29,13 @@ DIRECT = 16
 """Remainders below this are tokens of their own; above, tokens stand for quarters of octaves."""
 TOKENS = 1 + DIRECT + 4 * 14
 """Token 0: a pixel without a point."""
-SCALE_BITS = 12
+SCALE_BITS = 10
 SCALE = 1 << SCALE_BITS
-LOWEST = 1 << 23
-"""The decoder's state is at least this: below it takes another byte."""
+STATES = 4
+"""States of a coder: pixels take turns, so that a processor decodes several at once."""
+WORD_BITS = 16
+LOWEST = 1 << WORD_BITS
+"""A decoder's state is at least this: below it takes another word, of WORD_BITS."""
 _BITS = np.array([value.bit_length() for value in range(256)], np.uint8)
 
 
@@ -134,23 +137,23 @@ def _frequencies(counts: NDArray[np.int64]) -> NDArray[np.int64]:
 @compiled
 def _encode(
     symbols: NDArray[np.uint16], frequency: NDArray[np.int64], start: NDArray[np.int64]
-) -> Bytes:
-    """The symbols as bytes, the decoder's first state ahead of them."""
+) -> NDArray[np.uint16]:
+    """The symbols as words, the decoder's first states ahead of them, low words first."""
     many_of, first_of = frequency.ravel(), start.ravel()
-    out = np.empty(2 * len(symbols) + 8, np.uint8)
+    out = np.empty(len(symbols) + 2 * STATES, np.uint16)
     at = len(out)
-    state = LOWEST
+    states = np.full(STATES, LOWEST, np.int64)
     for n in range(len(symbols) - 1, -1, -1):
         many, first = many_of[symbols[n]], first_of[symbols[n]]
-        while state >= ((LOWEST >> SCALE_BITS) << 8) * many:
+        state = states[n % STATES]
+        if state >= many << (2 * WORD_BITS - SCALE_BITS):
             at -= 1
-            out[at] = state & 255
-            state >>= 8
-        state = (state // many) * SCALE + state % many + first
-    for _ in range(4):
-        at -= 1
-        out[at] = state & 255
-        state >>= 8
+            out[at] = state & 0xFFFF
+            state >>= WORD_BITS
+        states[n % STATES] = (state // many) * SCALE + state % many + first
+    for number in range(STATES - 1, -1, -1):
+        at -= 2
+        out[at], out[at + 1] = states[number] & 0xFFFF, states[number] >> WORD_BITS
     return out[at:]
 
 
@@ -183,35 +186,39 @@ def _decode(
     width: int,
     frequency: NDArray[np.int64],
     start: NDArray[np.int64],
-    data: Bytes,
+    words: NDArray[np.uint16],
     rest: Bytes,
 ) -> bool:
-    """Fill in a band's pixels; False where the bytes end too early."""
+    """Fill in a band's pixels; False where the words or low bits end too early."""
     down, across = band.down, band.across
-    if len(data) < 4:
+    if len(words) < 2 * STATES:
         return False
     token_of = np.zeros((CONTEXTS, SCALE), np.uint8)
     for context in range(CONTEXTS):
         for token in range(TOKENS):
             first = start[context, token]
             token_of[context, first : first + frequency[context, token]] = token
-    state, at, bit_at, last = 0, 4, 0, 0
-    for n in range(4):
-        state = state << 8 | int(data[n])
+    states = np.empty(STATES, np.int64)
+    for n in range(STATES):
+        states[n] = int(words[2 * n]) | int(words[2 * n + 1]) << WORD_BITS
+    n, at, bit_at, last = 0, 2 * STATES, 0, 0
     for strip in range(band.row, band.stop, STRIP * down):
         end = min(strip + STRIP * down, band.stop)
         for column in range(band.column, width, across):
             for row in range(strip, end, down):
                 expected, context = _predict(image, row, column, band, last)
+                state = states[n % STATES]
                 slot = state & (SCALE - 1)
                 token = int(token_of[context, slot])
                 many = frequency[context, token]
                 state = many * (state >> SCALE_BITS) + slot - start[context, token]
-                while state < LOWEST:
-                    if at >= len(data):
+                if state < LOWEST:
+                    if at >= len(words):
                         return False
-                    state = state << 8 | int(data[at])
+                    state = state << WORD_BITS | int(words[at])
                     at += 1
+                states[n % STATES] = state
+                n += 1
                 if token == 0:
                     image[row, column] = 0
                     continue
@@ -234,7 +241,7 @@ def encode_band(image: Image, band: Band, width: int) -> tuple[bytes, bytes, byt
     """Encode a band of an image with a margin: its frequencies, tokens and low bits."""
     symbols, counts, low = _symbols(image, band, width)
     frequency = _frequencies(counts)
-    tokens = _encode(symbols, frequency, _starts(frequency))
+    tokens = _encode(symbols, frequency, _starts(frequency)).astype("<u2", copy=False)
     return _pack_tables(frequency).tobytes(), tokens.tobytes(), low.tobytes()
 
 
@@ -250,8 +257,9 @@ def decode_band(
             frequency[context, token], at = read_varint(tables, at)
     if not np.isin(frequency.sum(axis=1), (0, SCALE)).all():
         raise BadInputError(f"depth: expected frequencies of a sum of {SCALE}, got another")
-    streams = (np.frombuffer(part, np.uint8) for part in (tokens, rest))
-    if not _decode(image, band, width, frequency, _starts(frequency), *streams):
+    words = np.frombuffer(tokens[: len(tokens) & ~1], "<u2")
+    low = np.frombuffer(rest, np.uint8)
+    if not _decode(image, band, width, frequency, _starts(frequency), words, low):
         raise BadInputError("depth: expected more bytes, got their end")
 
 

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from pointbrush.sequences.octree.order import LEVEL0_POINTS
 
+DEPTH_FORMAT = 2
+"""Version of depth images' bytes (``codec``); recordings of an older one go as points."""
 STRIP = 16
 """Rows of a strip: points of a level are numbered strip by strip, column by column within one."""
 CHUNK_PIXELS = 65536

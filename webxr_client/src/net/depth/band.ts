@@ -3,13 +3,14 @@ import { sizeCode, MAX_CHUNKS, SIZE_CODES } from '../segment';
 import type { Lattice } from '../../protocol/messages';
 import {
   BOTH,
-  DIRECT,
+  LOW_BITS,
   NONE,
   ONE,
   SCALE,
   SCALE_BITS,
   TOKEN_SHIFT,
-  type Parts,
+  VALUES,
+  type Streams,
   type Tables,
 } from './codec';
 import { STRIP, type Band } from './lattice';
@@ -32,8 +33,8 @@ export interface Colors {
 /** Words of 32 bits in a vertex. */
 const WORDS = 3;
 const FARTHEST = 65535;
-/** Below this the decoder's state takes another byte. */
-const LOWEST = 1 << 23;
+/** Bits of a word: a state of no more takes the next one. */
+const WORD = 16;
 /** So many depths share a size. */
 const SIZE_SHIFT = 5;
 /** Surfaces are seen askew, most of them by so much: their points lie farther apart. */
@@ -90,7 +91,7 @@ export class BandPlan {
   decode(
     image: Uint16Array,
     stride: number,
-    { tokens, low }: Parts,
+    streams: Streams,
     { entries }: Tables,
     listed: Uint16Array,
     colors: Colors | null,
@@ -107,12 +108,16 @@ export class BandPlan {
     const pictureWidth = colors?.width ?? 0;
     const coded = listed.length === 0;
     const room = vertices.length;
-    let state = 0;
-    for (let i = 0; i < 4; i++) state = (state << 8) | tokens[i]!;
-    let at = 4;
-    let bits = 0;
-    let bitCount = 0;
-    let lowAt = 0;
+    const { words, low } = streams;
+    // Pixels take turns with the states: four short chains of operations, side by side in the processor.
+    let [state, second, third, fourth] = streams.states as unknown as [
+      number,
+      number,
+      number,
+      number,
+    ];
+    let at = 0;
+    let bit = 0;
     let last = 0;
     let out = 0;
     for (let strip = firstRow; strip < stop; strip += STRIP * down) {
@@ -152,23 +157,22 @@ export class BandPlan {
           }
           // The token.
           const entry = entries[(context << SCALE_BITS) | (state & (SCALE - 1))]!;
-          const token = entry >>> TOKEN_SHIFT;
           const many = ((entry >>> SCALE_BITS) & (SCALE - 1)) + 1;
-          state = Math.imul(many, state >>> SCALE_BITS) + (entry & (SCALE - 1));
-          while (state < LOWEST) state = (state << 8) | tokens[at++]!;
+          const next = Math.imul(many, state >>> SCALE_BITS) + (entry & (SCALE - 1));
+          // All bits where a word is needed, else none: nothing for the processor to guess.
+          const needs = ((next >>> WORD) - 1) >> 31;
+          state = second;
+          second = third;
+          third = fourth;
+          fourth = (next << (needs & WORD)) | (words[at]! & needs);
+          at -= needs;
+          const token = entry >>> TOKEN_SHIFT;
           if (token === 0) continue;
-          let folded = token - 1;
-          if (folded >= DIRECT) {
-            const code = folded - DIRECT;
-            const count = (code >> 2) + 2;
-            while (bitCount < count) {
-              bits |= low[lowAt++]! << bitCount;
-              bitCount += 8;
-            }
-            folded = ((4 + (code & 3)) << count) | (bits & ((1 << count) - 1));
-            bits >>>= count;
-            bitCount -= count;
-          }
+          const bits = LOW_BITS[token]!;
+          const byte = bit >> 3;
+          const rest = (low[byte]! | (low[byte + 1]! << 8) | (low[byte + 2]! << 16)) >> (bit & 7);
+          const folded = VALUES[token]! + (rest & ((1 << bits) - 1));
+          bit += bits;
           last = (expected + ((folded >> 1) ^ -(folded & 1))) & FARTHEST;
           image[place] = last;
           // The vertex.
@@ -182,17 +186,14 @@ export class BandPlan {
             rgb = pixels[(row >> shift) * pictureWidth + (column >> shift)]! & 0xffffff;
             if (rgb === 0) rgb = NEARLY_BLACK;
           }
-          const third = axis === 2 ? z : y;
           vertices[out] = axis === 2 ? x | (y << 16) : axis === 1 ? x | (z << 16) : z | (x << 16);
-          vertices[out + 1] = third | (rgb << 16);
+          vertices[out + 1] = (axis === 2 ? z : y) | (rgb << 16);
           vertices[out + 2] = (rgb >>> 16) | (stamps[depth >> SIZE_SHIFT]! << 16);
           out += WORDS;
         }
       }
     }
-    if (at > tokens.length || lowAt > low.length) {
-      throw new RangeError('depth: expected more bytes, got their end');
-    }
+    streams.check(at, bit);
     return out / WORDS;
   }
 }

@@ -6,10 +6,14 @@ export const ONE = 9;
 export const NONE = 10;
 const CONTEXTS = 11;
 /** Remainders below this are tokens of their own; above, tokens stand for quarters of octaves. */
-export const DIRECT = 16;
+const DIRECT = 16;
 const TOKENS = 1 + DIRECT + 4 * 14;
-export const SCALE_BITS = 12;
+export const SCALE_BITS = 10;
 export const SCALE = 1 << SCALE_BITS;
+/** Pixels take turns with so many states. */
+const STATES = 4;
+/** A token's low bits begin in one byte and end in the third from there, or before. */
+const MARGIN = 2;
 
 const LENGTHS = 12;
 
@@ -35,6 +39,50 @@ export function partsOf(data: Uint8Array): Parts {
     tokens: data.subarray(tables, tokens),
     low: data.subarray(tokens),
   };
+}
+
+/** Value of each token without its low bits, and how many these are; of token 0, no point, nothing. */
+export const [VALUES, LOW_BITS] = (() => {
+  const values = new Uint16Array(TOKENS);
+  const bits = new Uint8Array(TOKENS);
+  for (let token = 1; token < TOKENS; token++) {
+    const code = token - 1 - DIRECT;
+    const count = code < 0 ? 0 : (code >> 2) + 2;
+    bits[token] = count;
+    values[token] = code < 0 ? token - 1 : (4 + (code & 3)) << count;
+  }
+  return [values, bits];
+})();
+
+/** A band's tokens and low bits, taken over to where a loop may read them beyond their ends. */
+export class Streams {
+  readonly states = new Uint32Array(STATES);
+  words = new Uint16Array(0);
+  low = new Uint8Array(0);
+  private ends = { words: 0, low: 0 };
+
+  take({ tokens, low }: Parts): void {
+    const head = this.states.byteLength;
+    if (tokens.length < head || tokens.length % 2 !== 0) {
+      throw new RangeError(
+        `depth: expected ${STATES} states and words, got ${tokens.length} bytes`,
+      );
+    }
+    new Uint8Array(this.states.buffer).set(tokens.subarray(0, head));
+    const words = (tokens.length - head) / 2;
+    if (this.words.length <= words) this.words = new Uint16Array(2 * words + 1);
+    new Uint8Array(this.words.buffer).set(tokens.subarray(head));
+    if (this.low.length < low.length + MARGIN) this.low = new Uint8Array(2 * low.length + MARGIN);
+    this.low.set(low);
+    this.ends = { words, low: 8 * low.length };
+  }
+
+  /** Say so if more was read than there is. */
+  check(words: number, lowBits: number): void {
+    if (words > this.ends.words || lowBits > this.ends.low) {
+      throw new RangeError('depth: expected more bytes, got their end');
+    }
+  }
 }
 
 /** Reads numbers of seven bits a byte, the lowest first. */

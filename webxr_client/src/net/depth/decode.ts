@@ -3,7 +3,7 @@ import type { Depth, Lattice, SequenceInfo } from '../../protocol/messages';
 import type { BufferPool } from '../pool';
 import { STRIDE, type Segment, type SegmentChunk } from '../segment';
 import { BandPlan, gridOf, type Colors, type Grid } from './band';
-import { Numbers, partsOf, readListed, Tables, type Parts } from './codec';
+import { Numbers, partsOf, readListed, Streams, Tables, type Parts } from './codec';
 import { bandsOf, firstStep, type Band } from './lattice';
 import { PIXEL_BYTES, type Picture, type ReadPicture } from './pictures';
 
@@ -133,6 +133,7 @@ class Camera {
   readonly bands: readonly Band[];
   private readonly plans: readonly BandPlan[];
   private readonly tables = new Tables();
+  private readonly streams = new Streams();
   private readonly stride: number;
   private readonly image: Uint16Array;
   /** Bytes of the finest picture, which all frames share. */
@@ -207,8 +208,9 @@ class Camera {
   ): number {
     const plan = this.plans[chunk];
     if (!plan) throw new RangeError(`depth: expected chunks before ${this.plans.length}`);
-    const { image, stride, tables } = this;
+    const { image, stride, tables, streams } = this;
     tables.read(numbers);
-    return plan.decode(image, stride, parts, tables, listed, colors, vertices);
+    streams.take(parts);
+    return plan.decode(image, stride, streams, tables, listed, colors, vertices);
   }
 }
