@@ -23,8 +23,7 @@ from pointbrush.cli import main
 from pointbrush.selection.selectors import BUILT_IN, make_selector
 from pointbrush.settings import Settings
 from pointbrush.web import server as web_server
-from pointbrush.work.objects.cache import StateFiles
-from pointbrush.work.objects.preparing import prepare_file
+from pointbrush.work.objects.preparing import StateFiles, prepare_file
 from pointbrush.workspace import Workspace
 
 TOKEN = "end-to-end-token-of-the-owner"

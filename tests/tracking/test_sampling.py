@@ -3,7 +3,7 @@
 import numpy as np
 
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensors.viewpoint import evened, find_camera, unevenness
+from pointbrush.tracking.sensors.examination import evened, find_camera, unevenness
 
 OPTIONS = TrackerOptions()
 

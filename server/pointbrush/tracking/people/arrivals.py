@@ -11,10 +11,9 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.graph import parts
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.people.heads import beneath_heads
 from pointbrush.tracking.people.observation import Observation
 from pointbrush.tracking.people.person import Person
-from pointbrush.tracking.people.stature import ratio, top_of
+from pointbrush.tracking.people.stature import beneath_heads, ratio, top_of
 
 
 def exchanged(

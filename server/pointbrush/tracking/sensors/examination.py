@@ -1,4 +1,7 @@
-"""Facts about a recording's sensor that hold for every run over it, found once."""
+"""Facts about a recording's sensor that hold for every run over it, found once.
+
+The place of a sensor that a recording does not tell is found by what it hides and how it samples.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +9,165 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pointbrush.tracking.interface import F64, Frames, KnownSensor, TrackFrame
-from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensors.camera import Lens, find_lens
+from pointbrush.tracking.interface import F32, F64, Frames, KnownSensor, TrackFrame
+from pointbrush.tracking.options import TrackerOptions, ViewpointOptions
+from pointbrush.tracking.sensors.camera import Lens, axes_along, find_lens
 from pointbrush.tracking.sensors.scan_odometry import shown_at_rest, told_trajectory
 from pointbrush.tracking.sensors.scanner import reach_of
-from pointbrush.tracking.sensors.viewpoint import find_camera
+
+
+def evened(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
+    """The place (3,) near ``place`` from which points (N, 3) fill an image the most evenly.
+
+    ``size`` metres of the scene.
+    """
+    middle = np.median(xyz, axis=0)
+    starts = [middle + share * (place - middle) for share in options.distance_shares]
+    costs = [unevenness(xyz, start, options=options) for start in starts]
+    place, least = starts[int(np.argmin(costs))], min(costs)
+    ways = _ways(middle - place)
+    step, last = (s * size for s in options.direction_steps)
+    while step > last:
+        before = least
+        for way in ways:
+            there = place + step * way
+            cost = unevenness(xyz, there, options=options)
+            if cost < least:
+                place, least = there, cost
+        if least == before:
+            step /= 2
+    return place
+
+
+def unevenness(xyz: F64, place: F64, options: ViewpointOptions) -> float:
+    """Return how far, in logarithms, parts of the image hold more or fewer points than it is usual
+    there.
+
+    What is usual changes slowly over the image where that does not look along its axis.  inf
+    where no image is so wide.
+    """
+    local = xyz - place
+    rays = local / (np.sqrt(np.einsum("ij,ij->i", local, local))[:, None] + 1e-9)
+    forward = rays.mean(axis=0)
+    straight = float(np.linalg.norm(forward))
+    if straight < options.min_mean_ray:
+        return np.inf
+    to_right, to_bottom, ahead = axes_along(forward / straight)
+    depth = np.maximum(rays @ ahead, options.min_ray_cos)
+    across, down = rays @ to_right / depth, rays @ to_bottom / depth
+    pitch = options.part_spacings * float(np.sqrt(np.ptp(across) * np.ptp(down) / len(xyz))) + 1e-9
+    column, row = (((t - t.min()) / pitch).astype(np.int64) for t in (across, down))
+    width = int(column.max()) + 1
+    count = np.bincount(row * width + column)
+    part = np.flatnonzero(count >= options.part_spacings)
+    x, y = part % width * pitch, part // width * pitch
+    slow = np.stack([np.ones(len(part)), x, y, x * x, x * y, y * y], axis=1)
+    many = np.log(count[part])
+    usual = slow @ np.linalg.lstsq(slow, many, rcond=None)[0]
+    return float(np.abs(many - usual).mean()) if len(part) else np.inf
+
+
+def _ways(forward: F64) -> F64:
+    """(14, 3) along the axes of an image that looks along ``forward``, and askew in depth."""
+    right, down, ahead = axes_along(forward / max(float(np.linalg.norm(forward)), 1e-9))
+    askew = [a + b for a in (right, down, -right, -down) for b in (ahead, -ahead)]
+    return np.array([right, down, ahead, -right, -down, -ahead, *askew])
+
+
+def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
+    """The place (3,) of a pinhole-like sensor from its points (N, 3); None where none can be.
+
+    It has to be asked whether the points fill an image from there.
+    """
+    if len(xyz) < options.viewpoint.min_points:
+        return None
+    few, many, every = (
+        _thinned(xyz, most)
+        for most in (options.viewpoint.coarse_points, options.viewpoint.fine_points, len(xyz))
+    )
+    middle = np.median(few, axis=0)
+    size = float(np.median(np.linalg.norm(few - middle, axis=1)))
+    if size <= 0:
+        return None
+    places = middle + size * (
+        np.array(options.viewpoint.distance_sizes)[:, None, None]
+        * _all_round(options=options.viewpoint)
+    ).reshape(-1, 3)
+    gap = options.viewpoint.hidden_sizes * size
+    costs = np.array([_hidden(few, place, gap, options=options) for place in places])
+    if costs.min() > options.viewpoint.hidden_share_far:
+        return None
+    first, last, least = (step * size for step in options.viewpoint.place_steps)
+    likely = places[np.argsort(costs, kind="stable")[: options.viewpoint.followed_places]]
+    found = [_closer(many, place, gap, first, last, options=options) for place in likely]
+    best = min(found, key=lambda place: _hidden(many, place, gap, options=options))
+    if _hidden(many, best, gap, options=options) > 2 * options.viewpoint.hidden_share:
+        return None
+    place = _closer(every, best, gap, 2 * last, least, options=options)
+    if _hidden(every, place, gap, options=options) >= options.viewpoint.hidden_share:
+        return None
+    closer = evened(many, place, size, options=options.viewpoint)
+    return (
+        closer
+        if _hidden(every, closer, gap, options=options) < options.viewpoint.hidden_share
+        else place
+    )
+
+
+def _thinned(xyz: F32, most: int) -> F64:
+    return np.asarray(xyz[:: max(1, len(xyz) // most)], np.float64)
+
+
+def _all_round(options: ViewpointOptions) -> F64:
+    """(DIRECTIONS, 3) unit vectors, even: Fibonacci's lattice."""
+    at = np.arange(options.directions) + 0.5
+    down, round_ = np.arccos(1 - 2 * at / options.directions), np.pi * (1 + 5**0.5) * at
+    across = np.sin(down)
+    return np.stack([across * np.cos(round_), across * np.sin(round_), np.cos(down)], axis=1)
+
+
+def _closer(
+    xyz: F64, place: F64, gap: float, step: float, last: float, options: TrackerOptions
+) -> F64:
+    """Go where fewer points are hidden, by steps along the axes that halve where none helps."""
+    least = _hidden(xyz, place, gap, options=options)
+    while step > last:
+        before = least
+        for way in (*np.eye(3), *-np.eye(3)):
+            there = place + step * way
+            cost = _hidden(xyz, there, gap, options=options)
+            if cost < least:
+                place, least = there, cost
+        if least == before:
+            step /= 2
+    return place
+
+
+def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:
+    """Share of the points (N, 3) that others hide from a place; 1 where no image is so wide."""
+    local = xyz - place
+    away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
+    rays = local / away[:, None]
+    forward = rays.mean(axis=0)
+    straight = float(np.linalg.norm(forward))
+    if straight < options.viewpoint.min_mean_ray:
+        return 1.0
+    forward /= straight
+    ahead = rays @ forward
+    if (ahead < options.viewpoint.min_ray_cos).mean() > options.viewpoint.stray_share:
+        return 1.0
+    to_right, to_bottom, _ = axes_along(forward)
+    depth = np.maximum(ahead, options.viewpoint.min_ray_cos)
+    across, down = rays @ to_right / depth, rays @ to_bottom / depth
+    pitch = (
+        options.lens.pixel_spacings * float(np.sqrt(np.ptp(across) * np.ptp(down) / len(xyz)))
+        + 1e-9
+    )
+    column, row = ((t - t.min()) / pitch for t in (across, down))
+    cell = row.astype(np.int64) * (int(column.max()) + 1) + column.astype(np.int64)
+    nearest = np.full(int(cell.max()) + 1, np.inf)
+    np.minimum.at(nearest, cell, away)
+    return float(np.mean(away > nearest[cell] + gap))
 
 
 def examine(frames: Frames, count: int, options: TrackerOptions) -> KnownSensor:

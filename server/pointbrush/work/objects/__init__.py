@@ -1,8 +1,7 @@
 """One click, one object: frames prepared ahead, clicks answered with nested candidates."""
 
-from pointbrush.work.objects.clicks import Clicks
 from pointbrush.work.objects.options import ObjectOptions
-from pointbrush.work.objects.service import Answer, Level, Objects, StaleCandidateError
+from pointbrush.work.objects.service import Answer, Clicks, Level, Objects, StaleCandidateError
 from pointbrush.work.objects.stroke import ObjectStroke
 
 __all__ = [

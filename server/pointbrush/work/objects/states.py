@@ -18,11 +18,10 @@ from pointbrush.selection.selectors import StateLostError, StoredSelector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.cache import Cache
 from pointbrush.work.events import Prepared
-from pointbrush.work.objects.cache import StateFiles
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import near, object_frame
 from pointbrush.work.objects.options import ObjectOptions
-from pointbrush.work.objects.preparing import Preparer
+from pointbrush.work.objects.preparing import Preparer, StateFiles
 
 Numbers = NDArray[np.int64]
 Floats = NDArray[np.float64]
