@@ -76,5 +76,6 @@ def bound(
     """Bounds (B, 3) of the runs of points (N, 3) that start at ``first[:-1]``, none empty."""
     if len(first) < 2:
         return np.empty((0, 3), np.float32), np.empty((0, 3), np.float32)
-    lo = np.minimum.reduceat(xyz, first[:-1], axis=0)
-    return lo, np.maximum.reduceat(xyz, first[:-1], axis=0)
+    from pointbrush.sequences.loops import bound_runs
+
+    return bound_runs(xyz, first)

@@ -141,27 +141,20 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
     """
     local = to_local(frame.xyz, grid.shift)
     order, first, of_level, depth = _arranged(frame, local, grid)
-    xyz = local.take(order, axis=0)
-    colors = wire_colors(
-        None if frame.rgb is None else frame.rgb.take(order, axis=0),
-        None if frame.intensity is None else frame.intensity.take(order),
-        grid.intensity_range,
-        len(xyz),
-    )
+    xyz, columns = local.take(order, axis=0), _columns(frame, order)
+    rgb, intensity = columns.get("rgb"), columns.get("intensity")
+    colors = wire_colors(rgb, intensity, grid.intensity_range, len(xyz))
     chunks = encode_chunks(xyz, colors, first, grid, ordered=depth is not None)
     chunks.table["level"] = of_level
     if chunks.order is not None:
         order, xyz = order[chunks.order], xyz.take(chunks.order, axis=0)
+        columns = _columns(frame, order)
 
     arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
     exact = residual(frame.xyz.take(order, axis=0), xyz, grid.shift)
     if exact is not None:
         arrays["residual"] = exact
-    for name in POINT_FIELDS:
-        column = getattr(frame, name)
-        if column is not None:
-            arrays[name] = column.take(order, axis=0)
-    arrays |= {"chunks": chunks.table, **block_arrays(xyz, first)}
+    arrays |= {**columns, "chunks": chunks.table, **block_arrays(xyz, first)}
     if depth is None:
         return Encoded(arrays, chunks.wire, chunks.error)
     sizes = [len(chunk) for chunk in depth.chunks]
@@ -169,6 +162,14 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
     wire = b"".join((chunks.wire, *depth.chunks))
     error = max(chunks.error, depth.error)
     return Encoded(arrays, wire, error, depth.side_error, depth.color_error)
+
+
+def _columns(frame: PointFrame, order: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    """The fields that a frame has, in stored order."""
+    given = {name: getattr(frame, name) for name in POINT_FIELDS}
+    return {
+        name: column.take(order, axis=0) for name, column in given.items() if column is not None
+    }
 
 
 def _arranged(

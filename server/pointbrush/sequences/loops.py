@@ -1,4 +1,4 @@
-"""Compiled loops: packing of the vertex codec, short ways through a chunk, k-d trees.
+"""Compiled loops: bounds, the grid, packing of the vertex codec, short ways, k-d trees.
 
 They take long to load, so that modules import them where they are needed.
 """
@@ -20,6 +20,36 @@ _USED = 32767
 _FOUR_BITS = 7
 _TOO_FAR = 128
 """Cost of a value that needs more than four bits, besides its difference (found by trial)."""
+
+
+@compiled
+def bound_runs(
+    xyz: NDArray[np.float32], first: NDArray[np.int64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Bounds (R, 3) of the runs ``first[r]:first[r + 1]`` of points (N, 3), none empty."""
+    lo = np.empty((len(first) - 1, 3), np.float32)
+    hi = np.empty_like(lo)
+    for run in range(len(lo)):
+        for axis in range(3):
+            least = most = xyz[first[run], axis]
+            for n in range(first[run] + 1, first[run + 1]):
+                value = xyz[n, axis]
+                least = value if value < least else least
+                most = value if value > most else most
+            lo[run, axis], hi[run, axis] = least, most
+    return lo, hi
+
+
+@compiled
+def round_to_grid(
+    xyz: NDArray[np.float32], origin: NDArray[np.float64], scale: NDArray[np.float64]
+) -> NDArray[np.uint16]:
+    """The nearest places of points (N, 3) on a grid that reaches as far as they do."""
+    q, per_metre = np.empty(xyz.shape, np.uint16), 1 / scale
+    for n in range(len(xyz)):
+        for axis in range(3):
+            q[n, axis] = np.int64(np.rint((xyz[n, axis] - origin[axis]) * per_metre[axis]))
+    return q
 
 
 @compiled

@@ -14,13 +14,15 @@ T = TypeVar("T")
 A = TypeVar("A")
 
 
-def ahead(pool: ThreadPoolExecutor, work: Callable[[A], T], jobs: Iterable[A]) -> Iterator[T]:
-    """Results of ``work`` in the order of ``jobs``; WORKERS of them are worked on ahead."""
+def ahead(
+    pool: ThreadPoolExecutor, work: Callable[[A], T], jobs: Iterable[A], most: int = WORKERS
+) -> Iterator[T]:
+    """Results of ``work`` in the order of ``jobs``; ``most`` of them are worked on ahead."""
     pending: deque[Future[T]] = deque()
     try:
         for job in jobs:
             pending.append(pool.submit(work, job))
-            if len(pending) > WORKERS:
+            if len(pending) > most:
                 yield pending.popleft().result()
         while pending:
             yield pending.popleft().result()

@@ -72,12 +72,12 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> 
         offset += len(data)
     header = json.dumps({"arrays": table, "meta": meta}, separators=(",", ":")).encode()
     start = -(-(16 + len(header)) // _ALIGN) * _ALIGN
-    out = bytearray(start + offset)
-    out[:16] = MAGIC + len(header).to_bytes(8, "little")
-    out[16 : 16 + len(header)] = header
-    for at, data in stored:
-        out[start + at : start + at + len(data)] = data
-    return bytes(out)
+    parts = [MAGIC, len(header).to_bytes(8, "little"), header]
+    end = 16 + len(header)
+    for at, data in [*stored, (offset, b"")]:
+        parts += bytes(start + at - end), data
+        end = start + at + len(data)
+    return b"".join(parts)
 
 
 def _pack(array: NDArray[Any]) -> bytes | None:

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.octree.order import bounds
-
 ROOM_STEP = 2.0**-10
 """Grid of a recording of a metre or more: 0.98 mm, under the noise of a depth camera."""
 SITE_STEP = 2.0**-8
@@ -83,13 +81,13 @@ def quantise(xyz: NDArray[np.float32], step: float) -> Quantised:
         zero = np.zeros(3)
         empty = np.zeros(3, np.float32)
         return Quantised(np.empty((0, 3), np.uint16), zero, np.full(3, step), empty, empty, 0.0)
-    lo, hi = bounds(xyz)
+    from pointbrush.sequences.loops import bound_runs, round_to_grid
+
+    (lo,), (hi,) = bound_runs(xyz, np.array([0, len(xyz)]))
     grid = [_axis_grid(float(a), float(b), step) for a, b in zip(lo, hi, strict=True)]
     origin = np.array([axis[0] for axis in grid])
     scale = np.array([axis[1] for axis in grid])
-    q = np.empty(xyz.shape, np.uint16)
-    for axis in range(3):  # several times faster than rows of three
-        q[:, axis] = np.rint((xyz[:, axis] - origin[axis]) / scale[axis])
+    q = round_to_grid(xyz, origin, scale)
     # Adding in float32 rounds once more, by half a unit in the last place of the greatest value.
     reach = max(float(np.abs(lo).max()), float(np.abs(hi).max())) + float(scale.max())
     rounding = float(np.spacing(np.float32(min(reach, 3e38))))
