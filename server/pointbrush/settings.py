@@ -95,7 +95,8 @@ class Settings:
     )
     trusted_proxies: str = option(
         "",
-        "addresses or networks of proxies whose X-Forwarded-For is believed, with commas",
+        "addresses or networks of proxies whose X-Forwarded-For and X-Forwarded-Proto are "
+        "believed, with commas",
         where=SERVERS,
     )
     max_body: int = option(

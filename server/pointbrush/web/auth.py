@@ -206,8 +206,10 @@ def require_same_origin(connection: HTTPConnection) -> None:
         if connection.headers.get("sec-fetch-site", "same-origin") in ("same-origin", "none"):
             return
         raise ForbiddenError("expected a call from this server's own page, got one from another")
-    netloc = origin.partition("://")[2].lower()
-    if netloc != connection.headers.get("host", "").lower():
+    scheme, _, netloc = origin.lower().partition("://")
+    # Encrypted for us only: a page that came in the clear may be anybody's.
+    cleartext = scheme != "https" and connection.url.is_secure
+    if cleartext or netloc != connection.headers.get("host", "").lower():
         raise ForbiddenError(f"expected this server's own origin, got {origin[:100]!r}")
 
 

@@ -1,4 +1,4 @@
-"""Callers by their address, through trusted proxies or not, and how often each may ask."""
+"""Callers by address and scheme, through trusted proxies or not, and how often each may ask."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ FORWARDING = (
     "x-forwarded-port", "x-forwarded-server", "x-client-ip", "true-client-ip", "cf-connecting-ip",
 )  # fmt: skip
 """Headers by which a proxy shows itself."""
+SECURE = {"http": False, "https": True, "ws": False, "wss": True}
+"""Whether what a scheme carries is encrypted."""
 UNKNOWN = "unknown"
 BURST_SECONDS = 10
 """A client may spend this many seconds' worth of requests at once, unless told otherwise."""
@@ -44,6 +46,16 @@ class Clients:
         while self.trusts(found) and hops and _address(hops[-1]) is not None:
             found = str(_address(hops.pop()))
         return found
+
+    def scheme(self, connection: HTTPConnection) -> str:
+        """The scheme that the client used: the connection's, or what a trusted proxy says of it."""
+        stated = connection.headers.get("x-forwarded-proto", "").rpartition(",")[2].strip().lower()
+        peer = connection.client.host if connection.client else UNKNOWN
+        own: str = connection.scope["scheme"]
+        if stated not in SECURE or not self.trusts(peer):
+            return own
+        base = "ws" if connection.scope["type"] == "websocket" else "http"
+        return f"{base}s" if SECURE[stated] else base
 
     def trusts(self, address: str) -> bool:
         """Whether an address is a trusted proxy's."""

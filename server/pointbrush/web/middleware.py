@@ -52,6 +52,9 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check, then hand on; sockets check themselves after their handshake's headers."""
+        if "scheme" in scope:
+            # Here, once: cookies, Origin and links are then right behind a proxy too.
+            scope["scheme"] = self.gate.clients.scheme(HTTPConnection(scope))
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return

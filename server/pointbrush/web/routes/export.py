@@ -19,7 +19,7 @@ from starlette.types import Receive, Scope, Send
 
 from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
-from pointbrush.web.auth import Caller, Principal, resource
+from pointbrush.web.auth import Caller, Gate, Principal, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.problems import responses
 
@@ -222,5 +222,6 @@ async def export_sequence(
 
 def person_of(request: Request, who: Principal) -> str:
     """Return what tells people apart; several who share the server's own token by address."""
-    address = request.client.host if who.shared and request.client else ""
+    gate: Gate = request.app.state.gate
+    address = gate.clients.address(request) if who.shared else ""
     return f"{who.author} {address}"
