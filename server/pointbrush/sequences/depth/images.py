@@ -28,8 +28,10 @@ from pointbrush.sequences.depth.codec import (
 from pointbrush.sequences.depth.lattice import FARTHEST, Lattice, Pixels
 from pointbrush.sequences.depth.placing import Placed, empty_image, visit
 
-QUALITIES = (85, 92, 97)
-"""JPEG qualities, tried until the colours are near enough."""
+QUALITIES = ((85, "4:2:0"), (87, "4:2:2"), (92, "4:2:2"), (97, "4:4:4"))
+"""JPEG qualities and samplings of colour, tried until the colours are near enough."""
+COARSE_QUALITY = 75, "4:2:0"
+"""The same of smaller pictures, which are seen until a finer one is there."""
 COLOR_ERROR = 6.0
 """Greatest root mean square difference of a picture's colours from a frame's own, of 255."""
 SPARSE = 1.5
@@ -116,21 +118,21 @@ def _pictures(lattice: Lattice, number: NDArray[np.int32], rgb: Bytes | None) ->
         return _Pictures({}, 0.0)
     colors = rgb.take(_spread(number), axis=0)
     for quality in QUALITIES:
-        whole = _jpeg(colors, quality)
+        whole = _jpeg(colors, *quality)
         error = _color_error(whole, colors, number)
         if error <= COLOR_ERROR:
             steps = {lattice.picture_step(band) for band in lattice.bands}
-            smaller = {step: _jpeg(colors[::step, ::step], quality) for step in steps - {1}}
+            smaller = {step: _jpeg(colors[::step, ::step], *COARSE_QUALITY) for step in steps - {1}}
             return _Pictures({1: whole, **smaller}, error)
     return None
 
 
-def _jpeg(colors: NDArray[np.uint8], quality: int) -> bytes:
+def _jpeg(colors: Bytes, quality: int, sampling: str) -> bytes:
     from PIL import Image as Pillow
 
     out = io.BytesIO()
     picture = Pillow.fromarray(np.ascontiguousarray(colors))
-    picture.save(out, "JPEG", quality=quality, optimize=True)
+    picture.save(out, "JPEG", quality=quality, subsampling=sampling, optimize=True)
     return out.getvalue()
 
 
