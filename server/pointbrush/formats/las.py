@@ -48,8 +48,7 @@ def read_las(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     header = read_header(path, options.limits)
     records = list(_records(path, header, max(header.count, 1), options))
     rows = records[0] if len(records) == 1 else np.concatenate([_empty(header), *records])
-    frame = _frame(path.name, header, rows, _eight_bit(rows, options), options)
-    yield replace(frame, header=read_records(path, header))
+    yield _frame(path, header, rows, _eight_bit(rows, options), options, read_records(path, header))
 
 
 def read_chunks(
@@ -68,7 +67,7 @@ def read_chunks(
     for rows in _records(path, header, points_per_chunk, options):
         if eight_bit is None:
             eight_bit = _is_8_bit(rows if header.laszip else _sample(path, header))
-        yield replace(_frame(path.name, header, rows, eight_bit, options), header=records)
+        yield _frame(path, header, rows, eight_bit, options, records)
 
 
 def _records(
@@ -115,14 +114,19 @@ def _eight_bit(rows: NDArray[Any], options: ReadOptions) -> bool:
 
 
 def _frame(
-    name: str, header: LasHeader, rows: NDArray[Any], eight_bit: bool, options: ReadOptions
+    path: Path,
+    header: LasHeader,
+    rows: NDArray[Any],
+    eight_bit: bool,
+    options: ReadOptions,
+    records: bytes,
 ) -> PointFrame:
+    """One frame of point records; ``records`` is the file without its points."""
     xyz = np.empty((len(rows), 3))
     # An absurd scale gives infinities, which are refused as such.
     with np.errstate(over="ignore", invalid="ignore"):
         for i, axis in enumerate("xyz"):
-            np.multiply(rows[axis], header.scales[i], out=xyz[:, i])
-            xyz[:, i] += header.offsets[i]
+            xyz[:, i] = rows[axis] * header.scales[i] + header.offsets[i]
     columns: dict[str, Array] = {"xyz": xyz}
     columns["intensity"] = rows["intensity"]
     columns |= {extra: rows[extra] for extra in OURS if extra in header.extra}
@@ -137,7 +141,8 @@ def _frame(
             # 8 bits times 256 or 257, as writers scale them, become themselves.
             rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
     scaling = Scaling(header.scales, header.offsets)
-    return replace(frame_from_columns(name, columns, options), scaling=scaling)
+    frame = frame_from_columns(path.name, columns, options)
+    return replace(frame, header=records, scaling=scaling)
 
 
 def decoded_records(

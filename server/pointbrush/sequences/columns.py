@@ -58,9 +58,14 @@ def to_local(
             local[start : start + _ROWS] = np.subtract(
                 xyz[start : start + _ROWS], shift, dtype=np.float64
             )
+    require_local(local)
+    return local
+
+
+def require_local(local: NDArray[np.float32]) -> None:
+    """Raise BadInputError where local coordinates are beyond float32's range."""
     if not np.isfinite(local).all():
         raise BadInputError("xyz: expected coordinates within ±3.4e38 of the first, got more")
-    return local
 
 
 def from_local(

@@ -5,7 +5,7 @@ python -m pointbrush.work.prepare
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,8 +19,10 @@ from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
 from pointbrush.selection.objects import prepare as prepare_objects
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.octree.coordinates import PACKED, Coordinates, pack_coordinates
+from pointbrush.sequences.octree.coordinates import PACKED, Coordinates
 from pointbrush.sequences.octree.grid import GridChooser
+from pointbrush.sequences.octree.rows import Part
+from pointbrush.sequences.octree.segment import encode_cube
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.work.compiling import note_compiled
 
@@ -55,17 +57,24 @@ class _Frame:
 
 
 def encode() -> None:
-    """Encode a frame as an import does, build its tree, and pack it as an octree's points."""
+    """Encode a frame as an import does, also as a part of an octree, and build its tree."""
     made = generate("tabletop", 1, 1).frame(0)
     encode_frame(made, GridChooser()([made]))
     kdtree.build(made.xyz.astype(np.float32))
-    first = np.array([0, len(made)])
-    for source in (made.xyz.astype(np.float32), made.xyz.astype(np.float64)):
-        packed = pack_coordinates(source, np.ones((2, 3)), first)
-        arrays: dict[str, NDArray[Any]] = {"block_first": first}
-        arrays |= zip(PACKED, (packed.words, packed.base, packed.bits), strict=True)
-        meta = {"dtype": source.dtype.name, "scaling": np.ones((2, 3))}
-        Coordinates(arrays, meta, np.zeros(3))[:1]
+    _as_octree(replace(made, xyz=made.xyz.astype(np.float32)))
+    _as_octree(replace(made, xyz=made.xyz.astype(np.float64)))
+
+
+def _as_octree(made: PointFrame) -> None:
+    """Encode a frame as a cube of an octree, and read a point of it."""
+    part = Part(made, 0, 0, np.zeros(3))
+    grid, scaling = GridChooser()([made]), np.ones((2, 3))
+    segment = encode_cube(part.groups().rows, np.zeros(3), 1.0, 0, grid, scaling, hands_up=False)
+    packed = segment.packed
+    arrays: dict[str, NDArray[Any]] = {"block_first": np.append(segment.block_first, len(segment))}
+    arrays |= zip(PACKED, (packed.words, packed.base, packed.bits), strict=True)
+    meta = {"dtype": made.xyz.dtype.name, "scaling": scaling}
+    Coordinates(arrays, meta, np.zeros(3))[:1]
 
 
 def select_object() -> None:

@@ -52,7 +52,7 @@ def pack_coordinates(
 ) -> Packed:
     """Pack source coordinates (N, 3) of the blocks ``first[b]:first[b + 1]``."""
     # Compiled loops, which only an import needs.
-    from pointbrush.sequences.octree.packing import pack
+    from pointbrush.sequences.octree.loops import pack
 
     source, blocks = np.ascontiguousarray(source), len(first) - 1
     base, bits = np.empty((blocks, 3), np.int64), np.empty((blocks, 3), np.uint8)
@@ -135,7 +135,7 @@ class Coordinates:
         self, numbers: NDArray[np.int64], words: NDArray[np.uint64], first_word: int
     ) -> NDArray[Any]:
         # Compiled loops, which load with the first points of an octree that are asked for.
-        from pointbrush.sequences.octree.packing import unpack
+        from pointbrush.sequences.octree.loops import unpack
 
         out = np.empty((len(numbers), 3), self._dtype)
         packed, word = self._packed, self._word - first_word if first_word else self._word
@@ -148,7 +148,7 @@ class Coordinates:
     def _local(self, source: NDArray[Any]) -> NDArray[np.float32]:
         if source.dtype == np.float32 and not self._shift.any():
             return source
-        from pointbrush.sequences.octree.packing import shifted
+        from pointbrush.sequences.octree.loops import shifted
 
         local = np.empty(source.shape, np.float32)
         shifted(source, self._shift, local)

@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences.files import write_all, write_file
+from pointbrush.sequences.octree.ahead import WORKERS
 from pointbrush.sequences.octree.segment import Segment
 
 _COPY = 1 << 24
 _WORD = np.dtype("<u8")
-_DIRTY = 1 << 28
+_DIRTY = 1 << 26
 """Bytes written after which the disk is set to work while the next segments are encoded."""
 
 
@@ -52,18 +53,6 @@ class Column:
             return
         data = np.ascontiguousarray(part, self.dtype)
         write_all(self._file.fileno(), data.data.cast("B"), self._start + first * self._row)
-
-    def widened(self, dtype: np.dtype[Any]) -> Column:
-        """The same column as a wider type, in place of this one."""
-        old = np.load(self.path, mmap_mode="r")
-        path = self.path.with_name("wider-" + self.path.name)
-        wider = Column(path, self.rows, np.empty((0, *self._tail), dtype))
-        for first in range(0, self.rows, 1 << 20):
-            wider.write(first, old[first : first + (1 << 20)])
-        self.close()
-        path.replace(self.path)
-        wider.path = self.path
-        return wider
 
     def sync(self) -> None:
         """Bring to the disk what was written so far."""
@@ -133,7 +122,7 @@ class LargeWriter:
         self._above: dict[int, int] = {}
         self._wire, self._words = Pile(temporary / "wire"), Pile(temporary / "words")
         self._dirty = 0
-        self._syncer = ThreadPoolExecutor(1, "sync")
+        self._disk = ThreadPoolExecutor(WORKERS, "disk")
         self._syncing: Future[None] | None = None
         self.error = 0.0
 
@@ -141,7 +130,7 @@ class LargeWriter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._syncer.shutdown(wait=True)
+        self._disk.shutdown(wait=True)
         self._wire.close()
         self._words.close()
         for column in self._columns.values():
@@ -182,7 +171,7 @@ class LargeWriter:
                 column.sync()
 
         self._wait_for_disk()
-        self._syncing = self._syncer.submit(sync)
+        self._syncing = self._disk.submit(sync)
 
     def _wait_for_disk(self) -> None:
         """Raises what the last writing to the disk raised."""
@@ -197,10 +186,7 @@ class LargeWriter:
         column = self._columns.get(name)
         if column is None:
             column = Column(self._folder / f"{name}.npy", self._rows, part)
-        elif column.dtype.itemsize < part.dtype.itemsize:
-            self._wait_for_disk()
-            column = column.widened(part.dtype)
-        self._columns[name] = column
+            self._columns[name] = column
         return column
 
     def finish(self, meta: Mapping[str, Any]) -> None:
@@ -209,15 +195,27 @@ class LargeWriter:
             raise ValueError(f"expected {self._rows} points, {self._free} are missing")
         order = list(reversed(range(len(self._segments))))
         tables = [self._segments[number] for number in order]
-        with self._folder.with_suffix(".wire").open("wb") as out:
-            self._wire.copy([table.wire for table in tables], out)
-        with (self._folder / "coordinates.npy").open("wb") as out:
-            _write_header(out, (self._words.size // _WORD.itemsize,), _WORD)
-            self._words.copy([table.words for table in tables], out)
+        self._wait_for_disk()
+        written = [
+            self._disk.submit(self._write_wire, [table.wire for table in tables]),
+            self._disk.submit(self._write_words, [table.words for table in tables]),
+            *(self._disk.submit(column.close) for column in self._columns.values()),
+        ]
         for name, array in self._block_arrays(tables).items():
             np.save(self._folder / f"{name}.npy", array)
         np.save(self._folder / "chunks.npy", self._chunk_table(order))
         write_file(self._folder / "meta.json", json.dumps(dict(meta)).encode())
+        for future in written:
+            future.result()
+
+    def _write_wire(self, parts: list[slice]) -> None:
+        with self._folder.with_suffix(".wire").open("wb") as out:
+            self._wire.copy(parts, out)
+
+    def _write_words(self, parts: list[slice]) -> None:
+        with (self._folder / "coordinates.npy").open("wb") as out:
+            _write_header(out, (self._words.size // _WORD.itemsize,), _WORD)
+            self._words.copy(parts, out)
 
     def _chunk_table(self, order: list[int]) -> NDArray[Any]:
         rows, first_chunk = [], {}

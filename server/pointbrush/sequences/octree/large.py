@@ -21,7 +21,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.octree.ahead import WORKERS, ahead
 from pointbrush.sequences.octree.growing import LargeWriter
-from pointbrush.sequences.octree.partition import Cell, Groups, Key, Partition
+from pointbrush.sequences.octree.partition import CELL_ROWS, Cell, Groups, Key, Partition
 from pointbrush.sequences.octree.rows import Part, Parts, Rows
 from pointbrush.sequences.octree.segment import Segment, encode_cube
 
@@ -102,7 +102,9 @@ class LargeFrame:
             return cell, encode_rows(rows, corner, edge, level, hands_up=len(cells) > 1)
 
         done = 0
-        for cell, segment in ahead(pool, encode, reversed(cells)):
+        for cell, segment in ahead(
+            pool, encode, reversed(cells), size=lambda cell: cell.rows / CELL_ROWS
+        ):
             number = writer.add(segment)
             branch = _Branch(segment.up, [number] if len(segment) else [])
             above.setdefault(root - cell.exponent, {}).setdefault(cell.key, []).append(branch)

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.columns import gather, to_local
-from pointbrush.sequences.octree.order import bounds
+from pointbrush.errors import DamagedError
+from pointbrush.frame import PointFrame
+from pointbrush.sequences.columns import require_local, to_local
 
 Key = tuple[int, int, int]
 
@@ -53,25 +54,33 @@ def edge_exponent(extent: float) -> int:
     return int(np.ceil(np.log2(extent / _SPREAD))) if extent > 0 else -10
 
 
-def group(rows: NDArray[Any], local: NDArray[np.float32], exponent: int) -> Groups:
-    """Sort ``rows`` (N,) by the cubes of edge ``2**exponent`` that their points (N, 3) are in."""
+def group(
+    part: PointFrame, dtype: np.dtype[Any], number: int, shift: NDArray[np.float64], exponent: int
+) -> Groups:
+    """Sort a part's points by the cubes of edge ``2**exponent`` that they are in, as rows.
+
+    ``number`` is that of the first point in the source.  Raises BadInputError beyond float32.
+    """
+    # Compiled loops, which only an import needs.
+    from pointbrush.sequences.octree.loops import local_bounds, sort_into_cubes
+
+    ends = np.stack(local_bounds(part.xyz, shift))
+    require_local(ends)
     while True:
-        edge = 2.0**exponent
-        low, high = (np.floor(bound / edge).astype(np.int64) for bound in bounds(local))
+        low, high = np.floor(ends / np.float32(2.0**exponent)).astype(np.int64)
         size = high - low + 1
         if float(size[0]) * float(size[1]) * float(size[2]) < 2**16:
             break
         exponent += 1
-    dense = np.zeros(len(local), np.uint16)
-    for axis in range(3):
-        cell = np.floor(local[:, axis] / np.float32(edge)) - np.float32(low[axis])
-        dense = dense * np.uint16(size[axis]) + cell.astype(np.uint16)
-    order = np.argsort(dense, kind="stable")  # a radix sort for 16 bits
-    counts = np.bincount(dense)
-    present = np.flatnonzero(counts)
-    first = np.concatenate([[0], np.cumsum(counts[present])]).astype(np.int64)
+    order = np.empty(len(part), np.int64)
+    first = sort_into_cubes(part.xyz, shift, 2.0**exponent, low, size, order)
+    present = np.flatnonzero(np.diff(first))
     keys = np.stack(np.unravel_index(present, size.tolist()), axis=1) + low
-    return Groups(exponent, keys, first, gather(rows, order))
+    rows = np.empty(len(part), dtype)
+    for name in (dtype.names or ())[:-1]:
+        rows[name] = getattr(part, name).take(order, axis=0)
+    rows["source_index"] = order + number
+    return Groups(exponent, keys, np.append(first[present], len(part)), rows)
 
 
 class Partition:
@@ -211,7 +220,16 @@ class Partition:
 
     def take(self, cell: Cell) -> NDArray[Any]:
         """All rows of a cube, whose files are removed."""
-        return np.concatenate(list(self._pieces(cell)))
+        rows = np.empty(cell.rows, self._dtype)
+        left = rows.view(np.uint8).data
+        for path in cell.files:
+            with path.open("rb", buffering=0) as file:
+                while read := file.readinto(left):
+                    left = left[read:]
+            path.unlink()
+        if len(left):
+            raise DamagedError(f"expected {cell.rows:,} rows in temporary files, got fewer")
+        return rows
 
 
 def _above(key: Key, up: int) -> Key:

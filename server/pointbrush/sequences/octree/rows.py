@@ -33,16 +33,6 @@ def row_dtype(part: PointFrame) -> np.dtype[Any]:
     return np.dtype([*layout, ("source_index", np.dtype(np.uint32), ())])
 
 
-def pack(part: PointFrame, first: int) -> Rows:
-    """A part's points as rows; the first has number ``first`` in the source."""
-    dtype = row_dtype(part)
-    rows = np.empty(len(part), dtype)
-    for name in (dtype.names or ())[:-1]:
-        rows[name] = getattr(part, name)
-    rows["source_index"] = np.arange(first, first + len(part), dtype=np.uint32)
-    return rows
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """A part of a large frame on its way to the partition."""
@@ -54,8 +44,8 @@ class Part:
 
     def groups(self) -> Groups:
         """Its rows, sorted by cube."""
-        local = to_local(self.frame.xyz, self.shift)
-        return group(pack(self.frame, self.first), local, self.exponent)
+        dtype = row_dtype(self.frame)
+        return group(self.frame, dtype, self.first, self.shift, self.exponent)
 
 
 class Parts:

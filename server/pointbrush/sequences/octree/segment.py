@@ -62,8 +62,9 @@ def encode_cube(
     nodes, parents = _breadth_first(nodes)
     stored = order[np.concatenate([np.empty(0, np.int64), *(node.positions for node in nodes)])]
     return _encode(
-        gather(rows, stored),
+        rows,
         local.take(stored, axis=0),
+        stored,
         nodes,
         parents,
         level,
@@ -82,6 +83,7 @@ def _breadth_first(nodes: list[Node]) -> tuple[list[Node], list[int]]:
 def _encode(
     rows: Rows,
     xyz: NDArray[np.float32],
+    stored: NDArray[np.int64],
     nodes: list[Node],
     parents: list[int],
     level: int,
@@ -94,15 +96,16 @@ def _encode(
         rows["rgb"] if "rgb" in names else None,
         rows["intensity"] if "intensity" in names else None,
         grid.intensity_range,
-        len(xyz),
-    )
+        len(rows),
+    ).take(stored, axis=0)
     counts = [len(node.positions) for node in nodes]
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     chunks = encode_chunks(xyz, colors, first, grid)
     chunks.table["level"] = [level + node.depth for node in nodes]
     chunks.table["parent"] = parents
     if chunks.order is not None:
-        rows, xyz = gather(rows, chunks.order), xyz.take(chunks.order, axis=0)
+        stored, xyz = stored.take(chunks.order), xyz.take(chunks.order, axis=0)
+    rows = gather(rows, stored)
     block_first, of_chunk = blocks.cut(first)
     lo, hi = blocks.bound(xyz, block_first)
     return Segment(

@@ -1,4 +1,4 @@
-"""Compiled loops of ``coordinates``: pack blocks, unpack some points.
+"""Compiled loops of octrees: sort points into cubes, pack blocks of coordinates, unpack some.
 
 They take long to load, so that modules import them where they are needed.
 """
@@ -16,6 +16,50 @@ from pointbrush.sequences.octree.coordinates import FLOATS, WIDTH
 _MOST_WHOLE = 2.0**52
 
 Words = NDArray[np.uint64]
+
+
+@compiled
+def local_bounds(
+    source: NDArray[np.floating[Any]], shift: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the least and greatest local coordinates (3,) of ``source`` (N, 3), N > 0."""
+    lo, hi = np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
+    for place in range(len(source)):
+        for axis in range(3):
+            value = np.float32(np.float64(source[place, axis]) - shift[axis])
+            lo[axis], hi[axis] = min(lo[axis], value), max(hi[axis], value)
+    return lo, hi
+
+
+@compiled
+def sort_into_cubes(
+    source: NDArray[np.floating[Any]],
+    shift: NDArray[np.float64],
+    edge: float,
+    low: NDArray[np.int64],
+    size: NDArray[np.int64],
+    order: NDArray[np.int64],
+) -> NDArray[np.int64]:
+    """Fill in the ``order`` (N,) of points by cube, those of one as they came.
+
+    ``low`` is the first cube and ``size`` (3,) the cubes along each axis, fewer than 2**16 in all.
+    Returns where each one begins in ``order``, and its end.
+    """
+    cubes = np.empty(len(source), np.uint16)
+    first = np.zeros(size[0] * size[1] * size[2] + 1, np.int64)
+    for place in range(len(source)):
+        cube = np.int64(0)
+        for axis in range(3):
+            value = np.float32(np.float64(source[place, axis]) - shift[axis])
+            cube = cube * size[axis] + np.int64(np.floor(value / edge)) - low[axis]
+        cubes[place] = cube
+        first[cube + 1] += 1
+    first = np.cumsum(first)
+    free = first.copy()
+    for place in range(len(source)):
+        order[free[cubes[place]]] = place
+        free[cubes[place]] += 1
+    return first
 
 
 @compiled
