@@ -1,12 +1,13 @@
-"""Range image and ground of a lidar."""
+"""Range image and ground of a lidar.
+
+An import of a depth camera's frames loads this, but not SciPy, which it has no use for.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options import GroundOptions, RangeImageOptions, TrackerOptions
@@ -92,6 +93,8 @@ def range_image_of(
 
 def _open(image: F32, options: RangeImageOptions) -> F32:
     """Flat ranges where an ``image`` (R, width) is empty: inf inside of its edges, 0 beyond."""
+    from scipy.ndimage import maximum_filter1d
+
     looks = maximum_filter1d(image.any(axis=0), 2 * options.blind_cells + 1, mode="wrap")
     rows = np.flatnonzero(image.any(axis=1))
     seen = np.zeros(image.shape, np.float32)
@@ -145,6 +148,8 @@ def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
     """
     away = np.linalg.norm(local, axis=1)
     some = np.arange(0, len(local), -(-len(local) // options.spread_points))
+    from scipy.spatial import cKDTree
+
     apart = np.asarray(cKDTree(local).query(local[some], k=[options.spread_neighbours + 1])[0])[
         :, 0
     ]
@@ -226,6 +231,8 @@ def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
     height = xyz[:, up] * (1.0 if _stands(xyz[:, up], options=options.ground) else -1.0)
     lowest = np.full(int(np.prod(shape)), np.inf, np.float32)
     np.minimum.at(lowest, number, height)
+    from scipy.ndimage import minimum_filter
+
     around = minimum_filter(lowest.reshape(shape), 3, mode="nearest").ravel()
     ground = np.where(lowest < around + options.ground.kerb * scale, lowest, around)
     return np.asarray(height < ground[number] + options.ground.thickness * scale)
