@@ -39,6 +39,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
 from pointbrush.work import checking, exporting, palettes, place, thumbnails
 from pointbrush.work.annotate import accepting, copying, flooring, layers
+from pointbrush.work.annotate.accepting import Judgement
 from pointbrush.work.annotate.placing import Placement, placements, require_overlaid
 from pointbrush.work.annotate.splitting import Split, split_label
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
@@ -630,7 +631,8 @@ class Workspace:
     ) -> Commit:
         """Make what tracking found of ``labels`` in a frame count as painted; see ``accept``."""
         self.recording(sequence)
-        return accepting.accept(self.store, sequence, frame, labels, author, edit_id(edit))
+        judged = Judgement(sequence, [frame], labels, author, edit_id(edit))
+        return accepting.accept(self.store, judged)
 
     def copy_labels(
         self,
@@ -668,7 +670,7 @@ class Workspace:
         edit: str | None = None,
     ) -> Commit:
         """Do the same in several frames, as one edit; see ``accept``."""
-        return self._judged(accepting.accept_range, sequence, frames, labels, author, edit)
+        return self._judged(accepting.accept, sequence, frames, labels, author, edit)
 
     def clear_range(
         self,
@@ -679,17 +681,17 @@ class Workspace:
         edit: str | None = None,
     ) -> Commit:
         """Take back what tracking found in frames and vouch for its not being there; one edit."""
-        return self._judged(accepting.clear_range, sequence, frames, labels, author, edit)
+        return self._judged(accepting.clear, sequence, frames, labels, author, edit)
 
     def reject_range(
         self, sequence: str, frames: Sequence[int], labels: Sequence[int], author: str
     ) -> Commit:
         """Take back what tracking found of ``labels`` in frames, as one edit."""
-        return self._judged(accepting.reject_range, sequence, frames, labels, author)
+        return self._judged(accepting.reject, sequence, frames, labels, author)
 
     def _judged(
         self,
-        judge: Callable[..., Commit],
+        judge: Callable[[LabelStore, Judgement], Commit],
         sequence: str,
         frames: Sequence[int],
         labels: Sequence[int],
@@ -699,7 +701,7 @@ class Workspace:
         recording = self.recording(sequence)
         for frame in frames:
             _ = recording[frame]
-        return judge(self.store, sequence, frames, labels, author, edit_id(edit))
+        return judge(self.store, Judgement(sequence, frames, labels, author, edit_id(edit)))
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
         """Pose, confidence and state of every tracked label in every frame."""

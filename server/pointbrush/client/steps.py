@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Generator
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -89,14 +90,10 @@ def _seconds(text: str) -> float:
     return float(text) if text.isdecimal() else 0.0
 
 
-class SyncLink:
-    """A connection whose steps block the calling thread; safe to share between threads."""
+class _Link(ABC):
+    """Take steps to their end, by a connection that blocks or one that awaits."""
 
-    def __init__(self, http: httpx.Client) -> None:
-        self.http = http
-
-    def run(self, steps: Steps[T]) -> T:
-        """Take steps to their end; returns what they return."""
+    async def _take(self, steps: Steps[T]) -> T:
         with closing(steps):
             resume: Callable[[], Step] = partial(next, steps)
             while True:
@@ -106,14 +103,41 @@ class SyncLink:
                     return cast(T, end.value)
                 resume = partial(steps.send, None)
                 if isinstance(step, Pause):
-                    time.sleep(step.seconds)
+                    await self._pause(step.seconds)
                     continue
                 try:
-                    resume = partial(steps.send, self._answer(step))
+                    resume = partial(steps.send, await self._answer(step))
                 except httpx.HTTPError as error:
                     resume = partial(steps.throw, error)
 
-    def _answer(self, request: Request) -> httpx.Response:
+    @abstractmethod
+    async def _pause(self, seconds: float) -> None:
+        """Do nothing for a while."""
+
+    @abstractmethod
+    async def _answer(self, request: Request) -> httpx.Response:
+        """Make a call; returns its answer, read whole or written to the request's file."""
+
+
+class SyncLink(_Link):
+    """A connection whose steps block the calling thread; safe to share between threads."""
+
+    def __init__(self, http: httpx.Client) -> None:
+        self.http = http
+
+    def run(self, steps: Steps[T]) -> T:
+        """Take steps to their end; returns what they return."""
+        taking = self._take(steps)
+        try:
+            taking.send(None)  # to its end: whatever it awaits blocks instead
+        except StopIteration as end:
+            return cast(T, end.value)
+        raise AssertionError("a connection that blocks never waits")
+
+    async def _pause(self, seconds: float) -> None:
+        time.sleep(seconds)  # noqa: ASYNC251 – blocks by design
+
+    async def _answer(self, request: Request) -> httpx.Response:
         with self.http.stream(request.method, request.path, **request.options) as answer:
             if request.into is None or not answer.is_success:
                 answer.read()
@@ -124,7 +148,7 @@ class SyncLink:
         return answer
 
 
-class AsyncLink:
+class AsyncLink(_Link):
     """A connection whose steps are awaited in the running event loop."""
 
     def __init__(self, http: httpx.AsyncClient) -> None:
@@ -132,21 +156,10 @@ class AsyncLink:
 
     async def run(self, steps: Steps[T]) -> T:
         """Take steps to their end; returns what they return."""
-        with closing(steps):
-            resume: Callable[[], Step] = partial(next, steps)
-            while True:
-                try:
-                    step = resume()
-                except StopIteration as end:
-                    return cast(T, end.value)
-                resume = partial(steps.send, None)
-                if isinstance(step, Pause):
-                    await asyncio.sleep(step.seconds)
-                    continue
-                try:
-                    resume = partial(steps.send, await self._answer(step))
-                except httpx.HTTPError as error:
-                    resume = partial(steps.throw, error)
+        return await self._take(steps)
+
+    async def _pause(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
 
     async def _answer(self, request: Request) -> httpx.Response:
         async with self.http.stream(request.method, request.path, **request.options) as answer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -12,122 +13,90 @@ from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED, TRACKED
 
 Track = dict[str, Any]
+_DONE = {"reject": "rejected", "clear": "cleared"}
 
 
-def accept(
-    store: LabelStore, sequence: str, frame: int, labels: Sequence[int], author: str, edit: str
-) -> Commit:
-    """Make the labels' points in ``frame`` count as painted and their tracks as sure; one edit.
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """A person's word on ``labels`` in ``frames`` of a sequence; ``edit`` is its edit's id."""
+
+    sequence: str
+    frames: Sequence[int]
+    labels: Sequence[int]
+    author: str
+    edit: str
+
+
+def accept(store: LabelStore, judged: Judgement) -> Commit:
+    """Make the labels' points in the frames count as painted and their tracks as sure; one edit.
 
     A label that was lost there, or has no points, is accepted as not being there.
     Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no labels).
     """
-    return accept_range(store, sequence, [frame], labels, author, edit)
-
-
-def accept_range(
-    store: LabelStore,
-    sequence: str,
-    frames: Sequence[int],
-    labels: Sequence[int],
-    author: str,
-    edit: str,
-) -> Commit:
-    """Do the same in several frames, as one edit; raises as ``accept``."""
 
     def theirs(frame: int) -> Write:
-        values = store.values(sequence, frame)
-        points = np.flatnonzero(np.isin(values.label, labels) & ~values.deleted)
+        values = store.values(judged.sequence, frame)
+        points = np.flatnonzero(np.isin(values.label, judged.labels) & ~values.deleted)
         return Write(points, provenance=PAINTED, living=True)
 
-    def vouched(track: Track) -> Track:
-        return {**track, "confidence": 1.0, "state": "painted"}
-
-    require(store, sequence, frames, labels)
+    require(store, judged.sequence, judged.frames, judged.labels)
+    sure = {"confidence": 1.0, "state": "painted"}
     return store.apply(
-        sequence,
-        edit_id=edit,
-        author=author,
+        judged.sequence,
+        edit_id=judged.edit,
+        author=judged.author,
         kind="accept",
-        writes={frame: theirs(frame) for frame in frames},
-        summary=f"accepted {len(labels)} labels in {called(frames)}",
-        tracks=list(map(vouched, _tracks(store, sequence, frames, labels))),
+        writes={frame: theirs(frame) for frame in judged.frames},
+        summary=f"accepted {len(judged.labels)} labels in {called(judged.frames)}",
+        tracks=[{**track, **sure} for track in _tracks(store, judged)],
     )
 
 
-def reject_range(
-    store: LabelStore,
-    sequence: str,
-    frames: Sequence[int],
-    labels: Sequence[int],
-    author: str,
-    edit: str,
-) -> Commit:
+def reject(store: LabelStore, judged: Judgement) -> Commit:
     """Take back what tracking found of labels in frames, as one edit; painted points stay.
 
     The labels are lost there from then on: someone has still to look.  Raises as ``accept``.
     """
-    lost = {"confidence": 0.0, "state": "lost", "points": 0}
-    return _take_back(store, sequence, frames, labels, author, edit, "reject", lost)
+    return _take_back(store, judged, "reject", {"confidence": 0.0, "state": "lost", "points": 0})
 
 
-def clear_range(
-    store: LabelStore,
-    sequence: str,
-    frames: Sequence[int],
-    labels: Sequence[int],
-    author: str,
-    edit: str,
-) -> Commit:
+def clear(store: LabelStore, judged: Judgement) -> Commit:
     """Do the same, and vouch for the labels not being there: no doubt is left.
 
     Raises as ``accept``.
     """
-    absent = {"confidence": 1.0, "state": "painted", "points": 0}
-    return _take_back(store, sequence, frames, labels, author, edit, "clear", absent)
+    return _take_back(store, judged, "clear", {"confidence": 1.0, "state": "painted", "points": 0})
 
 
 def _take_back(
-    store: LabelStore,
-    sequence: str,
-    frames: Sequence[int],
-    labels: Sequence[int],
-    author: str,
-    edit: str,
-    kind: Literal["reject", "clear"],
-    left: Track,
+    store: LabelStore, judged: Judgement, kind: Literal["reject", "clear"], left: Track
 ) -> Commit:
     """Remove tracked points of labels in frames; ``left`` is what their tracks say then."""
 
     def found(frame: int) -> Write:
-        values = store.values(sequence, frame)
-        theirs = np.isin(values.label, labels) & (values.provenance == TRACKED) & ~values.deleted
-        return Write(np.flatnonzero(theirs), label=0, provenance=0, living=True)
+        values = store.values(judged.sequence, frame)
+        theirs = np.isin(values.label, judged.labels) & (values.provenance == TRACKED)
+        return Write(np.flatnonzero(theirs & ~values.deleted), label=0, provenance=0, living=True)
 
-    require(store, sequence, frames, labels)
-    tracks = _tracks(store, sequence, frames, labels)
+    require(store, judged.sequence, judged.frames, judged.labels)
+    tracks = _tracks(store, judged)
     return store.apply(
-        sequence,
-        edit_id=edit,
-        author=author,
+        judged.sequence,
+        edit_id=judged.edit,
+        author=judged.author,
         kind=kind,
-        writes={frame: found(frame) for frame in frames},
-        summary=f"{_DONE[kind]} {len(labels)} labels in {called(frames)}",
+        writes={frame: found(frame) for frame in judged.frames},
+        summary=f"{_DONE[kind]} {len(judged.labels)} labels in {called(judged.frames)}",
         tracks=[{**track, **left} for track in tracks if track["state"] != "painted"],
     )
 
 
-_DONE = {"reject": "rejected", "clear": "cleared"}
-
-
-def _tracks(
-    store: LabelStore, sequence: str, frames: Sequence[int], labels: Sequence[int]
-) -> list[Track]:
-    wanted = set(frames)
+def _tracks(store: LabelStore, judged: Judgement) -> list[Track]:
+    wanted = set(judged.frames)
     return [
         track
-        for track in store.tracks(sequence)
-        if track["frame"] in wanted and track["label"] in labels
+        for track in store.tracks(judged.sequence)
+        if track["frame"] in wanted and track["label"] in judged.labels
     ]
 
 
