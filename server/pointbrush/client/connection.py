@@ -10,9 +10,19 @@ from typing import Any, Self
 
 import httpx
 
-from pointbrush.client.jobs import finished, job_now
 from pointbrush.client.recording import Recording
-from pointbrush.client.steps import AsyncLink, L, Part, Request, Steps, SyncLink, send, steps
+from pointbrush.client.steps import (
+    AsyncLink,
+    L,
+    Part,
+    Request,
+    Steps,
+    SyncLink,
+    finished,
+    job_now,
+    send,
+    steps,
+)
 from pointbrush.client.values import Category, Job, Manifest, parts_of, read
 
 TIMEOUT = 60.0

@@ -11,9 +11,8 @@ from typing import Any, Literal
 import httpx
 
 from pointbrush.client.frame import Frames
-from pointbrush.client.jobs import finished
 from pointbrush.client.review import Review
-from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.steps import L, Part, Request, Steps, finished, send, steps
 from pointbrush.client.values import (
     Edit,
     Job,

@@ -1,7 +1,8 @@
 """Calls written once, for code that blocks and for code that awaits.
 
 A method of the client is a generator of steps: it yields a request or a pause, and is sent the
-answer.  ``SyncLink`` takes the steps one after the other, ``AsyncLink`` awaits them.
+answer.  ``SyncLink`` takes the steps one after the other, ``AsyncLink`` awaits them.  A job is
+waited for so, too.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from pathlib import Path
 from typing import Any, Concatenate, Generic, ParamSpec, TypeAlias, cast, overload
 
 import httpx
+from tqdm import tqdm
 from typing_extensions import TypeVar
 
 from pointbrush import errors
-from pointbrush.client.values import raise_for
+from pointbrush.client.values import Job, raise_for, read
 
 ATTEMPTS = 4
 """Of a call that the server did not answer, or answered with "later"."""
@@ -30,6 +32,9 @@ LONGEST_WAIT = 5.0
 """Seconds between two attempts, whatever the server asks for."""
 LATER = (429, 503)
 """Statuses of an answer that nothing was done for, and that another attempt may change."""
+POLL_SECONDS = 0.2
+"""Between two looks at a job."""
+ENDED = ("done", "failed", "cancelled")
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,3 +210,26 @@ class steps(Generic[P, T]):  # noqa: N801 – a decorator
             return part._link.run(self.function(part, *args, **kwargs))
 
         return method
+
+
+def job_now(job: str) -> Steps[Job]:
+    """Return a job as it is now."""
+    answer = yield from send(Request("GET", f"/jobs/{job}", again=True))
+    return read(Job, answer.json())
+
+
+def finished(job: Job, *, progress: bool) -> Steps[dict[str, Any]]:
+    """Wait for a job; returns its result.  ``progress`` shows a bar.
+
+    Raises PointbrushError with the job's sentence, CancelledError.
+    """
+    with tqdm(total=100, disable=not progress, unit="%", desc=job.kind) as bar:
+        while job.state not in ENDED:
+            yield Pause(POLL_SECONDS)
+            job = yield from job_now(job.id)
+            bar.update(round(100 * job.progress) - bar.n)
+    if job.state == "failed":
+        raise errors.PointbrushError(job.error or "the job failed")
+    if job.state == "cancelled":
+        raise errors.CancelledError("the job was cancelled")
+    return job.result or {}
