@@ -220,8 +220,11 @@ class Recording(Part[L]):
         dry_run: bool = False,
     ) -> Steps[Job]:
         """Start what ``import_labels`` waits for; returns the job."""
-        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
-        return (yield from self._label_import(files, given, dry_run=dry_run))
+        return (
+            yield from self._label_import(
+                files, format, map, field, no_ground=no_ground, dry_run=dry_run
+            )
+        )
 
     @steps
     def import_labels(
@@ -240,13 +243,22 @@ class Recording(Part[L]):
         ``map`` names classes: JSON, or lines ``number name``; ``field`` is that of the points that
         is labels; ``no_ground`` leaves the ground out of boxes.  Returns the report.
         """
-        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
-        job = yield from self._label_import(files, given, dry_run=dry_run)
+        job = yield from self._label_import(
+            files, format, map, field, no_ground=no_ground, dry_run=dry_run
+        )
         return (yield from finished(job, progress=progress))
 
     def _label_import(
-        self, files: Sequence[Path] | str, given: dict[str, Any], *, dry_run: bool
+        self,
+        files: Sequence[Path] | str,
+        format: str | None,
+        map: str | None,
+        field: str | None,
+        *,
+        no_ground: bool,
+        dry_run: bool,
     ) -> Steps[Job]:
+        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
         fields = {name: value for name, value in given.items() if value is not None}
         query = {"dry_run": json.dumps(dry_run)}
         body: dict[str, Any]

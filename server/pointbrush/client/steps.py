@@ -140,7 +140,7 @@ class SyncLink(_Link):
         raise AssertionError("a connection that blocks never waits")
 
     async def _pause(self, seconds: float) -> None:
-        time.sleep(seconds)  # noqa: ASYNC251 – blocks by design
+        time.sleep(seconds)  # as all that it awaits
 
     async def _answer(self, request: Request) -> httpx.Response:
         with self.http.stream(request.method, request.path, **request.options) as answer:
