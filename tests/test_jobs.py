@@ -17,11 +17,10 @@ from typing import Any
 import pytest
 from distributed import LocalCluster
 
-from pointbrush import scheduler as scheduler_module
+from pointbrush import worker as scheduler_module
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.jobs import Job, JobRunner
-from pointbrush.scheduler import DaskExecutor
-from pointbrush.worker import Channel
+from pointbrush.worker import Channel, DaskExecutor
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

@@ -15,11 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush import __version__
-from pointbrush.arguments import hide_password
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.formats.names import AXES, DELIMITERS, LABEL_FORMATS
-from pointbrush.options import UNBOUNDED, Option
-from pointbrush.private import private_files
+from pointbrush.options import UNBOUNDED, Option, hide_password
+from pointbrush.permissions import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import REMOTE, Settings, options
 

@@ -12,11 +12,11 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from pointbrush import printing
-from pointbrush.arguments import has_password
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
 from pointbrush.labels import check_database
-from pointbrush.private import open_to_others
-from pointbrush.progress import follow
+from pointbrush.options import has_password
+from pointbrush.permissions import open_to_others
+from pointbrush.printing import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, restore_backup
 from pointbrush.work.place import own_url

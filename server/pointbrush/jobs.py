@@ -30,8 +30,15 @@ from pointbrush.errors import (
     PointbrushError,
     UnavailableError,
 )
-from pointbrush.scheduler import DaskExecutor, DisconnectedError, own_host
-from pointbrush.worker import Work, end_processes, local_processes, run_work
+from pointbrush.worker import (
+    DaskExecutor,
+    DisconnectedError,
+    Work,
+    end_processes,
+    local_processes,
+    own_host,
+    run_work,
+)
 
 logger = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from pointbrush import printing
 from pointbrush.client import Client, Recording
 from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
-from pointbrush.progress import follow
+from pointbrush.printing import follow
 from pointbrush.settings import Settings
 
 

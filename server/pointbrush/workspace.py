@@ -33,7 +33,7 @@ from pointbrush.labels import (
     Limits,
 )
 from pointbrush.lazy import lazily, once
-from pointbrush.private import ServerPaths, make_private
+from pointbrush.permissions import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
