@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from distributed import LocalCluster
 
-from pointbrush import worker as scheduler_module
+from pointbrush import worker
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.worker import Channel, DaskExecutor
@@ -230,7 +230,7 @@ def test_what_is_no_address_is_refused(address: str) -> None:
 def test_a_scheduler_that_is_not_there_is_said_at_once(
     seen: Seen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(scheduler_module, "CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr(worker, "CONNECT_SECONDS", 0.5)
     with pytest.raises(UnavailableError, match="expected a Dask scheduler at"):
         JobRunner(seen.jobs.append, scheduler="tcp://127.0.0.1:9")
 

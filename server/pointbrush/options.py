@@ -18,7 +18,7 @@ from pointbrush.errors import BadInputError
 PREFIX = "POINTBRUSH_"
 UNBOUNDED = sys.maxsize
 HEAD = ("| flag | variable | default | |", "|---|---|---|---|")
-VARIABLE = f"{PREFIX}DATABASE"
+DATABASE_VARIABLE = f"{PREFIX}DATABASE"
 
 
 @dataclass(frozen=True)
@@ -163,16 +163,18 @@ def hide_password(url: str | None) -> None:
     if url is None or not has_password(url):
         return
     if os.name != "posix":
-        raise BadInputError(f"--database: expected no password in it; set {VARIABLE} instead")
+        raise BadInputError(
+            f"--database: expected no password in it; set {DATABASE_VARIABLE} instead"
+        )
     print(
         "pointbrush: the password in --database could be read by other users of this machine "
-        f"while the program began; set {VARIABLE}, --database-password-file or PGPASSFILE instead",
+        f"while the program began; set {DATABASE_VARIABLE}, --database-password-file or PGPASSFILE instead",
         file=sys.stderr,
         flush=True,
     )
     kept = without_database(sys.orig_argv[1:])
     os.execve(  # noqa: S606 – this very program
-        sys.executable, [sys.executable, *kept], os.environ | {VARIABLE: url}
+        sys.executable, [sys.executable, *kept], os.environ | {DATABASE_VARIABLE: url}
     )
 
 
