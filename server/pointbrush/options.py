@@ -168,7 +168,8 @@ def hide_password(url: str | None) -> None:
         )
     print(
         "pointbrush: the password in --database could be read by other users of this machine "
-        f"while the program began; set {DATABASE_VARIABLE}, --database-password-file or PGPASSFILE instead",
+        f"while the program began; set {DATABASE_VARIABLE}, --database-password-file or PGPASSFILE "
+        "instead",
         file=sys.stderr,
         flush=True,
     )
