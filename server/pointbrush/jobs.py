@@ -159,9 +159,10 @@ class JobRunner:
         """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
         These run in this process.  ``finish`` gives the job's result, also when the job was
-        cancelled, so that findings can be kept; not when the work failed.  ``done`` runs last,
-        however the job ended.  When a worker dies, the work is begun once more, after
-        ``restart(job)``: it drops what came so far.  So ``work`` must be safe to begin again.
+        cancelled, so that findings can be kept; not when the work failed.  ``done(job)`` runs last,
+        however the job ended; it has not where another server goes on with it.  When a worker
+        dies, the work is begun once more, after ``restart(job)``: it drops what came so far.  So
+        ``work`` must be safe to begin again.
         """
         if self.book is not None:
             self.book.begun(job)
@@ -336,6 +337,8 @@ class JobRunner:
             else:
                 self._change(job_id, state="failed", error=self._public(_sentence(error)))
         finally:
+            with self._lock:
+                job = self._jobs.get(job_id, job)
             if running.done is not None:
                 running.done(job)
             with self._lock:

@@ -306,8 +306,8 @@ class Workspace:
         outside them is read.  ``owner``: who asks.
         """
         absolute = tuple(path.absolute() for path in paths)
-        request = ImportRequest(absolute, name, fps, chosen or Corrections(), tuple(roots))
-        return self._imports.of_paths(request, cleanup, owner)
+        request = ImportRequest(absolute, name, fps, chosen or Corrections(), tuple(roots), cleanup)
+        return self._imports.of_paths(request, owner)
 
     def preview(
         self,
@@ -357,8 +357,9 @@ class Workspace:
             no_ground,
             field,
             tuple(roots),
+            cleanup,
         )
-        return self._label_imports.start(self.recording(sequence), request, author, cleanup)
+        return self._label_imports.start(self.recording(sequence), request, author)
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""
@@ -750,6 +751,10 @@ class Workspace:
     def cancel(self, job_id: str, *, keep: bool = False) -> Job:
         """Stop a job; ``keep`` commits what a tracking run has found so far."""
         return self._job_book.cancel(job_id, keep=keep)
+
+    def uploads_in_use(self) -> set[Path]:
+        """Return folders of uploaded files that jobs of all servers need; UnavailableError."""
+        return self._job_book.uploads()
 
     def _recording_of(self, job: Job) -> Recording:
         return self.recording(job.sequence or "")

@@ -53,7 +53,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.state.gate = Gate(workspace, settings, token)
     app.state.metrics = Metrics()
-    app.state.uploads = Uploads(settings.workspace.absolute())
+    app.state.uploads = Uploads(settings.workspace.absolute(), workspace.uploads_in_use)
     app.state.kept_uploads = KeptUploads()
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())

@@ -7,12 +7,14 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
+from pointbrush.work.imports.submitting import UPLOAD
 
 log = logging.getLogger(__name__)
 
@@ -23,7 +25,7 @@ BEAT_SECONDS = 5.0
 MOST_LOST = 3
 """Servers that may die under a job until it is left alone: it may be what kills them."""
 WAITS = "its server has ended; it begins again"
-NOT_AGAIN = "its server ended before it was done, and its files went with it; begin it again"
+NOT_AGAIN = "its server ended before it was done; begin it again"
 
 Begin = Callable[[Job], dict[str, Any] | None]
 """Hands a job to the runner that another server has begun, or returns its result if it was done.
@@ -110,6 +112,11 @@ class JobBook:
             if record is None:
                 raise
             return job_of(record)
+
+    def uploads(self) -> set[Path]:
+        """Return the folders of uploaded files that jobs under way need, of whichever server."""
+        requests = (record.request or {} for record in self._records.under_way())
+        return {Path(request[UPLOAD]) for request in requests if request.get(UPLOAD)}
 
     def cancel(self, job_id: str, *, keep: bool) -> Job:
         """Ask a job of whichever server to stop; raises ConflictError when it has ended.

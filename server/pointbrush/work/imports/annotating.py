@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import uuid
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -31,7 +30,7 @@ from pointbrush.labels.palette import default_color
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.work.imports.importing import IMPORTED, learn_own
-from pointbrush.work.imports.submitting import LABELS
+from pointbrush.work.imports.submitting import LABELS, UPLOAD, drop_upload
 from pointbrush.worker import Channel
 
 Key = tuple[int, int]
@@ -53,6 +52,8 @@ class LabelRequest:
     field: str | None = None
     """Name of the field of points that is labels, where the files do not say so."""
     roots: tuple[Path, ...] = ()
+    upload: Path | None = None
+    """Folder of files that were uploaded for it, which goes when the import has ended."""
 
     def as_json(self) -> dict[str, Any]:
         """Return what a job keeps, to be begun again by ``LabelImports.again``."""
@@ -62,7 +63,7 @@ class LabelRequest:
             {"call": LABELS}
             | {f.name: getattr(self, f.name) for f in fields(self)}
             | places
-            | {"names": names}
+            | {"names": names, UPLOAD: str(self.upload) if self.upload else None}
         )
 
     @classmethod
@@ -74,6 +75,7 @@ class LabelRequest:
             | {
                 "place": Path(kept["place"]),
                 "roots": tuple(map(Path, kept["roots"])),
+                "upload": Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
                 "names": {int(number): ClassName(*name) for number, name in kept["names"].items()},
             }
         )
@@ -213,15 +215,11 @@ class LabelImports:
     def __init__(self, store: LabelStore, runner: JobRunner, max_points: int) -> None:
         self._store, self._runner, self._max_points = store, runner, max_points
 
-    def start(
-        self, recording: Recording, request: LabelRequest, author: str, cleanup: Path | None
-    ) -> Job:
-        """Start a job; its result is the report.  ``cleanup`` is removed when it has ended."""
-        # Uploaded files go with the server that took them.
-        kept = None if cleanup else request.as_json()
-        edit = str(uuid.uuid4())
+    def start(self, recording: Recording, request: LabelRequest, author: str) -> Job:
+        """Start a job; its result is the report."""
+        kept, edit = request.as_json(), str(uuid.uuid4())
         job = Job("import", recording.manifest.id, owner=author, edit=edit, request=kept)
-        return self._begin(recording, request, job, cleanup)
+        return self._begin(recording, request, job)
 
     def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
         """Begin an import again that another server has left; return its result if it was done.
@@ -231,12 +229,10 @@ class LabelImports:
         made = self._store.find(recording.manifest.id, job.edit or job.id)
         if made is not None:
             return {"edit": made.edit_id, "changed": made.changed}
-        self._begin(recording, LabelRequest.of_json(job.request or {}), job, None)
+        self._begin(recording, LabelRequest.of_json(job.request or {}), job)
         return None
 
-    def _begin(
-        self, recording: Recording, request: LabelRequest, job: Job, cleanup: Path | None
-    ) -> Job:
+    def _begin(self, recording: Recording, request: LabelRequest, job: Job) -> Job:
         author, edit = job.owner or "", job.edit or job.id
         if not request.dry_run:
             self._store.require_writable()
@@ -282,9 +278,8 @@ class LabelImports:
             )
             return report | {"edit": commit.edit_id, "changed": commit.changed}
 
-        def done(_: Job) -> None:
-            if cleanup is not None:
-                shutil.rmtree(cleanup, ignore_errors=True)
+        def done(ended: Job) -> None:
+            drop_upload(request.upload, ended)
 
         return self._runner.submit(job, work, finish, on_item, done, restart)
 

@@ -12,7 +12,7 @@ from typing import Any
 from pointbrush import formats
 from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.formats.corrections import Corrections
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
 from pointbrush.sequences import Manifest
@@ -23,6 +23,9 @@ from pointbrush.work.library import Library, ids_for
 from pointbrush.worker import Work
 
 log = logging.getLogger(__name__)
+
+UPLOAD = "upload"
+"""Of a job's request: the folder of its uploaded files, or None."""
 
 IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
 """Of a job's request: an import of paths, of the sample recording, or of labels made elsewhere."""
@@ -37,6 +40,8 @@ class ImportRequest:
     fps: float | None = None
     chosen: Corrections = field(default_factory=Corrections)
     roots: tuple[Path, ...] = ()
+    upload: Path | None = None
+    """Folder of files that were uploaded for it, which goes when the import has ended."""
 
     @property
     def source(self) -> str:
@@ -52,6 +57,7 @@ class ImportRequest:
             "fps": self.fps,
             "chosen": asdict(self.chosen),
             "roots": [str(root) for root in self.roots],
+            UPLOAD: str(self.upload) if self.upload else None,
         }
 
     @classmethod
@@ -64,7 +70,14 @@ class ImportRequest:
             kept["fps"],
             Corrections(**chosen),
             tuple(map(Path, kept["roots"])),
+            Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
         )
+
+
+def drop_upload(upload: Path | None, job: Job) -> None:
+    """Remove the uploaded files of a job that has ended; another server may go on with it."""
+    if upload is not None and job.state in ENDED:
+        shutil.rmtree(upload, ignore_errors=True)
 
 
 class Imports:
@@ -106,14 +119,12 @@ class Imports:
             recording = self._library.recording(manifest.id)
             importing.import_source_labels(self._store, recording)
 
-    def of_paths(self, request: ImportRequest, cleanup: Path | None, owner: str | None) -> Job:
-        """Import in a job; ``cleanup`` is removed when it has ended.  See ``import_paths``."""
+    def of_paths(self, request: ImportRequest, owner: str | None) -> Job:
+        """See ``Workspace.import_paths``."""
         for path in request.paths:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        # Uploaded files go with the server that took them.
-        kept = None if cleanup else request.as_json()
-        return self._begin(request, Job("import", None, owner=owner, request=kept), cleanup)
+        return self._begin(request, Job("import", None, owner=owner, request=request.as_json()))
 
     def of_sample(self, frames: int, seed: int) -> Job:
         """See ``Workspace.import_sample``."""
@@ -135,10 +146,10 @@ class Imports:
         if request is None:
             self._begin_sample(kept["frames"], kept["seed"], job)
         else:
-            self._begin(request, job, None)
+            self._begin(request, job)
         return None
 
-    def _begin(self, request: ImportRequest, job: Job, cleanup: Path | None) -> Job:
+    def _begin(self, request: ImportRequest, job: Job) -> Job:
         guard = self._reserve(request.name or formats.source_name(request.paths))
         work = importing.ImportWork(
             paths=request.paths,
@@ -150,7 +161,8 @@ class Imports:
             max_points=self._max_points,
             roots=request.roots,
         )
-        return self._submit(guard, work, importing.import_source_labels, job, cleanup)
+        label = importing.import_source_labels
+        return self._submit(guard, work, label, job, request.upload)
 
     def _begin_sample(self, frames: int, seed: int, job: Job) -> Job:
         guard = self._reserve("juggling")
@@ -169,7 +181,7 @@ class Imports:
         work: Work,
         label: Callable[[LabelStore, Recording], None],
         job: Job,
-        cleanup: Path | None = None,
+        upload: Path | None = None,
     ) -> Job:
         sequence = guard.sequence
         warnings: list[str] = []
@@ -183,10 +195,9 @@ class Imports:
             self._publish(SequencesChanged(sequence))
             return importing.result(recording, warnings)
 
-        def done(_: Job) -> None:
+        def done(ended: Job) -> None:
             self._store.guards.end(guard)
-            if cleanup is not None:
-                shutil.rmtree(cleanup, ignore_errors=True)
+            drop_upload(upload, ended)
 
         try:
             return self._runner.submit(

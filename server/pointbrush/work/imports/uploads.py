@@ -7,7 +7,10 @@ import shutil
 import tempfile
 import threading
 import uuid
+from collections.abc import Callable, Iterable
 from pathlib import Path
+
+from pointbrush.errors import UnavailableError
 
 BEAT_SECONDS = 5.0
 STALE_SECONDS = 60.0
@@ -19,10 +22,13 @@ class Uploads:
     """One server's uploads and temporary files, on the workspace's own disk.
 
     ``uploads/OWNER.ID`` waits for its import; ``servers/OWNER`` holds the heartbeat and temporary
-    files.  Several servers on a workspace leave each other's alone.
+    files.  Several servers on a workspace leave each other's alone, and what a job needs that goes
+    on at another one.
     """
 
-    def __init__(self, workspace: Path) -> None:
+    def __init__(self, workspace: Path, needed: Callable[[], Iterable[Path]] = tuple) -> None:
+        """``needed`` gives the uploads of all jobs that have not ended; UnavailableError."""
+        self._needed = needed
         self._servers, self._uploads = workspace / "servers", workspace / "uploads"
         self.owner = uuid.uuid4().hex
         self.temporary = self._servers / self.owner / "temporary"
@@ -36,11 +42,10 @@ class Uploads:
         self._thread.start()
 
     def close(self) -> None:
-        """End the heartbeat; nothing of this server stays."""
+        """End the heartbeat; nothing of this server stays but what its jobs need."""
         self._stop.set()
         self._thread.join()
-        for folder in self._uploads.glob(f"{self.owner}.*"):
-            shutil.rmtree(folder, ignore_errors=True)
+        self._remove(self._uploads.glob(f"{self.owner}.*"))
         shutil.rmtree(self._servers / self.owner, ignore_errors=True)
 
     def new(self) -> Path:
@@ -58,9 +63,19 @@ class Uploads:
             elif server.name != self.owner:
                 shutil.rmtree(server, ignore_errors=True)
         if self._uploads.is_dir():
-            for upload in self._uploads.iterdir():
-                if upload.name.partition(".")[0] not in alive:
-                    shutil.rmtree(upload, ignore_errors=True)
+            uploads = self._uploads.iterdir()
+            self._remove(each for each in uploads if each.name.partition(".")[0] not in alive)
+
+    def _remove(self, uploads: Iterable[Path]) -> None:
+        """Remove uploads that no job needs; none while the database cannot say."""
+        unowned = list(uploads)
+        try:
+            needed = {each.name for each in self._needed()} if unowned else set()
+        except UnavailableError:
+            return
+        for upload in unowned:
+            if upload.name not in needed:
+                shutil.rmtree(upload, ignore_errors=True)
 
     def _beat(self) -> bool:
         """Write the heartbeat; False where the disk cannot be written."""
