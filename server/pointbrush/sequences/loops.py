@@ -14,6 +14,8 @@ from pointbrush.sequences.codec import GROUP, PLAIN, ZERO, Bytes
 _ONES = np.uint64(0x0101010101010101)
 _LOW_BITS = np.uint64(0x7F7F7F7F7F7F7F7F)
 """Eight bytes of 1, and of 127."""
+_CHANGE_BITS = np.log2(1.0 + np.abs(np.arange(256, dtype=np.uint8).view(np.int8).astype(float)))
+"""Bits of a change of a byte, modulo 256."""
 _FAR = 3900
 """Differences count up to this, so that seven fields together are nearer than a used point."""
 _USED = 32767
@@ -50,6 +52,21 @@ def round_to_grid(
         for axis in range(3):
             q[n, axis] = np.int64(np.rint((xyz[n, axis] - origin[axis]) * per_metre[axis]))
     return q
+
+
+@compiled
+def change_bits(colors: Bytes, runs: NDArray[np.int64]) -> tuple[float, float]:
+    """Bits of the changes of r and b along runs (R, P) of points, as they are and less g's."""
+    alone = relative = 0.0
+    for run in range(len(runs)):
+        for place in range(1, runs.shape[1]):
+            old, new = colors[runs[run, place - 1]], colors[runs[run, place]]
+            green = np.uint8(new[1] - old[1])
+            for part in (0, 2):
+                change = np.uint8(new[part] - old[part])
+                alone += _CHANGE_BITS[change]
+                relative += _CHANGE_BITS[np.uint8(change - green)]
+    return alone, relative
 
 
 @compiled

@@ -87,13 +87,10 @@ def are_related(colors: Bytes) -> bool:
     """
     if len(colors) == 0:
         return False
-    steps = np.diff(colors[runs_of(len(colors)), :3], axis=1)  # modulo 256
-    alone, green = steps[..., ::2], steps[..., 1:2]
-    return _bits(alone - green) < _bits(alone)
+    from pointbrush.sequences.loops import change_bits
 
-
-def _bits(steps: Bytes) -> float:
-    return float(np.log2(1.0 + np.abs(steps.view(np.int8).astype(np.float64))).sum())
+    alone, relative = change_bits(colors, runs_of(len(colors)))
+    return bool(relative < alone)
 
 
 def runs_of(count: int) -> NDArray[np.int64]:

@@ -69,7 +69,7 @@ def _fitted(lens: Lens, xyz: NDArray[np.float32], step: float) -> Lattice | None
     ):
         values = local[:, side] / along
         pixel = np.rint((values - least) / roughly)
-        slope, start = np.polynomial.polynomial.polyfit(pixel, values, 1)[::-1]
+        slope, start = _line(pixel, values)
         if np.abs((start + slope * pixel - values) * along).max() > FIT_SHARE * step:
             return None
         count = int(np.ptp(pixel)) + 1
@@ -90,6 +90,15 @@ def _fitted(lens: Lens, xyz: NDArray[np.float32], step: float) -> Lattice | None
         eye=(x, y, z),
         unit=MILLIMETRE if counted else step,
     )
+
+
+def _line(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
+    """Slope and start of the line nearest to points (N,) by least squares."""
+    middle = x.mean()
+    away = x - middle
+    spread = float(away @ away)
+    slope = float(away @ y) / spread if spread else 0.0
+    return slope, float(y.mean()) - slope * float(middle)
 
 
 def _whole(lattice: Lattice, frame: PointFrame, xyz: NDArray[np.float32]) -> Lattice:
