@@ -37,8 +37,8 @@ LARGE_POINTS = 4_000_000
 """A frame of more points than this becomes an octree, and has no k-d tree."""
 
 _PART_POINTS = 1_000_000
-_AT_ONCE = WORKERS + 1
-"""Frames that are stored at once: while one waits for the disk, the others are encoded."""
+_THREADS = WORKERS + 1
+"""Threads that store frames: while one waits for the disk, the others encode."""
 
 
 def _silent(fraction: float, message: str) -> None:
@@ -198,8 +198,8 @@ def _store_all(
         return _store_frame(frame, index, grid, folder)
 
     jobs = ((index, frame, grid_of([frame])) for index, frame in enumerate(frames))
-    with ThreadPoolExecutor(_AT_ONCE, "import") as pool:
-        yield from ahead(pool, store, jobs, _AT_ONCE)
+    with ThreadPoolExecutor(_THREADS, "import") as pool:
+        yield from ahead(pool, store, jobs)
 
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
