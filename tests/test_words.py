@@ -1,4 +1,4 @@
-"""Docstrings of the server say what the code does, in plain words."""
+"""Docstrings of the server and comments of the page say what the code does, in plain words."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from pathlib import Path
 import pointbrush
 
 ROOT = Path(pointbrush.__file__).parent
+PAGE = Path(__file__).parents[1] / "webxr_client" / "src"
 RIDDLE = re.compile(r"\W*(what|who|whose|which|where|those|how|why|when)\b", re.IGNORECASE)
+COMMENT = re.compile(r"/\*\*[\s*]*([^\n]*)|(?:^|\n)[ \t]*//([^\n]*(?:\n[ \t]*//[^\n]*)*)")
 PERSON = re.compile(r"\b(he|his|him|himself)\b", re.IGNORECASE)
 
 
@@ -22,4 +24,14 @@ def test_no_docstring_opens_with_a_riddle_and_a_person_is_they() -> None:
                 text = str(node.value.value)
                 if RIDDLE.match(text) or PERSON.search(text):
                     found.append((path.relative_to(ROOT).as_posix(), text.splitlines()[0]))
+    assert found == []
+
+
+def test_no_comment_of_the_page_opens_with_a_riddle() -> None:
+    found = []
+    for path in PAGE.rglob("*.ts*"):
+        for comment in COMMENT.finditer(path.read_text()):
+            text = comment[1] or comment[2]
+            if RIDDLE.match(text or ""):
+                found.append((path.relative_to(PAGE).as_posix(), text.splitlines()[0]))
     assert found == []

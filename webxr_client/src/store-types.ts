@@ -120,7 +120,7 @@ export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
 export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
 
 /** Shape of a stroke: an object, the brush, a region, a cluster, a flat surface, an outline, a box. */
-export type BrushShape = 'object' | 'brush' | 'fill' | 'cluster' | 'plane' | 'lasso' | 'box';
+export type BrushShape = 'object' | 'brush' | 'grow' | 'cluster' | 'plane' | 'lasso' | 'box';
 
 export interface BrushSettings {
   readonly shape: BrushShape;

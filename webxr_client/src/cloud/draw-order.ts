@@ -95,7 +95,7 @@ class Kept {
     const { entries, pool, count } = this;
     for (let i = 0; i < count; i++) entries[i] = pool[i]!;
     if (entries.length > count) entries.length = count;
-    // What is gone must not be held.
+    // Pieces that are gone must not be held.
     for (let i = count; i < pool.length && pool[i]!.object; i++) {
       pool[i]!.object = pool[i]!.geometry = null;
     }

@@ -151,7 +151,7 @@ describe('chunks of a large frame', () => {
     const [buffer] = store.dropChunks(frame, [1, 99]);
     expect(store.usedBytes).toBe(used - buffer!.byteLength);
     expect(frame.pieces.map((piece) => piece.index)).toEqual([8]);
-    // What was dropped may come again.
+    // Dropped chunks may come again.
     expect(store.add(segmentOf([wall(2, 0)], { total: 12, final: false }))).toBe(true);
     expect(frame.loaded).toBe(8);
   });

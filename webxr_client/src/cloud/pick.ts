@@ -157,7 +157,7 @@ function boxHolds(): boolean {
   return true;
 }
 
-// What is looked for, and where the search is.  All of it stays in typed arrays: V8 would box
+// The thing looked for, and the state of the search.  All of it stays in typed arrays: V8 would box
 // each fractional number that is handed on, three for every point that is looked at.
 const from = new Float64Array(3);
 const way = new Float64Array(3);

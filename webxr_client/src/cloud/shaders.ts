@@ -126,7 +126,7 @@ void main() {
   vec3 base;
   if (colourMode == 0) {
     base = colour.rgb;
-    // Where no camera saw a lidar's point its colour is 0, 0, 0: the intensity stands in.
+    // A lidar's point that no camera saw has the colour 0, 0, 0: its intensity stands in.
     if (hasIntensity != 0 && base == vec3(0.0)) base = vec3(0.22 + 0.6 * sqrt(colour.a));
   }
   else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);

@@ -61,7 +61,7 @@ export class Slot {
       const piece = pieces[i]!;
       const { first, segment } = piece;
       if (first < this.uploaded) continue;
-      // What came in one message lies together, and goes over in one piece.
+      // Points of one message lie together, and go over in one piece.
       let { count } = piece;
       while (pieces[i + 1]?.segment === segment) count += pieces[++i]!.count;
       if (first + count > this.capacity) break;

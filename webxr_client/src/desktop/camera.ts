@@ -255,7 +255,7 @@ export class DeskCamera {
     if (ahead === 0 && right === 0 && up === 0) return false;
     this.land();
     const { offset, camera } = this;
-    // What lies ahead does not grow in an orthographic picture: one slides over it instead.
+    // Things ahead do not grow in an orthographic picture: one slides over them instead.
     if (camera.orthographic) offset.set(right, ahead + up, 0).applyQuaternion(camera.quaternion);
     else {
       offset.set(right, 0, -ahead).applyQuaternion(camera.quaternion);

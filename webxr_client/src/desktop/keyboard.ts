@@ -45,7 +45,7 @@ export function listenToKeys(camera: DeskCamera): () => void {
     if (typing(event.target) || event.defaultPrevented || isForControl(event)) return;
     const name = keyName(event);
     const digit = shiftedDigit(event);
-    // What the character itself means goes first: keyboards have / and + above digits.
+    // The character's own meaning goes first: keyboards have / and + above digits.
     const binding = table.get(name) ?? (digit ? table.get(`shift+${digit}`) : undefined);
     if (binding) {
       // A button that was clicked does not keep Space.

@@ -101,7 +101,7 @@ export class DeskPointer {
 
   private down(event: PointerEvent): void {
     if (this.touches.down(event)) {
-      // What the first finger began was the beginning of a pinch.
+      // The first finger's press was the beginning of a pinch.
       this.cancel();
       this.drag = 'pinch';
     }

@@ -29,7 +29,7 @@ function read(name: string): readonly Bookmark[] {
     const found: unknown = JSON.parse(localStorage.getItem(name) ?? '[]');
     return Array.isArray(found) ? found.filter(isBookmark) : [];
   } catch {
-    // What somebody else wrote there is no bookmark; a browser may keep nothing at all.
+    // Text of somebody else's there is no bookmark; a browser may keep nothing at all.
     return [];
   }
 }

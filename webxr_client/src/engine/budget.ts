@@ -73,7 +73,7 @@ export class PointBudget {
     this.cutMean = mean;
     this.cutDrawn = drawn;
     const goal = Math.max(target, this.floor);
-    // What was just tried was too much: it is not tried again so soon.
+    // The last try was too much: it is not repeated so soon.
     if (this.triedAt >= 0 && now - this.triedAt < 2 * PATIENCE_MS) {
       this.patience = Math.min(LONGEST_PATIENCE_MS, 2 * this.patience);
     }

@@ -26,7 +26,7 @@ export function confidenceColour(row: TimelineRow | undefined, frame: number): s
   const points = row?.points[frame] ?? 0;
   if (!row || points === 0) return UNKNOWN;
   const sure = row.confidence[frame] ?? NaN;
-  // What a person has painted is as sure as it gets.
+  // Points that a person has painted are as sure as it gets.
   if (Number.isNaN(sure)) return (row.painted[frame] ?? 0) > 0 ? SURE : UNKNOWN;
   return sure < 0.5 ? mixed(UNSURE, BETWEEN, 2 * sure) : mixed(BETWEEN, SURE, 2 * sure - 1);
 }

@@ -218,7 +218,7 @@ export class Engine {
     });
     follow(() => {
       const view = state.view.value;
-      // What is restored must be seen.
+      // Restored points must be seen.
       const showDeleted = view.showDeleted || state.tool.value === 'restore';
       this.viewer.setView({ ...view, showDeleted }, state.sequence.value?.fields ?? []);
     });

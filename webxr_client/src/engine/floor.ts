@@ -32,7 +32,7 @@ function keep(next: readonly Ray[], place: string): void {
   count.value = next.length;
 }
 
-// Who takes the tool anew begins anew.
+// Taking the tool anew begins anew.
 watch([state.tool], () => {
   if (state.tool.peek() !== 'floor') keep([], '');
 });

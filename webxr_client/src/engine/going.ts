@@ -64,7 +64,7 @@ export class Going {
     if (!frame) return;
     if (this.wanted?.frame === frame.index && frame.loaded > 0) {
       const place = whereIs(frame, this.wanted.label);
-      // Where it is lost there is nothing to go to.
+      // There is nothing to go to in frames in which it is lost.
       if (place || frame.complete) this.wanted = null;
       if (place) this.fly(place);
     } else if (this.wanted && this.wanted.frame !== state.frame.peek()) this.wanted = null;

@@ -25,7 +25,7 @@ type LabelActions = Pick<
   | 'loadHistory'
 >;
 
-// ── what the server says ─────────────────────────────────────────────────────────────────────
+// ── the server's messages ──────────────────────────────────────────────────────────────────
 
 export function takeLabels(message: Labels): void {
   state.palette.value = message.labels;
@@ -64,7 +64,7 @@ function emptyRow(frames: number): TimelineRow {
   };
 }
 
-// ── what the user asks for ───────────────────────────────────────────────────────────────────
+// ── the user's requests ───────────────────────────────────────────────────────────────────
 
 function base(): string {
   return `sequences/${encodeURIComponent(state.sequence.peek()?.id ?? '')}`;

@@ -134,7 +134,7 @@ export class Playback {
     this.link.send({ type: 'seek', frame, around: this.around(frame) });
   }
 
-  // ── what comes in ──────────────────────────────────────────────────────────────────────────
+  // ── incoming messages ──────────────────────────────────────────────────────────────────────────
 
   /** Take in points, and let the server send more. */
   segment(segment: Segment): void {

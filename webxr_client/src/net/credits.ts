@@ -1,4 +1,4 @@
-/** What the page can still take in: credits let the server send, held back while the page lags. */
+/** Room that the page has for more: credits let the server send, held back while the page lags. */
 import type { Credit } from '../protocol/messages';
 import type { Decoded, Pace } from './wire';
 

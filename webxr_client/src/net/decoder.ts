@@ -58,7 +58,7 @@ self.onmessage = (event: MessageEvent<FromPage>) => {
     return;
   }
   const { port } = message;
-  // What comes before the codec is there waits in the port.
+  // Messages from before the codec is there wait in the port.
   void ready.then(() => {
     port.onmessage = (event: MessageEvent<ToDecoder>) => receive(event.data, port);
   });

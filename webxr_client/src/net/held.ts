@@ -26,7 +26,7 @@ export class HeldFrames {
 
   points(message: Frame | Depth): void {
     const held = this.frames.get(message.frame);
-    // What does not join on is left out by the page as well.
+    // Deltas that do not join on are left out by the page as well.
     if (held && message.chunks[0]?.index === held.chunks) held.chunks += message.chunks.length;
   }
 

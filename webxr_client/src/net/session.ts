@@ -30,7 +30,7 @@ export interface Socket {
   send(data: Uint8Array<ArrayBuffer>): void;
 }
 
-/** What a connection tells; `closed` comes last, also where it never opened. */
+/** Events of a connection; `closed` comes last, also where it never opened. */
 export interface Told {
   opened(socket: Socket): void;
   received(data: ArrayBuffer): void;
@@ -45,7 +45,7 @@ export interface Closing {
 export interface Outside {
   /** Begin to connect. */
   dial(told: Told): Socket;
-  /** Why the server refuses a socket, in words; empty where it does not. */
+  /** Reason why the server refuses a socket, in words; empty where it does not. */
   whyRefused(): Promise<string>;
   post(message: ToDecoder, transfer?: Transferable[]): void;
   /** Call later; returns what undoes it. */
@@ -87,7 +87,7 @@ export class Session {
   private readonly held = new HeldFrames();
   private readonly credits = new Credits();
   private outbox = new Outbox(new MemoryStorage());
-  /** What waits until the edits that an earlier page left are known; null once they are. */
+  /** Messages that wait until the edits that an earlier page left are known; null once they are. */
   private queue: (() => void)[] | null = [];
   /** Edits that the page has begun. */
   private heard = 0;
@@ -240,7 +240,7 @@ export class Session {
   private transmit(message: ClientMessage): void {
     if (this.connection.state !== 'online') return;
     const { socket } = this.connection;
-    // Where a person's hands are matters only now.
+    // Poses of a person's hands matter only now.
     if (message.type === 'presence' && socket.bufferedAmount > SEND_LIMIT) return;
     socket.send(encode(message));
   }
@@ -303,7 +303,7 @@ export class Session {
       if (this.outbox.settleTracks().length > 0) this.report();
     }
     if (message.type !== 'error') return;
-    // What a revoked token painted waits for whoever signs in here next.
+    // Strokes of a revoked token wait for whoever signs in here next.
     if (message.about !== null && message.status === UNAUTHORIZED) return;
     if (message.about !== null) this.settle(message.about);
     else if (this.recording.state === 'asked' && this.recording.revision !== null) {

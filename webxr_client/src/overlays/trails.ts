@@ -120,7 +120,7 @@ export class Trails {
         const summary = summaryOf(frame);
         const slot = summary ? summary.of(label) : -1;
         if (slot < 0) continue;
-        // What is farther away in time is fainter.
+        // Points farther away in time are fainter.
         const near = 1 - (0.75 * Math.abs(frame - head)) / REACH;
         dots.set(count, summary!.values, at(slot, MIDDLE), color, near);
         if (frame - before <= BRIDGE) {

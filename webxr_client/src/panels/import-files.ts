@@ -19,7 +19,7 @@ export function pickFiles(folder = false): void {
 }
 
 function importAll(files: readonly ChosenFile[]): void {
-  // What systems leave in folders, .DS_Store say, is nobody's recording.
+  // Files that systems leave in folders, .DS_Store say, are nobody's recording.
   const shown = files.filter(({ path }) => !path.split('/').some((part) => part.startsWith('.')));
   if (shown.length > 0) void actions.importFiles(shown);
 }

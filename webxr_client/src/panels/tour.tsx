@@ -96,7 +96,7 @@ function takeObjects(): void {
   actions.setShape('object');
 }
 
-/** What had the focus before the tour, or else the picture, has it afterwards. */
+/** Return the focus to what had it before the tour, or else to the picture. */
 function useReturnOfFocus(box: { current: HTMLElement | null }): void {
   useLayoutEffect(() => {
     const before = document.activeElement;

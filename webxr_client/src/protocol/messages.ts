@@ -57,7 +57,7 @@ export interface Brush {
   hidden?: number[];
   /** painted beside the frame that the stroke is drawn in, as one edit: their points lie over it by the recording's poses, those of a tracked label by its track. */
   frames?: number[];
-  /** what is shown: points outside this box are left alone, by every shape, and rays pass through them. */
+  /** box that is shown: points outside it are left alone, by every shape, and rays pass through them. */
   clip?: ClipBox | null;
 }
 

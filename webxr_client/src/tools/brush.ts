@@ -31,7 +31,7 @@ export function brushNow(way: Way, radius: number): Brush | null {
   return {
     label: tool === 'paint' ? peek(state.activeLabel) : 0,
     tool,
-    shape: way.wire,
+    shape: way.name,
     radius,
     // Of an object, "take from other labels" says the same.
     only_unlabeled: onlyUnlabeled && way.name !== 'object',

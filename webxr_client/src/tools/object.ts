@@ -189,7 +189,7 @@ export class ObjectTool {
     this.waiting = null;
   }
 
-  // ── what the server says ───────────────────────────────────────────────────────────────────
+  // ── the server's messages ──────────────────────────────────────────────────────────────────
 
   onCandidates(message: Candidates): void {
     const question = this.asked;
@@ -215,7 +215,7 @@ export class ObjectTool {
     if (!offer || offer.ready || offer.question.frame.index !== frame || this.asked) return;
     if (offer.question.purpose === 'hover' && !this.taken) this.ask(offer.question, 'hover');
     else {
-      // What was taken stays as it is; the next click is answered from the whole frame.
+      // Points taken stay as they are; the next click is answered from the whole frame.
       offer.ready = true;
       this.tell();
     }
@@ -319,7 +319,7 @@ export class ObjectTool {
     const chosen = offer?.candidates[offer.level];
     if (offer && chosen) {
       const { frame, brush } = offer.question;
-      // What a stroke has painted shows as painted while its object is offered.
+      // A stroke's points show as painted while its object is offered.
       const completes = offer.question.purpose === 'complete' && !this.taken;
       const label = brush.label ?? 0;
       this.dropOverlay();

@@ -62,7 +62,7 @@ class Part {
     }
   }
 
-  ball(from: Vec, to: Vec, radius: number): void {
+  sphere(from: Vec, to: Vec, radius: number): void {
     const { layer } = this;
     const [a, b] = layer ? [placeIn(layer, from), placeIn(layer, to)] : [from, to];
     inCapsule(this.frame, a, b, radius, this.touch, this.clip);
@@ -104,7 +104,7 @@ class Part {
 }
 
 export class StrokePreview {
-  /** Place of the ball at the last sample. */
+  /** Place of the sphere at the last sample. */
   private readonly last: [number, number, number] = [NaN, NaN, NaN];
   private readonly parts: readonly Part[];
   private readonly clip: Matrix4 | null;
@@ -142,15 +142,15 @@ export class StrokePreview {
     } else if (brush.shape === 'ray') {
       const meets = brush.tool === 'restore' ? isDeleted : this.seen;
       const hit = firstHitAmong(frame, this.layers, origin, direction, radius, meets, this.clip);
-      if (hit) this.ball(hit.position, hit.position, radius);
+      if (hit) this.sphere(hit.position, hit.position, radius);
     } else if (brush.shape === 'sphere') {
-      this.ball(Number.isNaN(last[0]) ? origin : last, origin, radius);
+      this.sphere(Number.isNaN(last[0]) ? origin : last, origin, radius);
       for (let k = 0; k < 3; k++) last[k] = origin[k]!;
     }
   }
 
-  private ball(from: Vec, to: Vec, radius: number): void {
-    for (let i = 0; i < this.parts.length; i++) this.parts[i]!.ball(from, to, radius);
+  private sphere(from: Vec, to: Vec, radius: number): void {
+    for (let i = 0; i < this.parts.length; i++) this.parts[i]!.sphere(from, to, radius);
   }
 
   /** Show what was found since the last call. */

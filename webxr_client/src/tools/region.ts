@@ -1,4 +1,4 @@
-/** Preview of fill and ground under the pointer, asked of the server and shown before the click. */
+/** Preview of regions under the pointer, asked of the server and shown before the click. */
 import type { CloudFrame } from '../cloud/frame';
 import { PREVIEW } from '../cloud/palette';
 import type { Vec } from '../cloud/pick';

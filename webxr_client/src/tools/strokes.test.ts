@@ -17,7 +17,7 @@ function setUp(
 ) {
   const frame = frameOf(wall(40, 1000));
   const sent: ClientMessage[] = [];
-  // What is posted to the worker is copied.
+  // Messages to the worker are copied.
   const send = (message: ClientMessage): void => void sent.push(structuredClone(message));
   const hidden = (): number[] => look.hidden;
   const deps = {

@@ -183,7 +183,7 @@ export class Strokes {
   onResult(result: StrokeResult): void {
     this.results.run(result);
     if (!result.final) return;
-    // What did not change needs no delta; otherwise the delta takes the preview away.
+    // An unchanged frame needs no delta; otherwise the delta takes the preview away.
     if (result.changed === 0) this.drop(result.id);
     else setTimeout(() => this.drop(result.id), LINGER_MS);
   }

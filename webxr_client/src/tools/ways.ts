@@ -8,14 +8,13 @@ import type { Brush } from '../protocol/messages';
 import { state, type BrushShape } from '../state';
 import { xrSettings } from '../xr/settings';
 
-export type WayName = 'object' | 'ball' | 'ray' | 'fill' | 'cluster' | 'plane' | 'lasso' | 'box';
+/** Name of a way: the shape of its strokes. */
+export type WayName = NonNullable<Brush['shape']>;
 
 export interface Way {
   readonly name: WayName;
   /** The setting of the brush that it belongs to. */
   readonly shape: BrushShape;
-  /** Name in strokes. */
-  readonly wire: NonNullable<Brush['shape']>;
   readonly icon: IconName;
   /** On the palette in the room, and at the desk where it is there. */
   readonly label: string;
@@ -36,7 +35,6 @@ export const WAYS: readonly Way[] = [
   {
     name: 'object',
     shape: 'object',
-    wire: 'object',
     icon: 'object',
     label: 'Object',
     desk: { label: 'Object', tip: 'A click takes an object; the wheel: part to group', key: 'J' },
@@ -47,9 +45,8 @@ export const WAYS: readonly Way[] = [
     through: false,
   },
   {
-    name: 'ball',
+    name: 'sphere',
     shape: 'brush',
-    wire: 'sphere',
     icon: 'brush',
     label: 'Ball',
     desk: null,
@@ -62,7 +59,6 @@ export const WAYS: readonly Way[] = [
   {
     name: 'ray',
     shape: 'brush',
-    wire: 'ray',
     icon: 'target',
     label: 'Ray',
     desk: { label: 'Brush', tip: 'A ball on the surface', key: 'B' },
@@ -73,10 +69,9 @@ export const WAYS: readonly Way[] = [
     through: true,
   },
   {
-    name: 'fill',
-    shape: 'fill',
-    wire: 'grow',
-    icon: 'fill',
+    name: 'grow',
+    shape: 'grow',
+    icon: 'grow',
     label: 'Fill',
     desk: { label: 'Fill', tip: 'The region that hangs together', key: 'K' },
     samples: 'once',
@@ -88,7 +83,6 @@ export const WAYS: readonly Way[] = [
   {
     name: 'cluster',
     shape: 'cluster',
-    wire: 'cluster',
     icon: 'cluster',
     label: 'Cluster',
     desk: { label: 'Cluster', tip: 'What stands together on the ground, without it', key: 'H' },
@@ -101,7 +95,6 @@ export const WAYS: readonly Way[] = [
   {
     name: 'plane',
     shape: 'plane',
-    wire: 'plane',
     icon: 'plane',
     label: 'Ground',
     desk: { label: 'Ground', tip: 'A floor, a wall: all that is flat', key: 'G' },
@@ -114,7 +107,6 @@ export const WAYS: readonly Way[] = [
   {
     name: 'lasso',
     shape: 'lasso',
-    wire: 'lasso',
     icon: 'lasso',
     label: 'Lasso',
     desk: { label: 'Lasso', tip: 'Everything inside an outline', key: 'O' },
@@ -127,7 +119,6 @@ export const WAYS: readonly Way[] = [
   {
     name: 'box',
     shape: 'box',
-    wire: 'box',
     icon: 'box',
     label: 'Box',
     desk: { label: 'Box', tip: 'Drag a box over the floor, adjust it, Enter takes it', key: 'M' },

@@ -59,7 +59,7 @@ export class AirShape {
     this.line.visible = false;
   }
 
-  /** What a stroke of this shape says besides its brush; null when it encloses nothing. */
+  /** Fields of a stroke of this shape besides its brush; null when it encloses nothing. */
   end(eye: Vector3, info: SequenceInfo): Partial<Brush> | null {
     if (!this.boxes) return this.lasso.end(eye, this.place.localFromScene, info);
     return this.box(info);

@@ -1,11 +1,11 @@
-/** What the hand would take, asked of the server before the trigger is pressed. */
+/** Preview of what the hand would take, asked of the server before the trigger is pressed. */
 import type { Engine } from '../engine/engine';
 import type { PointerSample } from '../tools/sample';
 import type { Way } from '../tools/ways';
 
 /** So often a question may be asked, milliseconds. */
 const EVERY_MS = 60;
-/** What has moved or turned less is still: metres, and parts of the unit direction. */
+/** Bounds of a movement or turn that counts as still: metres, and parts of the unit direction. */
 const STILL = 0.002;
 
 export class Asking {

@@ -1,4 +1,4 @@
-/** What one sees of a pointer: its model, its ray, its tips; and the panel that it is on. */
+/** Visible parts of a pointer: its model, its ray, its tips; and the panel that it is on. */
 import type { Matrix4, Object3D } from 'three';
 import { BUTTON_TICK } from './haptics';
 import type { Model } from './kinds/kind';
@@ -112,7 +112,7 @@ export class Body {
     return near && near.away[0]! <= HOVER ? near : null;
   }
 
-  /** How far the fingertip presses: 1 once it went through the panel from before. */
+  /** Depth of the fingertip's press: 1 once it went through the panel from before. */
   private touchOf(panel: Panel): number {
     const away = panel.away[0]!;
     if (this.before !== panel || away > LET_GO) return 0;

@@ -1,4 +1,4 @@
-/** How the brush looks: the ball at the tip, the ray's length, and the points that light up. */
+/** Look of the brush: the sphere at the tip, the ray's length, and the points that light up. */
 import { Color, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
 import { clipMatrix } from '../clip';
 import { firstHit, type Hit } from '../cloud/pick';
@@ -21,7 +21,7 @@ const POINTER_SIZE = 0.006;
 const OPACITY = 0.28;
 
 export class BrushLook {
-  readonly ball: Mesh<SphereGeometry, MeshBasicMaterial>;
+  readonly sphere: Mesh<SphereGeometry, MeshBasicMaterial>;
   /** Metres of ray to show, or −1. */
   readonly reach = Float64Array.of(-1);
   private readonly local: [number, number, number] = [0, 0, 0];
@@ -39,9 +39,9 @@ export class BrushLook {
   ) {
     this.seen = seenIn(engine.viewer.palette);
     const look = { vertexColors: true, transparent: true, depthWrite: false };
-    this.ball = new Mesh(new SphereGeometry(1, 32, 20), new MeshBasicMaterial(look));
-    this.ball.renderOrder = 95;
-    this.ball.frustumCulled = false;
+    this.sphere = new Mesh(new SphereGeometry(1, 32, 20), new MeshBasicMaterial(look));
+    this.sphere.renderOrder = 95;
+    this.sphere.frustumCulled = false;
   }
 
   /** Once per frame; `radius` in metres of the recording. Returns the colour when it is new. */
@@ -59,9 +59,9 @@ export class BrushLook {
     const brushes = visible && (floor || isStroke(tool));
     const drawn = !floor && way.samples === 'drawn';
     const far = floor || way.far;
-    this.ball.visible = brushes && !far;
-    this.ball.position.copy(tip);
-    const { scale } = this.ball;
+    this.sphere.visible = brushes && !far;
+    this.sphere.position.copy(tip);
+    const { scale } = this.sphere;
     scale.x = scale.y = scale.z = drawn ? POINTER_SIZE : radius[0]! * this.place.scale;
     if (!brushes || drawn) {
       uniforms.lightNothing();
@@ -80,7 +80,7 @@ export class BrushLook {
 
   /** Nothing points. */
   hide(): void {
-    this.ball.visible = false;
+    this.sphere.visible = false;
     this.reach[0] = -1;
     this.engine.viewer.uniforms.lightNothing();
   }
@@ -102,7 +102,7 @@ export class BrushLook {
     else uniforms.lightNothing();
   }
 
-  /** What the hand's ray meets first. */
+  /** Find what the hand's ray meets first. */
   hit(hand: Pointer, radius: number): Hit | null {
     const frame = this.engine.playback.frame;
     if (!frame) return null;
@@ -116,15 +116,15 @@ export class BrushLook {
     const color = brushColor();
     if (color === this.shownColor) return null;
     this.shownColor = color;
-    tint(this.ball.geometry, color, OPACITY);
+    tint(this.sphere.geometry, color, OPACITY);
     this.engine.viewer.uniforms.setBrushColour(this.color.set(color).convertLinearToSRGB());
     return color;
   }
 
   dispose(): void {
-    this.ball.removeFromParent();
-    this.ball.geometry.dispose();
-    this.ball.material.dispose();
+    this.sphere.removeFromParent();
+    this.sphere.geometry.dispose();
+    this.sphere.material.dispose();
     this.engine.viewer.uniforms.lightNothing();
   }
 }

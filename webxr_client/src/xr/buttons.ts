@@ -1,4 +1,4 @@
-/** What sticks, pads and buttons do besides painting. */
+/** Actions of sticks, pads and buttons besides painting. */
 import { actions } from '../actions';
 import { peek } from '../peek';
 import { state } from '../state';

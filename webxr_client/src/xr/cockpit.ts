@@ -58,7 +58,7 @@ export class Cockpit {
   private standing = false;
   /** Of the rig, when the hand was last looked at. */
   private jumps = 0;
-  /** When the last picture was, and how long ago: numbers on their own would be boxed. */
+  /** Times of the last picture, and since it: numbers on their own would be boxed. */
   private readonly last = Float64Array.of(-1);
   private readonly seconds = new Float64Array(1);
 
@@ -93,7 +93,7 @@ export class Cockpit {
     this.listen();
   }
 
-  /** What paints. */
+  /** The pointer that paints. */
   get brush(): Pointer | null {
     return this.pointers.brush;
   }
@@ -167,7 +167,7 @@ export class Cockpit {
     this.parts.run(now);
   }
 
-  /** What a picture is made of, each part guarded: haptics that fail must not still the panels. */
+  /** Draw the parts of a picture, each guarded: haptics that fail must not still the panels. */
   private divide(): void {
     const { parts, pointers, seconds } = this;
     parts.add(() => this.panels.update(pointers.palette, this.painter.painting, seconds));
@@ -191,7 +191,7 @@ export class Cockpit {
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
-  /** Who sits, or has no floor, looks from where standing people do. */
+  /** Lift people who sit, or have no floor, to where standing people look from. */
   private settle(seated: boolean): void {
     const lifted = seated || !this.floor;
     this.rig.liftTo(lifted ? EYES - this.rig.headInRig.y : 0);
@@ -229,7 +229,7 @@ export class Cockpit {
       this.pointers.holds(brush, busy, was) ? brush!.place : null,
     );
     if (this.grab.active && !was) this.lessons.done('grab');
-    // The ball keeps its size in the hand.
+    // The sphere keeps its size in the hand.
     if (grown !== 1) actions.setRadius(peek(state.brush).radius / grown);
   }
 
@@ -253,7 +253,7 @@ export class Cockpit {
     if (this.painter.painting && !before) this.lessons.done('paint');
   }
 
-  /** What was at hand is elsewhere: the stroke ends, and presses must be let go. */
+  /** End the stroke and wait for presses to be let go: what was at hand is elsewhere. */
   private interrupt(): void {
     this.painter.interrupt(this.brush);
     this.pointers.disarm();

@@ -2,7 +2,7 @@ import { Object3D, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { faceEyes } from './facing';
 
-/** Where a place of the object is in its parent's space. */
+/** Move a place of the object to its parent's space. */
 const placeOf = (object: Object3D, x: number, y: number, z: number): Vector3 =>
   new Vector3(x, y, z).applyMatrix4(object.matrix);
 

@@ -1,4 +1,4 @@
-/** What the brush hand feels besides painting: a frame passed, a run ended, a label was locked. */
+/** Haptics of the brush hand besides painting: a frame passed, a run ended, a label was locked. */
 import { peek } from '../peek';
 import { isActive, state } from '../state';
 import { BUMP, FRAME_TICK, type Pulse } from './haptics';

@@ -1,4 +1,4 @@
-/** What the hand feels: points that change, frames passing, work that ends, a lock. */
+/** Haptics of the hand: points that change, frames passing, work that ends, a lock. */
 import type { StrokeResult } from '../protocol/messages';
 
 /** Strength of a pulse for so many newly changed points: felt from one, full at a thousand. */

@@ -34,9 +34,9 @@ export class Headset {
   /** An offer stands in the browser's own bar. */
   private offered = false;
   private unfollow: (() => void) | null = null;
-  /** Why the session that ends now could not begin. */
+  /** Reason why the session that ends now could not begin. */
   private trouble = '';
-  /** Where the desk's camera was, and its near and far plane. */
+  /** Pose of the desk's camera before, and its near and far plane. */
   private readonly desk = new Matrix4();
   private readonly planes = { near: 0, far: 0 };
 

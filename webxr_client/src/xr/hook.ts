@@ -34,26 +34,26 @@ export function installHeadsetHook(
     /** Pictures since the session began. */
     frames: () => headset.cockpit?.frames ?? 0,
     headset,
-    /** Where a point (source coordinates) is in the headset's own space. */
+    /** Move a point (source coordinates) to the headset's own space. */
     place: ([x, y, z]: Triple): Triple => {
       const [sx, sy, sz] = peek(state.sequence)?.shift ?? [0, 0, 0];
       viewer.world.updateMatrixWorld(true);
       const at = viewer.camera.position.clone().set(x - sx, y - sy, z - sz);
       return inRig(at.applyMatrix4(viewer.room.matrixWorld));
     },
-    /** How far the ball's middle is before the pointing ray's origin. */
+    /** Metres from the pointing ray's origin to the sphere's middle. */
     tipAhead: () => {
       const { painter, brush } = headset.cockpit!;
       return brush ? painter.tip.distanceTo(brush.origin) : 0;
     },
-    /** Where a place on a panel (0..1 from the upper left) is, and its way out of it. */
+    /** Return a place on a panel (0..1 from the upper left) in space, and the panel's normal. */
     onPanel: (name: PanelName, u: number, v: number): { at: Triple; out: Triple } => ({
       at: inRig(onPanel(name, u, v, 0)),
       out: inRig(onPanel(name, u, v, 0.2)),
     }),
-    /** The ball whose points the shader lights up, local coordinates. */
+    /** The sphere whose points the shader lights up, local coordinates. */
     lit: () => viewer.uniforms.lit,
-    /** How tall a capital letter is at a place of a panel, seen from the head, degrees. */
+    /** Height of a capital letter at a place of a panel, seen from the head, degrees. */
     capital: (name: PanelName, u: number, v: number): number => {
       const { size } = panel(name);
       const share = (CAPITAL * size.em) / size.height / 2;
@@ -63,19 +63,19 @@ export function installHeadsetHook(
       ) as [Vector3, Vector3];
       return (upper.angleTo(lower) * 180) / Math.PI;
     },
-    /** What is drawn over the recording: boxes, dots of trails, points of the ghost. */
+    /** Overlays of the recording: boxes, dots of trails, points of the ghost. */
     overlays: () => ({
       boxes: overlays.boxes.count,
       trails: overlays.trails.count,
       ghost: overlays.ghost.count,
     }),
-    /** What a person should look at here, and the run that stopped for it. */
+    /** Doubtful labels here, and the run that stopped for them. */
     doubt: () => ({
       unsure: peek(unsure),
       halted: peek(halted),
       pulse: viewer.uniforms.pulse,
     }),
-    /** What points: its kind, side, buttons, and what it is for. */
+    /** The pointers: kind, side, buttons, and what it is for. */
     pointers: () => {
       const { bodies, brush, other, palette } = headset.cockpit!.pointers;
       return bodies.map(({ pointer }) => ({
@@ -88,7 +88,7 @@ export function installHeadsetHook(
         ),
       }));
     },
-    /** What the controllers explain. */
+    /** Hints beside the controllers. */
     tips: (side: Side) => {
       const { pointers } = headset.cockpit!;
       const pointer = pointers.of(side);

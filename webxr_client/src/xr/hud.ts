@@ -1,4 +1,4 @@
-/** What must be said at once, before the eyes: connection, controllers, messages, refusals. */
+/** Urgent notices before the eyes: connection, controllers, messages, refusals. */
 import { Group, Vector3 } from 'three';
 import { plural } from '../panels/format';
 import { state } from '../state';
@@ -21,7 +21,7 @@ export class Hud {
   private readonly unfollow: () => void;
   private own = '';
   private ownUntil = 0;
-  /** What holds until it is over, and comes first. */
+  /** A lasting notice, which comes first. */
   private text = '';
   private readonly goal = new Vector3();
   private readonly at = new Vector3();
@@ -66,7 +66,7 @@ export class Hud {
   }
 }
 
-/** What stays true until it is over. */
+/** Return the notice that holds until it is over. */
 function standing(): string {
   const { state: connection } = state.connection.value;
   const pending = state.pending.value;

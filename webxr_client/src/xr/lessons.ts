@@ -1,4 +1,4 @@
-/** What each button does, in words, and how often it was used: what is learnt needs no words. */
+/** Lessons: each button's action in words, and its uses, since what is learnt needs no words. */
 import { chords, type Device } from './devices';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
@@ -46,7 +46,7 @@ export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
   return tips;
 }
 
-/** How often each lesson was used; kept in the browser. */
+/** Uses of each lesson; kept in the browser. */
 export class Lessons {
   private readonly used = new Map<string, number>(load());
 

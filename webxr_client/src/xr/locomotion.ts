@@ -189,7 +189,7 @@ export class Locomotion {
     const [speed, gravity] = hand.reach === 'far' ? STRAIGHT : THROWN;
     const fall = direction.y * speed;
     const height = Math.max(0, origin.y);
-    // When the arc comes down to the floor.
+    // Time at which the arc comes down to the floor.
     const flight = (fall + Math.sqrt(fall * fall + 2 * gravity * height)) / gravity;
     for (let i = 0; i < SEGMENTS; i++) {
       const t = (flight * i) / (SEGMENTS - 1);

@@ -37,7 +37,7 @@ export class ObjectSign {
   }
 }
 
-/** What is offered, in at most three lines; empty when there is nothing. */
+/** Text of what is offered, in at most three lines; empty when there is nothing. */
 export function objectText(): string {
   const view = state.object.value;
   if (!view) return '';

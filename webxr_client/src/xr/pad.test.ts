@@ -93,7 +93,7 @@ describe('the trigger as pressure', () => {
     return samples.map(([value, now]) => pressure.update(value, now));
   };
 
-  it('paints with all of the ball after a quick full press, never with half first', () => {
+  it('paints with all of the sphere after a quick full press, never with half first', () => {
     expect(
       run([
         [0, 0],

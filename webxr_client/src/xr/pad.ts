@@ -1,7 +1,7 @@
 /** Thumbsticks and touchpads as directions; holding repeats.  Pure, and nothing is allocated. */
 import type { PadKind } from './devices';
 
-/** What the thumb says now; y up is positive. */
+/** State of the thumb; y up is positive. */
 export interface Pad {
   x: number;
   y: number;

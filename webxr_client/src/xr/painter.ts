@@ -35,14 +35,14 @@ const GUESSED =
 type Triple = [number, number, number];
 
 export class Painter {
-  /** The ball's middle, in the scene. */
+  /** The sphere's middle, in the scene. */
   readonly tip = new Vector3();
-  /** The ball's radius now, metres of the recording. */
+  /** The sphere's radius now, metres of the recording. */
   private readonly radius = new Float64Array(1);
   private readonly look: BrushLook;
   private readonly air: AirShape;
   private stroke: Stroke | null = null;
-  private way: Way = wayOf('ball');
+  private way: Way = wayOf('sphere');
   private level: Level = 0;
   /** The trigger went down to point at something once, and is not up again. */
   private pointing = false;
@@ -63,7 +63,7 @@ export class Painter {
   };
   private readonly last = new Vector3();
   private lastRay = 0;
-  /** Where the stroke went, to be completed to an object. */
+  /** Path of the stroke, to be completed to an object. */
   private readonly path = new Path();
   private readonly asking: Asking;
   private readonly unfeel: () => void;
@@ -80,7 +80,7 @@ export class Painter {
   }
 
   addTo(scene: Object3D): void {
-    scene.add(this.look.ball, this.air.line);
+    scene.add(this.look.sphere, this.air.line);
   }
 
   dispose(): void {
@@ -128,7 +128,7 @@ export class Painter {
     else if (blocked && !this.painting) this.free = false;
     if (this.free && this.guesses(hand, other)) this.refuse(hand);
     const level = hand.pressure.update(this.free ? hand.trigger : 0, now);
-    this.measureBall();
+    this.measureSphere();
     this.aimTip(hand, level, now);
     if (level !== this.level) this.turnTo(level, hand, head, now);
     if (this.level > 0) this.go(hand, other, now);
@@ -138,7 +138,7 @@ export class Painter {
     if (color !== null) this.air.line.material.color.set(color);
   }
 
-  /** Where the brush is, or the other corner of a box, is not known but guessed. */
+  /** Whether the place of the brush, or of a box's other corner, is guessed. */
   private guesses(hand: Pointer, other: Pointer | null): boolean {
     const box = this.painting && this.way.name === 'box';
     return hand.guessed || (box && other?.guessed === true);
@@ -172,7 +172,7 @@ export class Painter {
     const { place, local, aim } = this;
     place.directionToLocal(hand.direction, aim);
     place.toLocal(way.far ? hand.origin : this.tip, local);
-    // From outside of the ball inwards, so that the nearest surface is met.
+    // From outside of the sphere inwards, so that the nearest surface is met.
     if (!way.far) local.addScaledVector(aim, -this.radius[0]!);
   }
 
@@ -181,7 +181,7 @@ export class Painter {
     this.begunIn.shown = peek(state.shown).frame;
   }
 
-  /** What is on screen, or may be painted, is not what the stroke began with. */
+  /** Whether what is on screen, or may be painted, changed since the stroke began. */
   private moved(): boolean {
     const { asked, shown } = this.begunIn;
     if (!this.painting) return false;
@@ -205,12 +205,12 @@ export class Painter {
     this.free = false;
   }
 
-  private measureBall(): void {
+  private measureSphere(): void {
     const { radius } = peek(state.brush);
     this.radius[0] = this.level === 0.5 ? radius * 0.5 : radius;
   }
 
-  /** Where the brush is: at the pinch, before a controller, or along the ray where that hits. */
+  /** Place the brush: at the pinch, before a controller, or along the ray where that hits. */
   private aimTip(hand: Pointer, level: Level, now: number): void {
     if (hand.reach === 'far') {
       if (this.level === 0) this.findDepth(hand, level > 0, now);
@@ -242,12 +242,12 @@ export class Painter {
     const before = this.level;
     if (before > 0) this.finish(head);
     this.level = level;
-    this.measureBall();
+    this.measureSphere();
     if (level === 0) return;
     if (before === 0) this.pressedAt = now;
     if (before === 0) this.pointing = !isStroke(peek(state.tool));
     if (this.pointing) {
-      this.way = wayOf('ball');
+      this.way = wayOf('sphere');
       if (before === 0) this.pointAt(hand);
       return;
     }

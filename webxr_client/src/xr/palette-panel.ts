@@ -21,7 +21,7 @@ import type { Ui } from './ui';
 import { watch } from '../watch';
 
 type Tab = 'labels' | 'tools' | 'view' | 'comfort';
-/** What a tab leads on to. */
+/** Pages that a tab leads on to. */
 type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
 
 const TABS = [
@@ -103,7 +103,7 @@ export class PalettePanel extends Panel {
     super.dispose();
   }
 
-  /** How brightly the labels glow that a person should look at, 0..1. */
+  /** Brightness, of labels that a person should look at, 0..1. */
   pulse(strength: number): void {
     this.glow.pulse(this.page === 'labels' ? strength : 0);
   }

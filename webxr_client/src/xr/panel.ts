@@ -7,7 +7,7 @@ import { LIGHT, Ui, type Area } from './ui';
 const THROUGH = 0.04;
 /** A texture takes its time to reach the GPU. */
 const REDRAW_MS = 60;
-/** How much of a panel is seen through nearer points, and while one paints. */
+/** Opacity of a panel behind nearer points, and while one paints. */
 const VEILED = 0.3;
 
 export interface PanelSize {
@@ -26,7 +26,7 @@ export abstract class Panel {
   private dirty = true;
   private drawn = -Infinity;
   private pressed: Area | null = null;
-  /** What presses it: nothing else moves it meanwhile. */
+  /** The pointer that presses it: no other moves it meanwhile. */
   private holder: object | null = null;
   /** The area that the ray is on, and the light on it. */
   private hover = -1;
@@ -34,7 +34,7 @@ export abstract class Panel {
   private readonly inverse = new Matrix4();
   private readonly from = new Vector3();
   private readonly way = new Vector3();
-  /** Where the ray met it last, pixels, and metres along the ray. */
+  /** Place where the ray met it last, pixels, and metres along the ray. */
   private readonly at = new Float64Array(2);
   /** The same in metres to the right of the panel's middle and above it. */
   readonly heldAt = new Vector2();
@@ -134,7 +134,7 @@ export abstract class Panel {
     return true;
   }
 
-  /** How many metres one of its own is. */
+  /** Metres of the scene in one of its own. */
   private grown(): number {
     const e = this.mesh.matrixWorld.elements;
     return Math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
@@ -207,7 +207,7 @@ export abstract class Panel {
     this.dirty = true;
   }
 
-  /** What answers to the ray, as shares of the panel: name, left, top, width, height. */
+  /** Areas that answer to the ray, as shares of the panel: name, left, top, width, height. */
   places(): { name: string; x: number; y: number; w: number; h: number }[] {
     const { width, height, areas } = this.ui;
     return areas.map(({ name, x, y, w, h }) => ({

@@ -10,7 +10,7 @@ import { tint } from './tint';
 import { follow } from '../watch';
 
 const FACING = { right: 0, up: 0, away: SIZES.name.away };
-/** How bodies look: opaque colours, and those one sees through. */
+/** Looks of bodies: opaque colours, and translucent ones. */
 const SOLID = { vertexColors: true, transparent: true };
 const CLEAR = { ...SOLID, depthWrite: false };
 
@@ -56,7 +56,7 @@ class Avatar {
     faceEyes(this.plate, this.above, eye, FACING);
   }
 
-  /** What one sees of this person. */
+  /** This person's parts in the scene. */
   get seen(): { name: boolean; head: boolean; hands: number; brush: boolean } {
     const { name, head, brush } = this;
     const hands = this.hands.filter((hand) => hand.visible).length;
@@ -116,7 +116,7 @@ export class People {
     });
   }
 
-  /** What one sees of each, for tests. */
+  /** Visible parts of each person, for tests. */
   seen(): Avatar['seen'][] {
     return this.present.map((avatar) => avatar.seen);
   }

@@ -50,8 +50,8 @@ export function seenAt(
 }
 
 /**
- * How far below the eyes the timeline hangs: lower while the recording is a model or larger than life,
- * and while a ray paints what stands ahead, or something is drawn before it.
+ * Return how far below the eyes the timeline hangs: lower while the recording is a model or larger
+ * than life, and while a ray paints what stands ahead, or something is drawn before it.
  */
 export function timelineBelow(
   scale: number,
@@ -62,7 +62,7 @@ export function timelineBelow(
 }
 
 export class Placement {
-  /** Where one looked when panels were last laid, in the headset's own space. */
+  /** Direction of the eyes when panels were last laid, in the headset's own space. */
   private yaw = 0;
   private readonly at = new Vector3();
   private readonly middle = new Vector3();

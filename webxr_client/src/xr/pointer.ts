@@ -10,7 +10,7 @@ import type { Present } from './roles';
 import type { Side } from './settings';
 import { turnBy } from './vectors';
 
-/** What is pressed less than this is released. */
+/** Pressure below which a trigger counts as released. */
 const RELEASED = 0.1;
 /** Metres along the ray at which a far pointer works before anything was hit. */
 const DEPTH = 1.5;
@@ -29,10 +29,10 @@ export class Pointer implements Present {
   /** The pointing ray, in the scene. */
   readonly origin = new Vector3();
   readonly direction = new Vector3(0, 0, -1);
-  /** Where it is held, in the scene; else where its ray begins, or ends if it points from afar. */
+  /** Place of the hand, in the scene; else where its ray begins, or ends if it points from afar. */
   readonly place = new Vector3();
   readonly turn = new Quaternion();
-  /** Where thumb and index finger meet, in the scene; controllers have no such place. */
+  /** Meeting point of thumb and index finger, in the scene; controllers have no such place. */
   readonly pinch = new Vector3();
   hasPinch = false;
   /** The tip of the index finger, in the scene. */
@@ -42,7 +42,7 @@ export class Pointer implements Present {
   readonly tip = new Float64Array(1);
   /** Metres along the ray at which a far pointer works. */
   readonly depth = Float64Array.of(DEPTH);
-  /** How far it is pressed, 0..1; 0 until it is armed. */
+  /** Depth of its press, 0..1; 0 until it is armed. */
   trigger = 0;
   /** It is pressed where the headset only guesses that it is; what points from the eyes never is. */
   guessed = false;
@@ -78,7 +78,7 @@ export class Pointer implements Present {
     this.device = kind.device(source);
     this.side = source.handedness === 'left' || source.handedness === 'right' ? source.handedness : 'none'; // prettier-ignore
     this.tip[0] = this.device.tip;
-    // What comes to press was released before.
+    // An input that comes in order to press was released before.
     this.armed = kind.momentary;
     this.grip.visible = false;
     this.grip.matrixAutoUpdate = false;
@@ -124,7 +124,7 @@ export class Pointer implements Present {
   /** Take in this frame; `rig` is where the headset's space lies in the scene. */
   update(poses: Poses, rig: Matrix4): void {
     const { input, grip, matrix } = this;
-    // What has gone lets go where it was seen last.
+    // An input that has gone lets go where it was seen last.
     if (!this.leaving) {
       const seen = poses.ray(input, matrix);
       if (!seen && this.tracked) this.armed = false;

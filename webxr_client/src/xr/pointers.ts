@@ -55,7 +55,7 @@ export class Pointers {
     return this.roles.palette;
   }
 
-  /** What is held on a side; null: nothing. */
+  /** The input held on a side; null: nothing. */
   of(side: Side): Pointer | null {
     for (let i = 0; i < this.bodies.length; i++) {
       const { pointer } = this.bodies[i]!;
@@ -150,7 +150,7 @@ export class Pointers {
     this.roles = rolesOf(pointers, peek(xrSettings).hand);
     if (before.brush !== this.brush) {
       this.changes.brushGone();
-      // What came just now to press is meant; a trigger that was held before is not.
+      // An input that came just now in order to press is meant; one held before is not.
       if (this.brush && !this.brush.momentary) this.brush.disarm();
     }
     for (const body of this.bodies) body.explain(body.pointer === this.brush);

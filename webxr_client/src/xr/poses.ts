@@ -1,5 +1,5 @@
 /**
- * Where the head and the inputs are in the headset's space, read into one array in each frame.
+ * Poses of the head and the inputs in the headset's space, read into one array in each frame.
  * `XRFrame.fillPoses` (WebXR Hand Input) writes there itself; `getPose` makes objects for each.
  */
 import type { Matrix4 } from 'three';
@@ -14,7 +14,7 @@ const PLACES = GRIPS + INPUTS;
 export class Poses {
   /** A column-major 4×4 for each place; NaN where nothing was seen. */
   private readonly values = new Float32Array(16 * PLACES).fill(NaN);
-  /** What is read, and the place of each. */
+  /** Poses that are read, and the place of each. */
   private readonly spaces: XRSpace[] = [];
   private readonly places: number[] = [];
   private readonly taken: boolean[] = new Array<boolean>(INPUTS).fill(false);
@@ -105,7 +105,7 @@ export class Poses {
     return pose.emulatedPosition && this.knows;
   }
 
-  /** Where an input is held. */
+  /** Pose by which an input is held. */
   grip(input: number, out: Matrix4): boolean {
     return this.take(GRIPS + input, out);
   }

@@ -1,5 +1,5 @@
 /**
- * The trigger as pressure: half pressed it paints with half the ball, fully pressed with all of
+ * The trigger as pressure: half pressed it paints with half the sphere, fully pressed with all of
  * it.  A quick full press must not begin with a small stroke: the level is decided a moment after
  * the trigger leaves its rest, or as soon as it is full.
  */

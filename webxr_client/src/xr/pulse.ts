@@ -1,4 +1,4 @@
-/** What a person should look at pulses gently: its points, and its row of the palette. */
+/** A gentle pulse of what a person should look at: its points, and its row of the palette. */
 import type { PointUniforms } from '../cloud/material';
 import { unsure } from '../engine/review';
 import type { PalettePanel } from './palette-panel';

@@ -33,7 +33,7 @@ export class Readout {
   private readonly strong: Type;
   private readonly plain: Type;
   private count = 0;
-  /** Where the next sign goes, pixels. */
+  /** Place of the next sign, pixels. */
   private readonly x = new Float64Array(1);
 
   /** `em` in pixels. */

@@ -1,4 +1,4 @@
-/** Where the headset's space lies in the scene: walking, teleporting and turning move it. */
+/** Pose of the headset's space in the scene: walking, teleporting and turning move it. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Poses } from './poses';
 import { turnBy } from './vectors';
@@ -9,14 +9,14 @@ const JUMP = 0.1;
 
 export class Rig {
   readonly group = new Group();
-  /** Where the eyes are, in the scene and in the headset's own space. */
+  /** Place of the eyes, in the scene and in the headset's own space. */
   readonly head = new Vector3(0, 1.6, 0);
   readonly headInRig = new Vector3(0, 1.6, 0);
-  /** How the head is turned, in the scene. */
+  /** Rotation of the head, in the scene. */
   readonly turned = new Quaternion();
-  /** Where they look, level, in the scene. */
+  /** Level direction of the eyes, in the scene. */
   readonly ahead = new Vector3(0, 0, -1);
-  /** How often one was moved or turned at once, rather than evenly. */
+  /** Count of moves and turns made at once, rather than evenly. */
   jumps = 0;
   private readonly pose = new Matrix4();
   private readonly scratch = new Vector3();

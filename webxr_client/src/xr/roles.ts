@@ -1,7 +1,7 @@
-/** Who paints and who holds the palette: a function of who is there and the hand one wishes. */
+/** Roles of inputs, to paint or to hold the palette: by those present and the hand preferred. */
 import type { Side } from './settings';
 
-/** What is told apart of an input source. */
+/** Properties by which input sources are told apart. */
 export interface Present {
   /** Its place in the table of kinds: of one side the lowest comes first. */
   readonly rank: number;

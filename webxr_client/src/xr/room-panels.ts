@@ -15,7 +15,7 @@ import { xrSettings, type Side } from './settings';
 import { SIZES } from './sizes';
 import { TimelinePanel } from './timeline-panel';
 
-/** Where the palette's middle is from the hand that holds it: above, and towards the other one. */
+/** Offset of the palette's middle from the hand that holds it: above, and towards the other one. */
 const ABOVE = { up: 0.265, away: SIZES.palette.away } as const;
 const HELD = {
   left: { ...ABOVE, right: 0.07 },
@@ -23,14 +23,14 @@ const HELD = {
   none: { ...ABOVE, right: 0 },
 } as const;
 
-/** What can hold the palette; `grip` in the headset's own space. */
+/** An input that can hold the palette; `grip` in the headset's own space. */
 export interface Holder {
   readonly side: Side | 'none';
   readonly tracked: boolean;
   readonly grip: { readonly position: Vector3; readonly matrix: Matrix4 };
 }
 
-/** What has a panel by its bar, in the scene. */
+/** A pointer that has a panel by its bar, in the scene. */
 export interface Carrier {
   readonly origin: Vector3;
   readonly direction: Vector3;
@@ -44,13 +44,13 @@ export class RoomPanels {
   });
   readonly question: QuestionPanel;
   readonly all: readonly Panel[];
-  /** What also the hand that holds the palette can point at. */
+  /** Panels that also the hand that holds the palette can point at. */
   readonly far: readonly Panel[];
   private readonly placement: Placement;
   private readonly spot = new PaletteSpot();
   /** The palette hangs beside the timeline: it stays where it is. */
   private hangs = false;
-  /** How far below the eyes the timeline was laid; 0: not yet.  A person may have carried it since. */
+  /** Metres below the eyes at which the timeline was laid, until carried elsewhere; 0: not yet. */
   private lies = 0;
   private carried = false;
   private readonly unwatch: () => void;

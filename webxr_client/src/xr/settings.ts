@@ -1,4 +1,4 @@
-/** How one likes to work in the headset; kept in the browser. */
+/** Personal settings of the headset; kept in the browser. */
 import { signal } from '@preact/signals';
 import { follow } from '../watch';
 
@@ -7,8 +7,8 @@ export type Side = 'left' | 'right';
 export interface XrSettings {
   /** The hand that paints; the other one holds the palette. */
   readonly hand: Side;
-  /** What the brush paints by: a ball at the tip, or a ray for what is far. */
-  readonly tip: 'ball' | 'ray';
+  /** Tip of the brush: a sphere at the tip, or a ray for what is far. */
+  readonly tip: 'sphere' | 'ray';
   readonly move: 'teleport' | 'smooth';
   /** Degrees a turn; 0 turns evenly. */
   readonly snap: number;
@@ -27,7 +27,7 @@ export interface XrSettings {
 
 export const DEFAULTS: XrSettings = {
   hand: 'right',
-  tip: 'ball',
+  tip: 'sphere',
   move: 'teleport',
   snap: 30,
   vignette: true,
@@ -60,7 +60,7 @@ function load(): XrSettings {
     if (typeof kept !== 'object' || kept === null) return DEFAULTS;
     const settings: XrSettings = { ...DEFAULTS, ...kept };
     // A tip that is none any more: older pages kept the box as one.
-    return { ...settings, tip: settings.tip === 'ray' ? 'ray' : 'ball' };
+    return { ...settings, tip: settings.tip === 'ray' ? 'ray' : 'sphere' };
   } catch {
     return DEFAULTS;
   }

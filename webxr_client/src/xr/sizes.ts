@@ -5,7 +5,7 @@
 
 /** Height of a capital letter in ems: Inter's own metrics, 1490 of 2048 units. */
 export const CAPITAL = 1490 / 2048;
-/** What a capital letter is tall at least, seen from where one is. */
+/** Least height of a capital letter, as seen. */
 export const LEAST_DEGREES = 1;
 
 export interface TextSize {
@@ -15,7 +15,7 @@ export interface TextSize {
   readonly away: number;
 }
 
-/** How tall a capital letter is seen from so far, degrees. */
+/** Height of a capital letter at a distance, degrees. */
 export function degrees({ em, away }: TextSize): number {
   return (Math.atan2(CAPITAL * em, away) * 180) / Math.PI;
 }

@@ -1,4 +1,4 @@
-/** Where one stands at first. */
+/** The first standpoint. */
 import { Vector3, type Matrix4 } from 'three';
 import type { CloudFrame } from '../cloud/frame';
 import { viewOf } from '../desktop/framing';

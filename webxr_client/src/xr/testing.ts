@@ -82,7 +82,7 @@ class TestSession extends EventTarget {
 export class Worn {
   readonly session = new TestSession();
   readonly said: string[] = [];
-  /** How often somebody else became the one that paints. */
+  /** Count of changes of the pointer that paints. */
   gone = 0;
   readonly pointers: Pointers;
   private readonly poses = new Poses({ seen: true } as unknown as XRSpace);

@@ -81,7 +81,7 @@ export class TimelinePanel extends Panel {
   override update(now: number): void {
     const frame = state.frame.peek();
     const playing = state.playing.peek();
-    // What the row below offers depends on the frame; while it plays nobody presses it.
+    // The offers of the row below depend on the frame; while it plays nobody presses it.
     if (!playing && frame !== this.offered) {
       this.offered = frame;
       this.touch();

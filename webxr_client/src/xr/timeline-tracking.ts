@@ -131,7 +131,7 @@ function drawOffers(row: Row, frames: number): void {
   offer(row, labels, frame);
 }
 
-/** What would be tracked; pressed, the active label or all that are here. */
+/** Button of what would be tracked; pressed, the active label or all that are here. */
 function offer(row: Row, labels: readonly number[], frame: number): void {
   if (labels.length === 0) {
     row.say('Paint, then track it', INK.quiet);

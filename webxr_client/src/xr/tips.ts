@@ -1,4 +1,4 @@
-/** What each button does, written beside the controller, until it has been used a few times. */
+/** Hints beside the controller for each button, until it has been used a few times. */
 import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, type BufferGeometry, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { faceEyes, type Facing } from './facing';
@@ -65,7 +65,7 @@ export class Tips {
     colors.needsUpdate = true;
   }
 
-  /** What can be read now, for tests. */
+  /** Legible hints, for tests. */
   get shown(): string[] {
     if (!this.mesh?.visible) return [];
     return this.tips.flatMap(({ text }, i) => (this.opacity[i]! > 0.01 ? text : []));

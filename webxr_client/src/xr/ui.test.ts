@@ -16,7 +16,7 @@ function over(top: Color, below: Color, opacity: number): Color {
   return `#${mixed.map((value) => value.toString(16).padStart(2, '0')).join('')}`;
 }
 
-/** Which words stand on which backs. */
+/** Map each word to the back that it stands on. */
 const WORDS = {
   back: ['text', 'quiet', 'off', 'accent', 'bad', 'good', 'warn'],
   raised: ['text', 'quiet', 'off', 'warn'],
@@ -33,7 +33,7 @@ describe('panels in the room', () => {
     const below = INK[back as keyof typeof WORDS];
     for (const word of words) {
       expect(contrast(INK[word], below), word).toBeGreaterThan(4.5);
-      // What cannot be pressed does not light up.
+      // A disabled control does not light up.
       if (word === 'off') continue;
       const light = (color: Color): Color => over(LIGHT.color, color, LIGHT.opacity);
       expect(contrast(light(INK[word]), light(below)), `${word}, lit`).toBeGreaterThan(4.5);

@@ -1,5 +1,5 @@
 /**
- * What panels in the room are drawn with: a canvas, and the places on it that answer to a ray.
+ * Drawing of panels in the room: a canvas, and the places on it that answer to a ray.
  * Everything is drawn anew when something changed; places are noted while drawing.
  */
 import { ICONS, type IconName } from '../panels/icons';
@@ -21,7 +21,7 @@ export const INK = {
   accent: '#8bbcff',
   bad: '#ff7b72',
   good: '#4cc38a',
-  /** What cannot be pressed now. */
+  /** It cannot be pressed now. */
   off: '#8d97a5',
   warn: '#ffc966',
 } as const;

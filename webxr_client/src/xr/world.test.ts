@@ -6,7 +6,7 @@ import { Matrix4 } from 'three';
 
 const v = (x: number, y: number, z: number): Vector3 => new Vector3(x, y, z);
 
-/** Where a place of the world lies in the scene. */
+/** Move a place of the world to the scene. */
 function seen(world: Group, at: Vector3): number[] {
   world.updateMatrixWorld(true);
   return world

@@ -226,6 +226,6 @@ class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is i
     )
     clip: ClipBox | None = Field(
         None,
-        description="what is shown: points outside this box are left alone, by every shape, and "
+        description="box that is shown: points outside it are left alone, by every shape, and "
         "rays pass through them.",
     )

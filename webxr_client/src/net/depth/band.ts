@@ -126,7 +126,7 @@ export class BandPlan {
         const columnSlope = columnSlopes[column]!;
         for (let row = strip; row < end; row += down) {
           const place = row * stride + column;
-          // What is expected here, by what is known beside it.
+          // The expected value, by what is known beside it.
           let one: number;
           let other: number;
           let between = 0;

@@ -56,7 +56,7 @@ class Converted implements Picture {
 let canvas: OffscreenCanvas | null = null;
 let context: OffscreenCanvasRenderingContext2D | null = null;
 
-/** Where there is nothing better: drawn on a canvas, and read back. */
+/** Decode by drawing on a canvas and reading back, where there is nothing better. */
 class Drawn implements Picture {
   readonly width: number;
   readonly height: number;

@@ -14,7 +14,7 @@ export function kindOf(source: XRInputSource): Kind | undefined {
   return KINDS.find((kind) => kind.is(source));
 }
 
-/** What is said of an input that no kind is for. */
+/** Notice about an input that no kind is for. */
 export function unknownInput({ targetRayMode, profiles }: XRInputSource): string {
   const named = profiles[0] ? ` (${profiles[0]})` : '';
   return `This kind of input is not known here:\n${targetRayMode}${named}`;

@@ -1,17 +1,17 @@
-/** What a kind of WebXR input is to the page.  A kind is one file here and one row of the table. */
+/** Interface of a kind of WebXR input.  A kind is one file here and one row of the table. */
 import type { Object3D, Vector3 } from 'three';
 import { deviceFor, type Device } from '../devices';
 
 /** `near`: it paints at its place; `far`: where its ray first hits, and drags at that depth. */
 export type Reach = 'near' | 'far';
 
-/** What one sees of an input. */
+/** The visible model of an input. */
 export interface Model {
   readonly object: Object3D;
   /** It follows the grip; else it places itself in the headset's space. */
   readonly gripped: boolean;
   update?(frame: XRFrame, space: XRReferenceSpace): void;
-  /** Where thumb and index finger meet, in the headset's space; false: not seen. */
+  /** Meeting point of thumb and index finger, in the headset's space; false: not seen. */
   pinch?(out: Vector3): boolean;
   /** The tip of the index finger, in the headset's space; false: not seen. */
   fingertip?(out: Vector3): boolean;
@@ -31,9 +31,9 @@ export interface Kind {
   readonly drawn: boolean;
   /** It comes and goes by itself, which nobody must be told. */
   readonly fleeting: boolean;
-  /** Where its buttons and pads are. */
+  /** Places of its buttons and pads. */
   device(source: XRInputSource): Device;
-  /** How far it is pressed, 0..1; `selecting`: between `selectstart` and `selectend`. */
+  /** Depth of its press, 0..1; `selecting`: between `selectstart` and `selectend`. */
   press(gamepad: Gamepad | null, device: Device, selecting: boolean): number;
   /** Make what one sees of it; null: nothing. */
   model(source: XRInputSource, device: Device): Model | null;
@@ -44,7 +44,7 @@ export function buttonValue(gamepad: Gamepad | null, button: number): number {
   return gamepad && button >= 0 ? (gamepad.buttons[button]?.value ?? 0) : 0;
 }
 
-/** What points from afar and only selects: pressed or not, nothing to see, no buttons besides. */
+/** An input that points from afar and only selects: nothing to see, no buttons besides. */
 export const SELECTS = {
   reach: 'far',
   holds: false,

@@ -1,4 +1,4 @@
-/** How one is moved, held and shown things in the headset. */
+/** Page of the palette for comfort in the headset: moving, holding, showing. */
 import { change, xrSettings, type XrSettings } from '../settings';
 import type { Ui } from '../ui';
 

@@ -113,7 +113,7 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
   );
 }
 
-/** How many points of this frame the active label has. */
+/** Count of the active label's points in this frame. */
 function paintedOf({ id, category }: Label): string {
   const count = state.counts.peek().get(id) ?? 0;
   return count > 0 ? `${shortCount(count)} pts` : category;

@@ -1,4 +1,4 @@
-/** What the trigger does, and how it takes points. */
+/** Page of the palette for the trigger's action, and the way that it takes points. */
 import { computed } from '@preact/signals';
 import { actions } from '../../actions';
 import { metres } from '../../panels/format';
@@ -34,7 +34,7 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
   drawBrush(ui, x, top, inner, way);
 }
 
-/** What the palette says of an object: drawn anew when it changes. */
+/** Text of the palette about an object: drawn anew when it changes. */
 export const offered = computed(() => {
   const { levels = 0, level = 0, completes = false } = state.object.value ?? {};
   return `${level} of ${levels} ${completes}`;
@@ -105,6 +105,6 @@ function checksOf(way: Way): readonly CheckRow[] {
 }
 
 export function chooseWay(way: Way): void {
-  if (way.name === 'ball' || way.name === 'ray') change({ tip: way.name });
+  if (way.name === 'sphere' || way.name === 'ray') change({ tip: way.name });
   actions.setShape(way.shape);
 }

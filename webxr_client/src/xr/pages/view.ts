@@ -1,4 +1,4 @@
-/** How the recording is shown, and how one stands in it. */
+/** Page of the palette for the view of the recording, and the standpoint in it. */
 import { actions } from '../../actions';
 import { state } from '../../state';
 import type { ButtonLook, Ui } from '../ui';
@@ -43,7 +43,7 @@ export function drawView(
   drawEnd(ui, x, top + em * 14.4, inner, world, list);
 }
 
-/** Where one stands, in a line of three; below it where else one can go. */
+/** Rows for the standpoint, in a line of three, and below it for the others. */
 function drawEnd(
   ui: Ui,
   x: number,
