@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.cli import main
-from pointbrush.web.kept_uploads import SECONDS, KeptUploads, Upload
+from pointbrush.web.upload_files import KEPT_SECONDS, KeptUploads, Upload
 from tests.serving import Served, serving, settings_in
 
 
@@ -167,7 +167,7 @@ def test_files_wait_for_an_hour_and_for_their_owner(tmp_path: Path) -> None:
     assert kept.find(first.id, "ann") == first
     with pytest.raises(Exception, match="send them again"):
         kept.find(first.id, "bob")
-    now[0] = SECONDS + 1
+    now[0] = KEPT_SECONDS + 1
     with pytest.raises(Exception, match="send them again"):
         kept.find(first.id, "ann")
     sent(2)

@@ -19,13 +19,13 @@ from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket
 from pointbrush.web.auth import Gate
-from pointbrush.web.kept_uploads import KeptUploads
 from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
 from pointbrush.web.routes import RESOURCES, meta, objects, trust
 from pointbrush.web.routes.export import Exports
+from pointbrush.web.upload_files import KeptUploads
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
 

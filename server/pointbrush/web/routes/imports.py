@@ -21,10 +21,16 @@ from pointbrush.formats import format_names
 from pointbrush.streaming.encoding import describe
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import Ws
-from pointbrush.web.kept_uploads import KeptUploads, Upload
 from pointbrush.web.problems import problem_of, responses
 from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut
-from pointbrush.web.upload_files import described, parse_json, relative_path, save
+from pointbrush.web.upload_files import (
+    KeptUploads,
+    Upload,
+    described,
+    parse_json,
+    relative_path,
+    save,
+)
 from pointbrush.work.imports.roots import allowed
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
