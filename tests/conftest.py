@@ -29,6 +29,7 @@ SLOW = frozenset(
         *("labels/test_durability.py", "labels/test_model.py", "sequences/test_large.py"),
         *("streaming/test_links.py", "web/test_ending.py", "web/test_hostile.py"),
         *("web/test_schemathesis.py", "web/test_server.py", "work/test_prepare.py"),
+        "work/test_sequence_store.py",
         *("formats/test_corpus.py", "work/test_tracking.py"),
     }
 )

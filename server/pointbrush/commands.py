@@ -231,6 +231,11 @@ def restore(given: argparse.Namespace, settings: Settings) -> None:
         with closing(Workspace(settings)) as workspace:
             print(f"restored {workspace.restore_from_backup(given.source, given.only)}")
         return
+    if settings.sequences:
+        raise BadInputError(
+            "restore: expected no --sequences: a backup becomes a folder, whose `sequences` can "
+            "be copied to a bucket then"
+        )
     restore_backup(given.source, settings.workspace, settings.database and settings.database_url)
     print(f"restored to {settings.workspace}")
 

@@ -45,6 +45,23 @@ class Settings:
     database_password_file: str = option(
         "", "file that holds the password of the database's user", where=EVERYWHERE
     )
+    sequences: str = option(
+        "",
+        "URL of object storage (s3://bucket/folder, gs://…) that holds the recordings; empty is "
+        "the folder `sequences` of the workspace",
+        where=EVERYWHERE,
+    )
+    sequence_cache: str = option(
+        "",
+        "folder of this machine for files from there; empty is `pointbrush` in the user's cache",
+        where=EVERYWHERE,
+    )
+    sequence_cache_bytes: int = option(
+        20 * 2**30,
+        "room for them; what is in use stays, even beyond that",
+        where=EVERYWHERE,
+        unit="bytes",
+    )
     max_frame_points: int = option(
         500_000_000, "greatest number of points in a frame", where=READERS
     )
@@ -173,6 +190,13 @@ class Settings:
         user, at, server = place.rpartition("@")
         name = user.partition(":")[0] or quote(getuser(), safe="")
         return f"{scheme}://{name}:{quote(password, safe='')}@{server if at else place}"
+
+    @property
+    def cache_folder(self) -> Path:
+        """The folder of files from object storage, absolute."""
+        if self.sequence_cache:
+            return Path(self.sequence_cache).expanduser().absolute()
+        return Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "pointbrush"
 
     @property
     def admin_token(self) -> str:

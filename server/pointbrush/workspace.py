@@ -36,6 +36,7 @@ from pointbrush.lazy import lazily, once
 from pointbrush.permissions import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
 from pointbrush.work import checking, exporting, palettes, place, thumbnails
 from pointbrush.work.annotate import accepting, copying, flooring, layers
@@ -55,6 +56,7 @@ from pointbrush.work.events import (
     Retracted,
     SequencesChanged,
 )
+from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
 from pointbrush.work.imports.submitting import IMPORT, LABELS, SAMPLE, ImportRequest, Imports
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
@@ -107,7 +109,7 @@ class Workspace:
         self.settings = settings
         self.paths = ServerPaths(settings.workspace, *settings.roots)
         place.require_here(settings.workspace, settings.database_url)
-        self.library = Library(settings.workspace.absolute() / "sequences")
+        self.library = Library(_store_of(settings))
         self.library.clean()
         make_private(settings.workspace)
         self._listeners = Listeners()
@@ -142,6 +144,8 @@ class Workspace:
         )
         self._deletion = Deletion(self.library, self.store)
         self._deletion.tidy()
+        if not self.read_only:
+            self.library.store.clear_remains(self.store.guards.importing)
         self._imports.complete(self.sequences())
         self.store.seal()
         self.store.watch_sequences(self._changed_elsewhere)
@@ -223,6 +227,7 @@ class Workspace:
 
     def _changed_elsewhere(self, sequence: str) -> None:
         """Another process added, deleted or restored a recording."""
+        self.library.store.forget(sequence)
         self._deletion.tidy()
         self._publish(SequencesChanged(sequence))
 
@@ -778,6 +783,7 @@ class Workspace:
         return {
             "database": self.store.require_answer,
             "disk": lambda: require_room(self.library.folder),
+            "sequences": self.library.store.require_answer,
             "scheduler": self.runner.require_scheduler,
         }
 
@@ -790,3 +796,15 @@ class Workspace:
     def backup(self, target: Path) -> None:
         """Copy the whole workspace into the new folder ``target``, also while it is in use."""
         make_backup(self.store, self.library, target)
+
+
+def _store_of(settings: Settings) -> SequenceStore:
+    """Open where the recordings of a workspace are kept."""
+    if not settings.sequences:
+        return FolderStore(settings.workspace.absolute() / "sequences")
+    make_folder("workspace", settings.workspace)
+    from pointbrush.sequences.bucket import Bucket
+    from pointbrush.work.bucket_store import BucketStore
+
+    cache = FileCache(settings.cache_folder, settings.sequence_cache_bytes)
+    return BucketStore(Bucket(settings.sequences, cache))

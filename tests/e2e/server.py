@@ -76,7 +76,7 @@ def _complete(workspace: Path) -> None:
             for frame in range(len(recording)):
                 files = StateFiles(workspace / "objects", 0)
                 target = files.path(recording.identity, BUILT_IN, version, frame)
-                assert prepare_file(recording.path, frame, BUILT_IN, target)
+                assert prepare_file(recording.files, frame, BUILT_IN, target)
 
 
 class LiveServer:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from playwright.sync_api import Browser
 
 from pointbrush.sequences import importer
+from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports import importing
 from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import Headset, wear
@@ -76,7 +77,7 @@ def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(importer, "LARGE_POINTS", 200_000)
         patch.setattr(importing, "LARGE_POINTS", 200_000)
-        importing.ImportWork((folder / "scan.las",), target, SEQUENCE)(Silent())
+        importing.ImportWork((folder / "scan.las",), FolderTarget(target), SEQUENCE)(Silent())
     return folder / "workspace"
 
 

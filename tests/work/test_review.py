@@ -77,7 +77,7 @@ def test_a_run_stops_at_the_frame_it_is_unsure_of(
     recording = workspace.recording(SEQUENCE)
     notes = Notes()
     TrackingWork(
-        recording.path,
+        recording.files,
         workspace.settings.database_url,
         0,
         FRAMES - 1,

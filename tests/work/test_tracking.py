@@ -132,7 +132,7 @@ def results_of(workspace: Workspace, asked: Request) -> list[FrameResult]:
     seeds = prepare(workspace.store, recording, asked.labels, asked.start, asked.stop)
     notes = Notes([])
     TrackingWork(
-        recording.path,
+        recording.files,
         workspace.settings.database_url,
         asked.start,
         asked.stop,

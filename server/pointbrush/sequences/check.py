@@ -1,34 +1,15 @@
-"""Checksums of a sequence's files, and what is wrong with them."""
+"""Faults of a sequence's files, told by their checksums or by themselves."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-from pointbrush.errors import DamagedError, PointbrushError
-from pointbrush.sequences.files import replace_file
-from pointbrush.sequences.manifest import FILE, read_manifest
-from pointbrush.sequences.octree.arrays import file_digest, read_array, read_layout
+from pointbrush.errors import DamagedError, PointbrushError, UnavailableError
+from pointbrush.sequences.checksums import CHECKSUMS, encode_checksums
+from pointbrush.sequences.frame_files import FRAMES
+from pointbrush.sequences.octree.arrays import read_array, read_layout
 from pointbrush.sequences.other import FIELDS
-
-CHECKSUMS = "checksums.json"
-SENSOR = "sensor.json"
-"""Facts about the recording's sensor that tracking keeps; the file may be missing."""
-
-
-def encode_checksums(checksums: dict[str, str]) -> bytes:
-    """The file: checksum by path in the sequence's folder."""
-    return json.dumps(dict(sorted(checksums.items())), indent=0).encode()
-
-
-def read_checksums(path: Path) -> dict[str, str] | None:
-    """The checksums of the sequence in folder ``path``; None when they are missing or damaged."""
-    try:
-        content = json.loads((path / CHECKSUMS).read_bytes())
-    except (OSError, ValueError):
-        return None
-    return content if isinstance(content, dict) else None
-
+from pointbrush.sequences.recording_files import RecordingFiles, files_of
 
 NO_CHECKSUMS = (
     f"{CHECKSUMS}: expected checksums in JSON, it is missing or damaged: changed bytes of the "
@@ -36,67 +17,74 @@ NO_CHECKSUMS = (
 )
 
 
-def verify(path: Path, *, contents: bool = True) -> list[str]:
-    """Problems of the sequence in folder ``path``, one sentence each; none when it is whole.
+def verify(place: Path | RecordingFiles, *, contents: bool = True) -> list[str]:
+    """Problems of the sequence at ``place``, one sentence each; none when it is whole.
 
     Without ``contents`` no frame is read: the manifest must be whole and all files there.
     """
-    problems = []
+    files, problems = files_of(place), []
     try:
-        read_manifest(path)
+        files.manifest()
+    except UnavailableError:
+        raise
     except PointbrushError as error:
         problems.append(str(error))
-    expected = read_checksums(path)
+    expected = files.checksums()
     if expected is None:
-        return [*problems, NO_CHECKSUMS, *_unreadable(path)]
+        return [*problems, NO_CHECKSUMS, *_unreadable(files)]
+    there = files.names()
     for name, checksum in expected.items():
-        file = path / name
-        if not file.is_file():
+        if name not in there:
             problems.append(f"{name}: expected a file, it is missing")
-        elif contents and file_digest(file) != checksum:
+        elif contents and files.digest(name) != checksum:
             problems.append(f"{name}: expected checksum {checksum}, its bytes have changed")
     # Imports of before manifest version 4 noted no checksums of a source's further fields.
-    extra = sorted(
-        name for name in _files(path) - set(expected) if not name.startswith(f"{FIELDS}/")
-    )
+    extra = sorted(name for name in there - set(expected) if not name.startswith(f"{FIELDS}/"))
     problems += [f"{name}: expected no such file" for name in extra]
     return problems
 
 
-def note_checksums(path: Path) -> bool:
+def note_checksums(place: Path | RecordingFiles) -> bool:
     """Write checksums of what is there, if there are none and all of it can be read.
 
-    Whether they were written.  Raises OSError.
+    Whether they were written.  Raises OSError, UnavailableError.
     """
+    files = files_of(place)
     try:
-        read_manifest(path)
+        files.manifest()
+    except UnavailableError:
+        raise
     except PointbrushError:
         return False
-    if read_checksums(path) is not None or _unreadable(path):
+    if files.checksums() is not None or _unreadable(files):
         return False
-    checksums = {name: file_digest(path / name) for name in _files(path)}
-    replace_file(path / CHECKSUMS, encode_checksums(checksums))
+    checksums = {name: files.digest(name) for name in files.names()}
+    files.write(CHECKSUMS, encode_checksums(checksums))
     return True
 
 
-def _files(path: Path) -> set[str]:
-    here = {str(file.relative_to(path)) for file in path.rglob("*") if file.is_file()}
-    return here - {CHECKSUMS, FILE, SENSOR}
-
-
-def _unreadable(path: Path) -> list[str]:
+def _unreadable(files: RecordingFiles) -> list[str]:
     """List faults of frames' files by what they say of themselves."""
     problems = []
-    for file in sorted(path.glob("frames/*.points")):
+    for name in sorted(files.names()):
+        if not (name.startswith(f"{FRAMES}/") and name.endswith(".points")):
+            continue
         try:
-            layout = read_layout(file)
-            chunks = read_array(file, layout, "chunks")
-            wire = file.with_suffix(".wire")
-            nbytes = int((chunks["offset"] + chunks["nbytes"]).max(initial=0))
-            if "depth_ends" in layout.entries:
-                nbytes = int(read_array(file, layout, "depth_ends")[-1])
-            if not wire.is_file() or wire.stat().st_size != nbytes:
-                problems.append(f"frames/{wire.name}: expected {nbytes:,} bytes")
+            with files.hold(int(Path(name).stem), FRAMES):
+                problems += _faults(files.path / name)
         except DamagedError as error:
             problems.append(str(error))
     return problems
+
+
+def _faults(file: Path) -> list[str]:
+    """List faults of a frame's two files, of which ``file`` has its arrays."""
+    layout = read_layout(file)
+    chunks = read_array(file, layout, "chunks")
+    wire = file.with_suffix(".wire")
+    nbytes = int((chunks["offset"] + chunks["nbytes"]).max(initial=0))
+    if "depth_ends" in layout.entries:
+        nbytes = int(read_array(file, layout, "depth_ends")[-1])
+    if not wire.is_file() or wire.stat().st_size != nbytes:
+        return [f"{FRAMES}/{wire.name}: expected {nbytes:,} bytes"]
+    return []

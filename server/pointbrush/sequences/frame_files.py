@@ -39,6 +39,9 @@ from pointbrush.sequences.octree.arrays import (
 from pointbrush.sequences.octree.coordinates import PACKED, Coordinates
 from pointbrush.sequences.verification import stamp_of, verifier
 
+FRAMES = "frames"
+"""Folder of a recording that has these files."""
+
 COPIED_BYTES = 256 << 20
 """Memory of this process for arrays of frames; the least recently used go first."""
 _copied: Cache[tuple[str, str], Arrays] = Cache(COPIED_BYTES)
@@ -63,10 +66,18 @@ class FrameFiles:
     count: int
 
     def __init__(
-        self, folder: Path, index: int, manifest: Manifest, checksums: Mapping[str, str]
+        self,
+        folder: Path,
+        index: int,
+        manifest: Manifest,
+        checksums: Mapping[str, str],
+        held: object = None,
     ) -> None:
-        """``folder`` holds the sequence's frames; ``checksums`` are by name within it."""
-        self.index, self._folder = index, folder
+        """``folder`` holds the sequence's frames; ``checksums`` are by name within it.
+
+        ``held`` keeps the files there, see ``RecordingFiles.hold``.
+        """
+        self.index, self._folder, self._held = index, folder, held
         self._checksums, self._identity = checksums, manifest.identity
         self._shift, points = np.array(manifest.shift), manifest.points[index]
         self._wire_path = folder / f"{index:06d}.wire"
@@ -326,14 +337,18 @@ class PackedFiles(MappedFiles):
 
 
 def open_frame_files(
-    folder: Path, index: int, manifest: Manifest, checksums: Mapping[str, str]
+    folder: Path,
+    index: int,
+    manifest: Manifest,
+    checksums: Mapping[str, str],
+    held: object = None,
 ) -> CopiedFiles | MappedFiles:
     """The files of frame ``index`` in ``folder``; raises DamagedError."""
     place = folder / f"{index:06d}"
     if not place.is_dir():
-        return CopiedFiles(folder, index, manifest, checksums)
+        return CopiedFiles(folder, index, manifest, checksums, held)
     kind = MappedFiles if (place / "xyz.npy").exists() else PackedFiles
-    return kind(folder, index, manifest, checksums)
+    return kind(folder, index, manifest, checksums, held)
 
 
 def _cut(view: memoryview) -> bool:

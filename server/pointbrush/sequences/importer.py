@@ -13,10 +13,11 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.check import CHECKSUMS, encode_checksums
+from pointbrush.sequences.checksums import CHECKSUMS, encode_checksums
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS, encode_frame, frame_meta
 from pointbrush.sequences.files import new_folder, write_file
+from pointbrush.sequences.frame_files import FRAMES
 from pointbrush.sequences.manifest import FILE, Manifest, encode_manifest
 from pointbrush.sequences.octree.ahead import WORKERS, ahead
 from pointbrush.sequences.octree.arrays import digest, file_digest, map_npy, read_meta, write_arrays
@@ -26,7 +27,6 @@ from pointbrush.sequences.octree.large import LargeFrame
 from pointbrush.sequences.other import write_other
 from pointbrush.sequences.pictures import write_pictures
 from pointbrush.sequences.record import Record, make_manifest, record
-from pointbrush.sequences.store import FRAMES
 
 if TYPE_CHECKING:
     from pointbrush.formats.pictures import PictureSource

@@ -113,20 +113,27 @@ def read_manifest(path: Path) -> Manifest:
     Raises NotFoundError when there is none, BadInputError when it is damaged.
     """
     try:
-        content = json.loads((path / FILE).read_bytes())
+        data = (path / FILE).read_bytes()
     except FileNotFoundError as error:
         raise NotFoundError(f"expected a sequence in {path.name}, got no manifest") from error
+    return parse_manifest(data, path.name)
+
+
+def parse_manifest(data: bytes, name: str) -> Manifest:
+    """Return the manifest in its file's bytes; raises BadInputError, which names ``name``."""
+    try:
+        content = json.loads(data)
     except ValueError as error:
-        raise BadInputError(f"{path.name}: expected a manifest in JSON, got {error}") from error
+        raise BadInputError(f"{name}: expected a manifest in JSON, got {error}") from error
     found = content.get("version") if isinstance(content, dict) else None
     if found not in range(1, VERSION + 1):
         raise BadInputError(
-            f"{path.name}: expected a manifest of version 1 to {VERSION}, got {found}"
+            f"{name}: expected a manifest of version 1 to {VERSION}, got {found}"
             + (", of a newer pointbrush" if isinstance(found, int) and found > VERSION else "")
         )
     given = content.pop("checksum", None)
     if given != _checksum(content):
-        raise BadInputError(f"{path.name}: expected manifest checksum {given}, got another")
+        raise BadInputError(f"{name}: expected manifest checksum {given}, got another")
     # Imports of before the room could be corrected by pointing did not keep what they found, those
     # of before a recording could be restored under another id did not keep the first one.
     content.setdefault("found_room", content["room"])
@@ -154,20 +161,26 @@ def rename_sequence(path: Path, sequence: str) -> Manifest:
     return manifest
 
 
-def update_manifest(
-    path: Path,
+def update_manifest(path: Path, **fields: Any) -> Manifest:
+    """Change what may change of an imported sequence, in one step; see ``changed_manifest``."""
+    manifest = changed_manifest(read_manifest(path), **fields)
+    replace_file(path / FILE, encode_manifest(manifest))
+    return manifest
+
+
+def changed_manifest(
+    manifest: Manifest,
     *,
     id: str | None = None,
     name: str | None = None,
     fps: float | None = None,
     room: NDArray[np.float64] | None = None,
 ) -> Manifest:
-    """Change what may change of an imported sequence, in one step.
+    """Return a manifest with what may change of it changed.
 
     ``room`` is ``T_room_local`` (4, 4), affine and invertible.  Raises BadInputError for an empty
     name, a rate that is not positive and finite, or another matrix.
     """
-    manifest = read_manifest(path)
     if id is not None:
         manifest = replace(manifest, id=id)
     if name is not None:
@@ -180,7 +193,6 @@ def update_manifest(
         manifest = replace(manifest, fps=float(fps))
     if room is not None:
         manifest = replace(manifest, room=_check_room(room))
-    replace_file(path / FILE, encode_manifest(manifest))
     return manifest
 
 

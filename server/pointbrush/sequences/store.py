@@ -14,31 +14,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
-from pointbrush.sequences.check import read_checksums
-from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles, open_frame_files
-from pointbrush.sequences.manifest import read_manifest
-from pointbrush.sequences.other import read_other, read_rows, read_source_header
+from pointbrush.sequences.frame_files import FRAMES, CopiedFiles, MappedFiles, open_frame_files
+from pointbrush.sequences.other import FIELDS, read_other, read_rows, read_source_header
+from pointbrush.sequences.pictures import CAMERAS, Projection, find_picture, read_projections
+from pointbrush.sequences.recording_files import RecordingFiles, files_of
 from pointbrush.sequences.stored_frame import StoredFrame
 
 log = logging.getLogger(__name__)
-
-FRAMES = "frames"
-_OPEN_FRAMES = 256
 
 
 class Sequence:
     """An imported recording: ``len`` and ``[i]``; immutable, safe to share between threads."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.manifest = read_manifest(path)
+    def __init__(self, place: Path | RecordingFiles) -> None:
+        self.files = files_of(place)
+        self.manifest = self.files.manifest()
+        self.path = self.files.path
         self.identity = self.manifest.identity
         self._frames: OrderedDict[int, StoredFrame] = OrderedDict()
         self._lock = Lock()
 
-    def __reduce__(self) -> tuple[type[Sequence], tuple[Path]]:
+    def __reduce__(self) -> tuple[type[Sequence], tuple[RecordingFiles]]:
         """Another process opens it anew."""
-        return Sequence, (self.path,)
+        return Sequence, (self.files,)
 
     def __len__(self) -> int:
         return self.manifest.frames
@@ -48,13 +46,15 @@ class Sequence:
             raise NotFoundError(f"expected a frame from 0 to {len(self) - 1}, got {index}")
         with self._lock:
             frame = self._frames.get(index)
-            if frame is None:
-                frame = StoredFrame(self._files(index), self.manifest)
-                self._frames[index] = frame
-                if len(self._frames) > _OPEN_FRAMES:
-                    self._frames.popitem(last=False)
-            else:
+            if frame is not None:
                 self._frames.move_to_end(index)
+                return frame
+        # Outside the lock: its files may have to come from far away.
+        opened = StoredFrame(self._files(index), self.manifest)
+        with self._lock:
+            frame = self._frames.setdefault(index, opened)
+            if len(self._frames) > self.files.open_frames:
+                self._frames.popitem(last=False)
         return frame
 
     def other(self, index: int) -> dict[str, NDArray[Any]]:
@@ -67,26 +67,44 @@ class Sequence:
 
     def other_of(self, index: int, first: int, stop: int) -> dict[str, NDArray[Any]]:
         """The same of the points ``first`` to before ``stop`` of the source."""
-        return read_other(self.path, self._checksums, index, first, stop, self[index].count)
+        with self.files.hold(index, FIELDS):
+            return read_other(self.path, self._checksums, index, first, stop, self[index].count)
 
     def source_header(self, index: int) -> bytes | None:
         """The header of a frame's source as its format keeps it, or None."""
-        return read_source_header(self.path, index)
+        with self.files.hold(index, FIELDS):
+            return read_source_header(self.path, index)
 
     def source_rows(self, index: int) -> NDArray[np.int64] | None:
         """Return each point's row (N,) in the source; None: as the points, or unknown.
 
         Raises DamagedError.
         """
-        return read_rows(self.path, self._checksums, index, self[index].count)
+        with self.files.hold(index, FIELDS):
+            return read_rows(self.path, self._checksums, index, self[index].count)
+
+    def projections(self, index: int) -> list[Projection]:
+        """Return the pictures that cameras took at a frame, [] where it has none.
+
+        Raises NotFoundError, DamagedError.
+        """
+        with self.files.hold(self[index].index, CAMERAS):
+            return read_projections(self.path, index)
+
+    def picture(self, index: int, camera: str) -> tuple[str, bytes]:
+        """Return name and bytes of a camera's picture; raises NotFoundError, DamagedError."""
+        with self.files.hold(self[index].index, CAMERAS):
+            path = find_picture(self.path, index, camera)
+            return path.name, path.read_bytes()
 
     def _files(self, index: int) -> CopiedFiles | MappedFiles:
-        return open_frame_files(self.path / FRAMES, index, self.manifest, self._checksums)
+        held = self.files.hold(index, FRAMES)
+        return open_frame_files(self.path / FRAMES, index, self.manifest, self._checksums, held)
 
     @cached_property
     def _checksums(self) -> dict[str, str]:
         """By path in the folder of frames, or, elsewhere, of the recording; empty without any."""
-        found = read_checksums(self.path)
+        found = self.files.checksums()
         if found is None:
             log.info("%s has no checksums: changed bytes go unnoticed", self.path)
             return {}
@@ -97,9 +115,9 @@ class Sequence:
         return (self[index] for index in range(len(self)))
 
 
-def open_sequence(path: Path) -> Sequence:
-    """Open the sequence in folder ``path``.
+def open_sequence(place: Path | RecordingFiles) -> Sequence:
+    """Open the sequence at ``place``, a folder or its files elsewhere.
 
     Raises NotFoundError when there is none, BadInputError when its manifest is damaged.
     """
-    return Sequence(path)
+    return Sequence(place)

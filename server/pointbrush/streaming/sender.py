@@ -187,7 +187,7 @@ class Sender:
         """
         if self._viewer.room is not room:
             return
-        if isinstance(error, NotFoundError) or not room.recording.path.is_dir():
+        if isinstance(error, NotFoundError) or room.recording.files.is_gone():
             self._hub.send_out(self._viewer, NotFoundError(room.id))
             return
         damaged = self._viewer.plan.damaged

@@ -28,7 +28,7 @@ def make_backup(store: LabelStore, library: Library, target: Path) -> None:
     partial = _partial(target)
     try:
         for manifest in library.manifests():
-            _copy(library.folder / manifest.id, partial / RECORDINGS / manifest.id)
+            library.store.files(manifest.id).copy_to(partial / RECORDINGS / manifest.id)
         store.backup(partial / DATABASE)
         partial.rename(target)
     except BaseException:
@@ -72,19 +72,18 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
     ids = chain([sequence], (f"{sequence}-{number}" for number in count(2)))
     guard = store.guards.reserve(ids, lambda id_: id_ not in taken and library.is_free(id_))
     target = guard.sequence
-    partial = library.folder / f".tmp-{os.getpid()}-{uuid.uuid4().hex}"
     try:
-        shutil.copytree(folder, partial)
-        identity = rename_sequence(partial, target).identity
-        store.restore_sequence(
-            source / DATABASE,
-            sequence,
-            target,
-            identity,
-            lambda: partial.rename(library.folder / target),
-        )
+        with library.store.staging() as partial:
+            shutil.copytree(folder, partial)
+            identity = rename_sequence(partial, target).identity
+            store.restore_sequence(
+                source / DATABASE,
+                sequence,
+                target,
+                identity,
+                lambda: library.store.publish(partial, target),
+            )
     finally:
-        shutil.rmtree(partial, ignore_errors=True)
         store.guards.end(guard)
     return target
 

@@ -21,7 +21,7 @@ class Repaired:
 
 def check_recording(library: Library, store: LabelStore, sequence: str) -> list[str]:
     """List faults of a recording's files, journal and annotations; none when it is sound."""
-    problems = verify(library.folder / sequence)
+    problems = verify(library.store.files(sequence))
     try:
         return problems + store.check(sequence)
     except (UnavailableError, NotFoundError) as error:
@@ -43,14 +43,14 @@ def repair(library: Library, store: LabelStore, sequences: Iterable[str]) -> Rep
         if not library.has(sequence):
             done.lost.append(f"{sequence}: {LABELS_ALONE}")
             continue
-        path = library.folder / sequence
-        if note_checksums(path):
+        files = library.store.files(sequence)
+        if note_checksums(files):
             done.rebuilt.append(
                 f"{sequence}: it had no checksums; those of its files as they are now are kept"
             )
         done.lost += [
             f"{sequence}: {line}; import it again or restore it from a backup"
-            for line in verify(path)
+            for line in verify(files)
         ]
     return done
 

@@ -5,17 +5,16 @@ Stopped anywhere, a recording is whole or deleted and can be restored; ``tidy`` 
 
 from __future__ import annotations
 
-import itertools
 import logging
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known, LabelStore
 from pointbrush.sequences import Manifest
-from pointbrush.work.library import Library, ids_for
-from pointbrush.work.trash import Trash, manifest_or_none
+from pointbrush.work.library import Library
 
 log = logging.getLogger(__name__)
 
@@ -33,7 +32,7 @@ class Deletion:
 
     def __init__(self, library: Library, store: LabelStore) -> None:
         self._library, self._store = library, store
-        self._trash = Trash(library.folder)
+        self._trash = library.store.deleted
 
     def delete(self, sequence: str) -> None:
         """Delete a recording with its labels; it can be restored for ``KEPT_SECONDS``.
@@ -79,8 +78,8 @@ class Deletion:
         else:
             raise NotFoundError(f"sequence: expected a deleted recording, got {key!r}")
         guards = self._store.guards
-        ids = itertools.chain([known.id], ids_for(known.id))
-        guard = guards.reserve(ids, self._library.is_free)
+        room = partial(self._trash.has_room, known)
+        guard = guards.reserve(self._trash.ids_for(known), room)
         try:
             self._store.recordings.restore(known.number, guard.sequence)
             self._tidy_later()
@@ -102,7 +101,7 @@ class Deletion:
         """
         recordings = self._store.recordings
         deleted = recordings.deleted()
-        if not deleted and not any(map(self._is_away, recordings.live())):
+        if not deleted and self._trash.is_empty():
             self._library.hidden = frozenset()
             return
         try:
@@ -116,8 +115,9 @@ class Deletion:
         recordings = self._store.recordings
         stuck = [known for known in self._left() if not self._moved(known, self._trash.put_away)]
         self._library.hidden = frozenset(known.id for known in stuck)
-        for known in filter(self._is_away, recordings.live()):
-            self._moved(known, self._trash.bring_back)
+        if not self._trash.is_empty():
+            for known in filter(self._trash.is_away, recordings.live()):
+                self._moved(known, self._trash.bring_back)
         for known in recordings.expired():
             self._trash.purge(known)
             recordings.purge(known.number)
@@ -126,18 +126,7 @@ class Deletion:
         """Deleted recordings whose folders are still where they were."""
         live = {known.id for known in self._store.recordings.live()}
         deleted = self._store.recordings.deleted()
-        return [known for known in deleted if known.id not in live and self._is_left(known)]
-
-    def _is_left(self, known: Known) -> bool:
-        folder = self._library.folder / known.id
-        if not folder.is_dir() or self._trash.has(known):
-            return False
-        manifest = manifest_or_none(folder)
-        return manifest is None or manifest.identity == known.identity
-
-    def _is_away(self, known: Known) -> bool:
-        """A restored recording's folder is still with the deleted ones."""
-        return self._trash.has(known) and self._library.is_free(known.id)
+        return [known for known in deleted if known.id not in live and self._trash.is_left(known)]
 
     def _moved(self, known: Known, move: Callable[[Known], None]) -> bool:
         try:

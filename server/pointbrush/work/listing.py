@@ -81,7 +81,7 @@ def problems_of(library: Library, store: LabelStore, sequence: str) -> list[str]
     if known:
         problems = _told(lambda: checking.check_recording(library, store, sequence))
     else:
-        problems = _told(lambda: verify(library.folder / sequence))
+        problems = _told(lambda: verify(library.store.files(sequence)))
     return problems if damaged is None else [damaged, *problems]
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import itertools
+import os
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +22,7 @@ DOOMED = ".purged-"
 
 
 class Trash:
-    """Moves folders between a library's folder and ``.deleted`` in it; each step can be repeated.
+    """Moves folders between a library's folder and ``.deleted`` in it; see DeletedPlace.
 
     ``Known`` recordings are kept by identity and number: two of the same id do not meet.
     """
@@ -39,13 +42,36 @@ class Trash:
         """The folder of a deleted recording."""
         return self._folder / f"{known.identity}-{known.number}"
 
-    def has(self, known: Known) -> bool:
-        """Whether the recording's folder is here."""
+    def is_empty(self) -> bool:
+        """See DeletedPlace."""
+        return not any(path.is_dir() for path in self._folder.glob("*"))
+
+    def _has(self, known: Known) -> bool:
         return self.place(known).is_dir()
+
+    def is_left(self, known: Known) -> bool:
+        """See DeletedPlace."""
+        folder = self._library / known.id
+        if not folder.is_dir() or self._has(known):
+            return False
+        manifest = _manifest_or_none(folder)
+        return manifest is None or manifest.identity == known.identity
+
+    def is_away(self, known: Known) -> bool:
+        """See DeletedPlace."""
+        return self._has(known) and self.has_room(known, known.id)
+
+    def ids_for(self, known: Known) -> Iterator[str]:
+        """See DeletedPlace."""
+        return itertools.chain([known.id], ids_for(known.id))
+
+    def has_room(self, known: Known, sequence: str) -> bool:  # noqa: ARG002 - any id does
+        """See DeletedPlace."""
+        return not os.path.lexists(self._library / sequence)
 
     def manifest(self, known: Known) -> Manifest | None:
         """The manifest of a deleted recording, or None when it cannot be read."""
-        return manifest_or_none(self.place(known))
+        return _manifest_or_none(self.place(known))
 
     def put_away(self, known: Known) -> None:
         """Move a recording's folder here, in one step."""
@@ -61,7 +87,7 @@ class Trash:
     def purge(self, known: Known) -> None:
         """Remove a folder for good."""
         doomed = self._folder / f"{DOOMED}{known.number}"
-        if self.has(known):
+        if self._has(known):
             # Renamed first: what is half removed must not look as if it could come back.
             self.place(known).rename(doomed)
         shutil.rmtree(doomed, ignore_errors=True)
@@ -72,9 +98,15 @@ class Trash:
         sync_folder(target.parent)
 
 
-def manifest_or_none(folder: Path) -> Manifest | None:
+def _manifest_or_none(folder: Path) -> Manifest | None:
     """A folder's manifest, or None when there is none that can be read."""
     try:
         return read_manifest(folder)
     except (PointbrushError, OSError, KeyError, TypeError):
         return None
+
+
+def ids_for(name: str) -> Iterator[str]:
+    """Readable, URL-safe ids made from ``name``, the best first."""
+    slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "recording"
+    return itertools.chain([slug], (f"{slug}-{number}" for number in itertools.count(2)))

@@ -7,19 +7,20 @@ over it.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import PurePath
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from fastapi import Depends, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import FileResponse, StreamingResponse
+from fastapi.responses import StreamingResponse
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from pointbrush.errors import NotFoundError
 from pointbrush.selection import MAX_FRAMES
 from pointbrush.sequences import Chunk
-from pointbrush.sequences.pictures import MEDIA_TYPES, find_picture, read_projections
+from pointbrush.sequences.pictures import MEDIA_TYPES
 from pointbrush.streaming.messages import Matrix4, Uuid
 from pointbrush.web import npy
 from pointbrush.web.auth import Caller, resource
@@ -234,8 +235,7 @@ class CameraOut(BaseModel):
 @router.get("/sequences/{seq}/frames/{i}/cameras", responses=responses(404))
 def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[CameraOut]:
     """The cameras that took a picture at this frame; [] where there is none."""
-    recording = workspace.recording(seq)
-    found = read_projections(recording.path, recording[i].index)
+    found = workspace.recording(seq).projections(i)
     return [CameraOut.model_validate(each) for each in found]
 
 
@@ -260,12 +260,12 @@ def get_image(
 ) -> Response:
     """The picture that a camera took at this frame, byte for byte as it was imported."""
     recording = workspace.recording(seq)
-    path = find_picture(recording.path, recording[i].index, camera)
-    tag = f'"{recording.identity}-{path.name}"'
+    name, content = recording.picture(i, camera)
+    tag = f'"{recording.identity}-{name}"'
     headers = {"ETag": tag, "Cache-Control": REVALIDATED}
     if tag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers)
-    return FileResponse(path, media_type=MEDIA_TYPES[path.suffix], headers=headers)
+    return Response(content, media_type=MEDIA_TYPES[PurePath(name).suffix], headers=headers)
 
 
 class MovingOut(BaseModel):

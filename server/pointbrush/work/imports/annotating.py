@@ -29,6 +29,7 @@ from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
+from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.imports.importing import IMPORTED, learn_own
 from pointbrush.work.imports.submitting import LABELS, UPLOAD, drop_upload
 from pointbrush.worker import Channel
@@ -104,7 +105,7 @@ class ReadLabelsWork:
     """Picklable reading of label files; hands each frame's labels to the runner."""
 
     request: LabelRequest
-    recording: Path
+    recording: RecordingFiles
     limits: Limits
 
     def __call__(self, channel: Channel) -> None:
@@ -254,7 +255,7 @@ class LabelImports:
             unmatched.clear()
 
         limits = Limits(self._max_points, roots=request.roots)
-        work = ReadLabelsWork(request, recording.path, limits)
+        work = ReadLabelsWork(request, recording.files, limits)
 
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled:

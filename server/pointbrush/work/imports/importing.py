@@ -23,6 +23,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
+from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
 IMPORTED = 3
@@ -35,10 +36,10 @@ SAMPLE = "sample recording"
 
 @dataclass(frozen=True)
 class ImportWork:
-    """Picklable import of ``paths`` into the new folder ``target``."""
+    """Picklable import of ``paths`` as the new recording ``target``."""
 
     paths: tuple[Path, ...]
-    target: Path
+    target: ImportTarget
     sequence_id: str
     name: str | None = None
     fps: float | None = None
@@ -51,11 +52,11 @@ class ImportWork:
 
         Nothing is left behind on any error.
         """
-        with formats.reported() as warnings:
-            self._import(channel)
+        with formats.reported() as warnings, self.target.building(channel.progress) as folder:
+            self._import(channel, folder)
         channel.item(list(warnings))
 
-    def _import(self, channel: Channel) -> None:
+    def _import(self, channel: Channel, folder: Path) -> None:
         about: dict[str, Any] = {
             "sequence_id": self.sequence_id,
             "source": source_of(self.paths),
@@ -67,7 +68,7 @@ class ImportWork:
             options = ReadOptions(limits=limits, chosen=self.chosen)
             import_large(
                 map(self.chosen.applied, read_chunks(scan, PART_POINTS, options)),
-                self.target,
+                folder,
                 name=self.name or scan.stem,
                 fps=self.fps or 1.0,
                 total_points=read_header(scan, limits).count,
@@ -78,7 +79,7 @@ class ImportWork:
         with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
             import_frames(
                 _limited(source.frames, self.max_points),
-                self.target,
+                folder,
                 name=self.name or source.name,
                 fps=self.fps or source.fps or DEFAULT_FPS,
                 total=source.count,
@@ -92,7 +93,7 @@ class ImportWork:
 class SampleWork:
     """Picklable making and importing of the sample recording."""
 
-    target: Path
+    target: ImportTarget
     sequence_id: str
     frames: int
     seed: int = 0
@@ -102,16 +103,17 @@ class SampleWork:
         from pointbrush.samples import generate
 
         recording = generate("juggling", seed=self.seed, frames=self.frames)
-        import_frames(
-            recording.frames,
-            self.target,
-            sequence_id=self.sequence_id,
-            name=recording.name,
-            fps=recording.fps,
-            total=self.frames,
-            progress=channel.progress,
-            source=f"{SAMPLE}, seed {self.seed}",
-        )
+        with self.target.building(channel.progress) as folder:
+            import_frames(
+                recording.frames,
+                folder,
+                sequence_id=self.sequence_id,
+                name=recording.name,
+                fps=recording.fps,
+                total=self.frames,
+                progress=channel.progress,
+                source=f"{SAMPLE}, seed {self.seed}",
+            )
 
 
 def source_of(paths: Iterable[Path]) -> str:

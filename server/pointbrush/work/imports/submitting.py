@@ -19,7 +19,8 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.imports import importing
-from pointbrush.work.library import Library, ids_for
+from pointbrush.work.library import Library
+from pointbrush.work.trash import ids_for
 from pointbrush.worker import Work
 
 log = logging.getLogger(__name__)
@@ -139,7 +140,7 @@ class Imports:
         kept = job.request or {}
         request = None if kept["call"] == SAMPLE else ImportRequest.of_json(kept)
         source = importing.SAMPLE if request is None else request.source
-        if job.sequence is not None and not self._library.is_free(job.sequence):
+        if job.sequence is not None and self._library.has(job.sequence):
             recording = self._library.recording(job.sequence)
             if recording.manifest.source.startswith(source):
                 return importing.result(recording, [])
@@ -153,7 +154,7 @@ class Imports:
         guard = self._reserve(request.name or formats.source_name(request.paths))
         work = importing.ImportWork(
             paths=request.paths,
-            target=self._library.folder / guard.sequence,
+            target=self._library.store.target(guard.sequence),
             sequence_id=guard.sequence,
             name=request.name,
             fps=request.fps,
@@ -167,12 +168,14 @@ class Imports:
     def _begin_sample(self, frames: int, seed: int, job: Job) -> Job:
         guard = self._reserve("juggling")
         sequence = guard.sequence
-        work = importing.SampleWork(self._library.folder / sequence, sequence, frames, seed)
+        target = self._library.store.target(sequence)
+        work = importing.SampleWork(target, sequence, frames, seed)
         return self._submit(guard, work, importing.create_sample_labels, job)
 
     def _reserve(self, name: str) -> Guard:
         """A readable, URL-safe id made from ``name``; nobody else gets it meanwhile."""
         self._library.require_writable()
+        self._library.store.clear_remains(self._store.guards.importing)
         return self._store.guards.reserve(ids_for(name), self._library.is_free)
 
     def _submit(

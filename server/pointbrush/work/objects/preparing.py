@@ -21,6 +21,7 @@ from pointbrush.errors import PointbrushError
 from pointbrush.selection.selectors import StoredSelector, make_selector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
+from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import object_frame
 from pointbrush.worker import local_processes
@@ -168,16 +169,16 @@ class Preparer:
         if not target.exists():
             if self._pool is None:
                 self._pool = local_processes(1)
-            work = self._pool.submit(prepare_file, recording.path, frame, name, target)
+            work = self._pool.submit(prepare_file, recording.files, frame, name, target)
             if not work.result():
                 raise OSError("the state was not written: the disk is full or read-only")
             self._files.prune()
         self._done(recording, frame, None)
 
 
-def prepare_file(path: Path, frame: int, name: str, target: Path) -> bool:
+def prepare_file(files: RecordingFiles, frame: int, name: str, target: Path) -> bool:
     """Prepare a frame and write its state; runs in a worker process."""
-    selector, recording = make_selector(name), open_sequence(path)
+    selector, recording = make_selector(name), open_sequence(files)
     assert isinstance(selector, StoredSelector)  # noqa: S101 – others stay in the server
     state = selector.prepare(object_frame(recording[frame], recording.manifest))
     return StateFiles(target.parent, 0).write(target, partial(selector.save, state))

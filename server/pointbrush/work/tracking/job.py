@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import TRACKED, Only
 from pointbrush.sequences import Sequence, open_sequence
+from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.tracking import (
     METHODS,
     FrameKnowledge,
@@ -41,7 +41,7 @@ OVERWRITE: dict[str, Only] = {"never": "unlabeled", "tracked": "not_painted", "a
 class TrackingWork:
     """Picklable run; hands each FrameResult over as an item."""
 
-    path: Path
+    files: RecordingFiles
     database: str = field(repr=False)  # may hold a password
     start: int
     stop: int
@@ -55,7 +55,7 @@ class TrackingWork:
         """Track frame by frame from ``start`` to ``stop``, either way."""
         if self.method == "auto":  # the others have few loops, which are compiled as they are met
             compile_loops(lambda _, message: channel.progress(0.0, message))
-        recording = open_sequence(self.path)
+        recording = open_sequence(self.files)
         store = LabelStore(self.database)
         try:
             order = frame_order(self.start, self.stop)

@@ -96,7 +96,7 @@ class Runs:
         seeds = tracking.prepare(self._store, recording, chosen, start, stop)
         locked = frozenset(label.id for label in self._store.palette(sequence) if label.locked)
         work = tracking.TrackingWork(
-            recording.path,
+            recording.files,
             self._database_url,
             start,
             stop,

@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from pointbrush.errors import BadInputError
 from pointbrush.sequences import Sequence
-from pointbrush.sequences.check import SENSOR
+from pointbrush.sequences.checksums import SENSOR
 from pointbrush.sequences.files import replace_file
 from pointbrush.tracking.duplicates import DistinctFrames
 from pointbrush.tracking.interface import KnownSensor

@@ -1,0 +1,252 @@
+"""Recordings of a workspace in object storage; see ``sequences/bucket.py``.
+
+Another server's change of a name, rate or floor is seen within ``FRESH_SECONDS``.  While the store
+does not answer, recordings that are known and frames that are in the cache are served on.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import logging
+import shutil
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pointbrush.errors import PointbrushError, UnavailableError
+from pointbrush.labels import Known
+from pointbrush.permissions import make_private
+from pointbrush.sequences import Manifest, clean_temporary
+from pointbrush.sequences.bucket import Bucket, BucketFiles
+from pointbrush.sequences.manifest import FILE, changed_manifest, encode_manifest, parse_manifest
+from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.folder_store import Progress, make_folder, temporary_in
+
+log = logging.getLogger(__name__)
+
+FRESH_SECONDS = 5.0
+STAGING = "staging"
+DELETED = ".deleted"
+LOCK = ".lock"
+
+
+@dataclass(frozen=True)
+class BucketTarget:
+    """A recording ``name`` that is built on this machine and then sent."""
+
+    bucket: Bucket
+    name: str
+
+    @contextmanager
+    def building(self, progress: Progress) -> Iterator[Path]:
+        """See ImportTarget."""
+        with _staging(self.bucket) as made:
+            yield made
+            self.bucket.publish(made, self.name, progress)
+
+
+class BucketStore:
+    """Recordings are objects in ``bucket``; see SequenceStore."""
+
+    at_once = 16
+
+    def __init__(self, bucket: Bucket) -> None:
+        """Raises UnavailableError when the bucket does not answer, BadInputError."""
+        self._bucket, self.folder = bucket, bucket.cache.folder
+        self._bucket.require_answer()
+        make_folder("sequence_cache", self.folder)
+        make_private(self.folder)
+        self.deleted = _Deleted(self)
+        self._versions: dict[str, tuple[float, str]] = {}
+        self._lock = threading.Lock()
+
+    def require_writable(self) -> None:
+        """See SequenceStore; what may not be written says so when it is."""
+
+    def require_answer(self) -> None:
+        """See SequenceStore."""
+        self._bucket.require_answer()
+
+    def ids(self) -> list[str]:
+        """See SequenceStore."""
+        names = [name for name in self._bucket.folders() if name[0] != "."]
+        with ThreadPoolExecutor(self.at_once) as pool:
+            versions = list(pool.map(self.version, names))
+        return [name for name, version in zip(names, versions, strict=True) if version is not None]
+
+    def version(self, sequence: str) -> str | None:
+        """See SequenceStore."""
+        now = time.monotonic()
+        with self._lock:
+            asked, known = self._versions.get(sequence, (float("-inf"), None))
+            if known is not None:
+                if now - asked < FRESH_SECONDS:
+                    return known
+                self._versions[sequence] = now, known  # others do not wait for this answer
+        try:
+            found = self._bucket.version(f"{sequence}/{FILE}")
+        except UnavailableError as error:
+            if known is None:
+                raise
+            log.warning("%s is served as it was: %s", sequence, error.whole)
+            return known
+        with self._lock:
+            if found is None:
+                self._versions.pop(sequence, None)
+            else:
+                self._versions[sequence] = time.monotonic(), found
+        return found
+
+    def forget(self, sequence: str) -> None:
+        """See SequenceStore."""
+        with self._lock:
+            self._versions.pop(sequence, None)
+
+    def has(self, sequence: str) -> bool:
+        """See SequenceStore; without a manifest there is none."""
+        return self.version(sequence) is not None
+
+    def is_free(self, sequence: str) -> bool:
+        """See SequenceStore."""
+        return not self._bucket.exists(sequence)
+
+    def files(self, sequence: str) -> BucketFiles:
+        """See SequenceStore."""
+        return BucketFiles(self._bucket, sequence)
+
+    def missing(self, files: RecordingFiles, frames: int) -> None:
+        """See SequenceStore; that would mean to list all objects of a recording each time."""
+
+    def update(self, sequence: str, **fields: Any) -> None:
+        """See SequenceStore."""
+        manifest = changed_manifest(self.files(sequence).manifest(), **fields)
+        self._bucket.write(f"{sequence}/{FILE}", encode_manifest(manifest))
+        self.forget(sequence)
+
+    def target(self, sequence: str) -> BucketTarget:
+        """See SequenceStore."""
+        return BucketTarget(self._bucket, sequence)
+
+    @contextmanager
+    def staging(self) -> Iterator[Path]:
+        """See SequenceStore."""
+        with _staging(self._bucket) as made:
+            yield made
+
+    def publish(self, made: Path, sequence: str) -> None:
+        """See SequenceStore."""
+        self._bucket.publish(made, sequence)
+        self.forget(sequence)
+
+    def clean(self) -> None:
+        """See SequenceStore."""
+        clean_temporary(self.folder / STAGING)
+
+    def clear_remains(self, importing: Callable[[], set[str]]) -> None:
+        """See SequenceStore."""
+        # Asked in this order: what began meanwhile is not in the list, what ended has a manifest.
+        there = {name for name in self._bucket.folders() if name[0] != "."} - importing()
+        alone = {name for name in there if self._is_alone(name)}
+        for name in sorted(alone - self.deleted.names()):
+            if self._is_alone(name):  # not restored meanwhile
+                log.warning("removing what an import of %s that was stopped has left", name)
+                self._bucket.remove([name])
+
+    def _is_alone(self, sequence: str) -> bool:
+        """Whether files have no manifest."""
+        return self._bucket.version(f"{sequence}/{FILE}") is None
+
+
+class _Deleted:
+    """Deleted recordings of a bucket: their manifests are kept aside, their files stay.
+
+    So deleting and restoring take a moment, however large a recording is, and its id stays its
+    own until it is purged.
+    """
+
+    def __init__(self, store: BucketStore) -> None:
+        self._store, self._bucket = store, store._bucket
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """See DeletedPlace."""
+        with (self._store.folder / LOCK).open("a") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            yield
+
+    def _place(self, known: Known) -> str:
+        return f"{DELETED}/{known.identity}-{known.number}/{known.id}/{FILE}"
+
+    def names(self) -> set[str]:
+        """Return the names of recordings whose manifests are here."""
+        return {place.split("/")[1] for place in self._bucket.sizes(DELETED)}
+
+    def is_empty(self) -> bool:
+        """See DeletedPlace."""
+        return not self._bucket.exists(DELETED)
+
+    def is_left(self, known: Known) -> bool:
+        """See DeletedPlace."""
+        manifest = self._read(f"{known.id}/{FILE}", known.id)
+        return manifest is not None and manifest.identity == known.identity
+
+    def is_away(self, known: Known) -> bool:
+        """See DeletedPlace."""
+        return not self._store.has(known.id) and self._bucket.exists(self._place(known))
+
+    def manifest(self, known: Known) -> Manifest | None:
+        """See DeletedPlace."""
+        return self._read(self._place(known), known.id)
+
+    def _read(self, place: str, name: str) -> Manifest | None:
+        data = self._bucket.read(place)
+        try:
+            return None if data is None else parse_manifest(data, name)
+        except (PointbrushError, KeyError, TypeError):
+            return None
+
+    def ids_for(self, known: Known) -> Iterator[str]:
+        """See DeletedPlace."""
+        return iter([known.id])
+
+    def has_room(self, known: Known, sequence: str) -> bool:
+        """See DeletedPlace."""
+        return sequence == known.id and self._bucket.version(f"{sequence}/{FILE}") is None
+
+    def put_away(self, known: Known) -> None:
+        """See DeletedPlace."""
+        self._move(f"{known.id}/{FILE}", self._place(known), known.id)
+
+    def bring_back(self, known: Known) -> None:
+        """See DeletedPlace."""
+        self._move(self._place(known), f"{known.id}/{FILE}", known.id)
+
+    def _move(self, source: str, target: str, name: str) -> None:
+        data = self._bucket.read(source)
+        if data is not None:  # else another server has moved it
+            self._bucket.write(target, data)
+            self._bucket.remove([source])
+        self._store.forget(name)
+
+    def purge(self, known: Known) -> None:
+        """See DeletedPlace."""
+        place = self._place(known)
+        if self._bucket.exists(place) and not self._store.has(known.id):
+            self._bucket.remove([known.id])
+        self._bucket.remove([place])
+
+
+@contextmanager
+def _staging(bucket: Bucket) -> Iterator[Path]:
+    """Give the path of a folder that is not there yet, on the disk of the cache."""
+    made = temporary_in(bucket.cache.folder / STAGING)
+    made.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        yield made
+    finally:
+        shutil.rmtree(made, ignore_errors=True)

@@ -1,0 +1,285 @@
+"""Recordings in a folder and in object storage: one suite, and what only a bucket can do wrong."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
+
+import fsspec
+import numpy as np
+import pytest
+from sqlalchemy import update
+
+from pointbrush.client import Client
+from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
+from pointbrush.labels import KEPT_SECONDS, schema
+from pointbrush.sequences import import_frames, open_sequence
+from pointbrush.sequences.bucket import Bucket
+from pointbrush.sequences.file_cache import FileCache
+from pointbrush.settings import Settings
+from pointbrush.work.bucket_store import FRESH_SECONDS
+from pointbrush.workspace import Workspace
+from tests.buckets import s3, s3_endpoint  # noqa: F401  # fixtures
+from tests.serving import TOKEN, serving, settings_in, surface
+from tests.waiting import eventually
+
+FRAMES, POINTS = 4, 300
+
+
+def source(folder: Path) -> Path:
+    """Files of a recording with colours, further fields and labels."""
+    made = folder / "room"
+    made.mkdir(parents=True)
+    for index in range(FRAMES):
+        rng = np.random.default_rng(index)
+        rows = np.column_stack(
+            [rng.uniform(-1, 1, (POINTS, 3)), rng.integers(0, 200, (POINTS, 3)), np.arange(POINTS)]
+        )
+        np.savetxt(
+            made / f"{index}.csv", rows, delimiter=",", header="x,y,z,r,g,b,echo", comments=""
+        )
+    return made
+
+
+@pytest.fixture(params=["folder", "s3"])
+def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
+    url = "" if request.param == "folder" else request.getfixturevalue("s3")
+    return settings_of(tmp_path, url)
+
+
+def settings_of(folder: Path, url: str, cache: str = "cache", **more: object) -> Settings:
+    return settings_in(folder, sequences=url, sequence_cache=str(folder / cache), **more)
+
+
+@pytest.fixture
+def workspace(settings: Settings) -> Iterator[Workspace]:
+    with closing(Workspace(settings)) as opened:
+        yield opened
+
+
+def imported(workspace: Workspace, folder: Path) -> str:
+    job = workspace.runner.wait(workspace.import_paths([source(folder)]).id, 60)
+    assert job.state == "done", job.error
+    assert job.sequence is not None
+    return job.sequence
+
+
+def objects(url: str) -> set[str]:
+    fs, root = fsspec.url_to_fs(url, use_listings_cache=False)
+    return {name.removeprefix(f"{root}/") for name in fs.find(root)}
+
+
+def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: Path) -> None:
+    assert workspace.listing() == []
+    assert imported(workspace, tmp_path) == "room"
+    assert [(one.id, one.damaged) for one in workspace.listing()] == [("room", None)]
+    first = workspace.recording("room")
+    expected = np.random.default_rng(2).uniform(-1, 1, (POINTS, 3))
+    assert np.allclose(first[2].source_xyz(), expected, atol=1e-6)
+    assert first.other(2)["echo"].tolist() == list(range(POINTS))
+    assert len(first[2].wire(0, 1)) > 0
+    assert workspace.check("room") == []
+
+    workspace.update_sequence("room", name="Hall")
+    workspace.create_label("room", "ada", name="wall")
+    workspace.put_annotation("room", 0, np.ones(POINTS, np.uint16), author="ada")
+    with closing(Workspace(settings)) as other:
+        assert [one.name for one in other.listing()] == ["Hall"]
+        assert other.annotation("room", 0)[0].all()
+        # Others open it too: a worker process has no more than this.
+        again = open_sequence(other.recording("room").files)
+        assert np.array_equal(again[1].xyz, first[1].xyz)
+
+    workspace.backup(tmp_path / "backup")
+    kept = open_sequence(tmp_path / "backup" / "sequences" / "room")
+    assert kept[3].source_xyz().tobytes() == first[3].source_xyz().tobytes()
+    assert workspace.restore_from_backup(tmp_path / "backup", "room") == "room-2"
+    assert workspace.check("room-2") == []
+    assert workspace.annotation("room-2", 0)[0].all()
+
+
+def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_path: Path) -> None:
+    imported(workspace, tmp_path / "once")
+    workspace.create_label("room", "ada", name="wall")
+    workspace.put_annotation("room", 0, np.ones(POINTS, np.uint16), author="ada")
+    workspace.delete_sequence("room")
+    assert workspace.listing() == []
+    with pytest.raises(NotFoundError):
+        workspace.recording("room")
+    again = imported(workspace, tmp_path / "again")
+    restored = workspace.restore_sequence("room")
+    assert {again, restored} == {"room", "room-2"}
+    assert {one.id: one.damaged for one in workspace.listing()} == {"room": None, "room-2": None}
+    assert workspace.annotation(restored, 0)[0].all()
+    assert workspace.check(restored) == []
+
+    workspace.delete_sequence(restored)
+    old = update(schema.sequences).where(schema.sequences.c.deleted.is_not(None))
+    with workspace.store._database.write() as connection:
+        earlier = schema.sequences.c.deleted - KEPT_SECONDS - 1
+        connection.execute(old.values(deleted=earlier))
+    assert workspace.deleted_sequences() == []
+    assert [one.id for one in workspace.listing()] == [again]
+    if settings.sequences:
+        assert {name.partition("/")[0] for name in objects(settings.sequences)} == {again}
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from pointbrush.settings import Settings
+from pointbrush.sequences.bucket import Bucket
+from pointbrush.sequences import files
+from pointbrush.work.folder_store import ImportTarget
+from pointbrush.work.imports.importing import ImportWork
+from pointbrush.workspace import Workspace
+
+class Channel:
+    def progress(self, fraction, message): pass
+    def item(self, value): pass
+
+def killed(*_): os.kill(os.getpid(), signal.SIGKILL)
+
+workspace = Workspace(Settings.load())
+guard = workspace.store.guards.reserve(["room"], workspace.library.is_free)
+if workspace.settings.sequences:  # all is there but what makes it a recording
+    Bucket.write = killed
+else:
+    files._rename = killed
+ImportWork((Path(sys.argv[1]),), workspace.library.store.target("room"), "room")(Channel())
+"""
+
+
+def test_an_import_that_is_killed_is_not_listed_and_leaves_nothing(
+    settings: Settings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("workspace", "sequences", "sequence_cache"):
+        monkeypatch.setenv(f"POINTBRUSH_{name.upper()}", str(getattr(settings, name)))
+    command = [sys.executable, "-c", KILLED, str(source(tmp_path / "killed"))]
+    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
+    if settings.sequences:
+        assert len(objects(settings.sequences)) > FRAMES
+    with closing(Workspace(settings)) as workspace:
+        assert workspace.listing() == []
+        assert imported(workspace, tmp_path / "again") == "room"
+        assert workspace.check("room") == []
+        folder = workspace.library.folder
+        assert [path for path in folder.rglob(".tmp-*") if path.is_dir()] == []
+
+
+# ── what only a bucket can do ────────────────────────────────────────────────────────────
+
+
+@pytest.fixture
+def served_from(s3: str, tmp_path: Path) -> Settings:  # noqa: F811
+    """Settings of a workspace with a recording in a bucket, and an empty cache."""
+    frames = (surface(POINTS, index) for index in range(FRAMES))
+    import_frames(frames, tmp_path / "room", sequence_id="room", name="room", fps=30)
+    Bucket(s3, FileCache(tmp_path / "other", 1 << 30)).publish(tmp_path / "room", "room")
+    return settings_of(tmp_path, s3)
+
+
+def test_the_main_job_on_a_server(s3: str, tmp_path: Path) -> None:  # noqa: F811
+    with serving(settings_of(tmp_path, s3)) as served, Client(served.url, TOKEN) as client:
+        room = client.import_files([*source(tmp_path).iterdir()], name="room")
+        wall = room.create_label("wall")
+        edit = room.frames[0].stroke(
+            label=wall.id, shape="sphere", radius=0.5, samples=[[0.0, 0.0, 0.0]]
+        )
+        assert edit.changed > 0
+        run = room.track([wall.id], start=0, stop=FRAMES - 1, method="icp")
+        assert run.frames
+        out = room.export("npz", tmp_path / "out")
+        assert out.exists()
+        with urlopen(f"{served.url}/readyz") as answer:
+            assert json.load(answer)["parts"]["sequences"] == "ok"
+        assert any(name.startswith("room/frames/") for name in objects(s3))
+
+
+def test_frames_after_one_that_is_looked_at_are_fetched_ahead(served_from: Settings) -> None:
+    with closing(Workspace(served_from)) as workspace:
+        recording = workspace.recording("room")
+        _ = recording[0]
+        frames = recording.path / "frames"
+        eventually(lambda: len(list(frames.glob("*.points"))) == FRAMES)
+
+
+def test_damage_in_the_bucket_is_found_and_in_the_cache_mended(served_from: Settings) -> None:
+    fs, root = fsspec.url_to_fs(served_from.sequences)
+    name = f"{root}/room/frames/000002.points"
+    whole = fs.cat_file(name)
+    fs.pipe_file(name, whole[:-1] + bytes([whole[-1] ^ 1]))
+    with closing(Workspace(served_from)) as workspace:
+        recording = workspace.recording("room")
+        with pytest.raises(PointbrushError, match="not those that were imported"):
+            _ = recording[2]
+        assert any("000002.points" in problem for problem in workspace.check("room"))
+        fs.pipe_file(name, whole)
+        expected = recording[2].xyz.copy()
+        (recording.path / "frames" / "000002.points").write_bytes(b"")
+        assert np.array_equal(open_sequence(recording.files)[2].xyz, expected)
+
+
+def test_a_small_cache_is_enough(served_from: Settings) -> None:
+    with closing(Workspace(replace(served_from, sequence_cache_bytes=1))) as workspace:
+        frame = workspace.recording("room")[0]
+        for other in range(FRAMES):
+            _ = workspace.recording("room")[other].xyz
+        assert len(frame.wire(0, 1)) > 0
+
+
+def test_while_the_store_is_away_what_is_here_is_served(
+    served_from: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with closing(Workspace(served_from)) as workspace:
+        recording = workspace.recording("room")
+        known = recording[0].xyz.copy()
+        away(monkeypatch)
+        store: Any = workspace.library.store
+        monkeypatch.setattr("pointbrush.work.bucket_store.time.monotonic", lambda: 1e9)
+        assert FRESH_SECONDS < 1e9
+        assert np.array_equal(workspace.recording("room")[0].xyz, known)
+        with pytest.raises(UnavailableError, match="expected an answer from the bucket"):
+            workspace.listing()
+        with pytest.raises(UnavailableError):
+            workspace.ready_checks()["sequences"]()
+        assert store.version("room") is not None
+
+
+def away(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have every call of the store fail as it does when nothing listens at its address."""
+
+    async def fail(*_: object, **__: object) -> None:
+        raise ConnectionRefusedError("nobody listens")
+
+    monkeypatch.setattr("s3fs.core.S3FileSystem._call_s3", fail)
+
+
+def test_what_cannot_be_used_says_why(
+    s3: str,  # noqa: F811
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def problem(url: str) -> str:
+        with pytest.raises(PointbrushError) as caught:
+            Workspace(settings_of(tmp_path, url))
+        return str(caught.value)
+
+    assert "expected a bucket that exists" in problem("s3://nobodys-bucket/recordings")
+    assert "expected a URL such as s3://" in problem("lab/recordings")
+    assert "expected a URL that fsspec knows" in problem("carrier-pigeon://lab")
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "s3fs", None)
+        patch.setitem(sys.modules, "fsspec", None)
+        assert "pip install 'pointbrush[s3]'" in problem(s3)
+    with monkeypatch.context() as patch:
+        away(patch)
+        assert "expected an answer from the bucket, got none" in problem(s3)
