@@ -216,11 +216,15 @@ def probe(target: Path) -> None:
     opened = time.perf_counter() - start
     table = frame.chunk_table
     wire = int(table["nbytes"].sum()) / frame.count
-    disk = sum(file.stat().st_size for file in target.rglob("*") if file.is_file()) / frame.count
+    disk, fields = (
+        sum(file.stat().st_size for file in folder.rglob("*") if file.is_file()) / frame.count
+        for folder in (target, target / "fields")
+    )
     print(f"  open and read chunk 0 ({len(first):,} bytes) {1e3 * opened:.1f} ms")
     print(f"  {len(table)} chunks, levels {table['level'].min()}..{table['level'].max()},", end=" ")
     print(f"{np.median(table['count']):.0f} points at the median; {frame.blocks.num:,} blocks")
-    print(f"  wire {wire:.2f} bytes a point, on disk {disk:.1f}")
+    print(f"  wire {wire:.2f} bytes a point, on disk {disk - fields:.1f}", end=" ")
+    print(f"and {fields:.1f} of further fields of the source")
     rng = np.random.default_rng(0)
     centres = frame.coordinates[np.sort(rng.integers(0, frame.count, 50))].astype(np.float64)
     times, found = [], []

@@ -141,15 +141,22 @@ def test_octrees_of_before_manifest_version_4_are_read(
     assert_octree(plain, manifest, 1000)
 
 
-def test_a_las_octree_takes_at_most_22_bytes_a_point_and_is_exact(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("source", ["LAS", "text", "decimals in float32", "any float32"])
+def test_an_octree_takes_at_most_22_bytes_a_point_and_is_exact(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str
 ) -> None:
     monkeypatch.setattr(importer, "LARGE_POINTS", 100_000)
-    count, rng = 150_000, np.random.default_rng(3)
-    scaling = Scaling(np.full(3, 0.001), np.array([448_000.0, 5_411_000.0, 0.0]))
-    whole = np.rint((site(count).xyz + [260, 930, 310]) * 1000) * scaling.scale + scaling.offset
+    count, rng, scaling = 150_000, np.random.default_rng(3), None
+    whole = site(count).xyz
+    if source == "LAS":
+        scaling = Scaling(np.full(3, 0.001), np.array([448_000.0, 5_411_000.0, 0.0]))
+        whole = np.rint((whole + [260, 930, 310]) * 1000) * scaling.scale + scaling.offset
+    elif source != "any float32":
+        whole = np.rint(whole * 1000) / 1000
+    if "float32" in source:
+        whole = whole.astype(np.float32)
     # A point that is no whole number of millimetres, and the zero with a sign.
-    whole[7, 0], whole[9, 2] = np.nextafter(whole[7, 0], np.inf), -0.0
+    whole[7, 0], whole[9, 2] = np.nextafter(whole[7, 0], whole.dtype.type(1e9)), -0.0
     rgb = (128 + 70 * np.sin(whole * 0.7)).astype(np.uint8) + rng.integers(0, 8, (count, 3), "u1")
     frame = PointFrame(whole, rgb=rgb, scaling=scaling)
     put(importer.split(frame), tmp_path / "s")

@@ -68,7 +68,7 @@ def encode() -> None:
 def _as_octree(made: PointFrame) -> None:
     """Encode a frame as a cube of an octree, and read a point of it."""
     part = Part(made, 0, 0, np.zeros(3))
-    grid, scaling = GridChooser()([made]), np.ones((2, 3))
+    grid, scaling = GridChooser()([made]), np.ones((3, 3))
     segment = encode_cube(part.groups().rows, np.zeros(3), 1.0, 0, grid, scaling, hands_up=False)
     packed = segment.packed
     arrays: dict[str, NDArray[Any]] = {"block_first": np.append(segment.block_first, len(segment))}

@@ -1,10 +1,10 @@
 """Coordinates of an octree's points, packed so that they come back as the source had them.
 
 The points of a block lie close together: each axis is kept as differences to its least value, in
-as many bits as the greatest one takes.  Values are whole numbers where ``whole × scale + offset``,
-as a LAS file says, gives the source's floats bit for bit, elsewhere the floats' bit patterns in the
-order of the floats.  A block begins with a word of 64 bits; its points follow one another, x, y, z,
-lowest bits first.
+as many bits as the greatest one takes.  Values are whole numbers where these give the source's
+floats bit for bit: as ``whole × scale + offset`` of a LAS file, or as decimals of a text.
+Elsewhere they are the floats' bit patterns in the order of the floats.  A block begins with a word
+of 64 bits; its points follow one another, x, y, z, lowest bits first.
 """
 
 from __future__ import annotations
@@ -25,6 +25,10 @@ FLOATS = 128
 PACKED = ("coordinates", "block_base", "block_bits")
 """Names of the arrays of a frame that are a ``Packed``."""
 _WORD_BITS = 64
+_SAMPLE = 4096
+"""Points of which it is told whether coordinates are decimals."""
+_MOST_DECIMALS = {4: 4, 8: 6}
+"""Decimals that are looked for by the bytes of a float; with more, float32 has all its values."""
 _MOST_WORDS = 3
 """Words of a point whose coordinates have all their bits."""
 
@@ -41,10 +45,26 @@ class Packed:
 
 
 def scaling_of(frame: PointFrame) -> NDArray[np.float64]:
-    """Scale and offset (2, 3) of a source's whole numbers, zeros where it has none."""
-    if frame.scaling is None or frame.xyz.dtype != np.float64:
-        return np.zeros((2, 3))
-    return np.array([frame.scaling.scale, frame.scaling.offset])
+    """Scale, offset and divisor (3, 3) of a source's whole numbers by axis, zeros for no such.
+
+    A coordinate is ``whole × scale / divisor + offset``, which gives decimals exactly.
+    """
+    if frame.scaling is not None and frame.xyz.dtype == np.float64:
+        return np.array([frame.scaling.scale, frame.scaling.offset, np.ones(3)])
+    some = frame.xyz[:: max(len(frame) // _SAMPLE, 1)]
+    divisors = [_decimals(some[:, axis]) for axis in range(3)]
+    return np.array([[float(divisor > 0) for divisor in divisors], np.zeros(3), divisors])
+
+
+def _decimals(values: NDArray[Any]) -> float:
+    """The least power of ten of which values (N,) are whole fractions; 0 for none that is usual."""
+    for power in range(_MOST_DECIMALS[values.dtype.itemsize] + 1):
+        divisor = 10.0**power
+        with np.errstate(over="ignore"):  # infinities, which give no coordinate back
+            whole = np.rint(values.astype(np.float64) * divisor)
+        if np.array_equal((whole / divisor).astype(values.dtype), values):
+            return divisor
+    return 0.0
 
 
 def pack_coordinates(
@@ -92,7 +112,7 @@ class Coordinates:
             or self._first[0] != 0
             or packed.base.shape != packed.bits.shape
             or packed.bits.shape != (len(counts), 3)
-            or self._scaling.shape != (2, 3)
+            or self._scaling.shape != (3, 3)
             or point_bits.max(initial=0) > _MOST_WORDS * _WORD_BITS
             or self._word[-1] != len(packed.words)
         ):

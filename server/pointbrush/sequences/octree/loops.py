@@ -74,20 +74,22 @@ def pack(
 ) -> int:
     """Pack the blocks ``first[b]:first[b + 1]`` of ``source`` (N, 3) into zeroed ``words``.
 
-    ``patterns`` are the same floats as integers, ``scaling`` (2, 3) their scale, 0 for none, and
-    offset.  Fills in ``base`` and ``bits`` (B, 3); returns the words used.
+    ``patterns`` are the same floats as integers, ``scaling`` (3, 3) by axis the scale, 0 for none,
+    offset and divisor of their whole numbers.  Fills in ``base`` and ``bits`` (B, 3); returns the
+    words used.
     """
     longest = 0
     for block in range(len(bits)):
         longest = max(longest, first[block + 1] - first[block])
     values = np.empty((3, longest), np.int64)
+    back = np.empty(1, source.dtype)
     word = 0
     for block in range(len(bits)):
         start, stop = first[block], first[block + 1]
         for axis in range(3):
-            own, scale, offset = values[axis], scaling[0, axis], scaling[1, axis]
+            own = values[axis]
             kind = 0
-            if not _whole(source, patterns, start, stop, axis, scale, offset, own):
+            if not _whole(source, patterns, start, stop, axis, scaling[:, axis], own, back):
                 _ordinals(patterns, start, stop, axis, own)
                 kind = FLOATS
             base[block, axis], width = _span(own, stop - start)
@@ -110,18 +112,25 @@ def _whole(
     start: int,
     stop: int,
     axis: int,
-    scale: float,
-    offset: float,
+    scaling: NDArray[np.float64],
     values: NDArray[np.int64],
+    back: NDArray[np.floating[Any]],
 ) -> bool:
-    """Fill in the whole numbers of a block; returns whether these give its floats back."""
+    """Fill in the whole numbers of a block; returns whether these give its floats back.
+
+    ``back`` (1,) has the floats' type.
+    """
+    scale, offset, divisor = scaling
     if scale == 0.0:
         return False
-    inverse = 1.0 / scale
+    inverse = divisor / scale
     for place in range(start, stop):
         value = source[place, axis]
         whole = np.rint((value - offset) * inverse)
-        if not abs(whole) <= _MOST_WHOLE or whole * scale + offset != value:
+        if not abs(whole) <= _MOST_WHOLE:
+            return False
+        back[0] = whole * scale / divisor + offset
+        if back[0] != value:
             return False
         if value == 0.0 and patterns[place, axis] != 0:  # of the two zeros the negative one
             return False
@@ -217,7 +226,8 @@ def unpack(
             if bits[block, axis] >= FLOATS:
                 patterns[place, axis] = value ^ ((value >> 63) & magnitude)
             else:
-                out[place, axis] = value * scaling[0, axis] + scaling[1, axis]
+                whole = value * scaling[0, axis] / scaling[2, axis]
+                out[place, axis] = whole + scaling[1, axis]
 
 
 @compiled

@@ -51,7 +51,7 @@ def encode_cube(
 ) -> Segment:
     """The subtree over ``rows`` in the cube at ``corner`` (local), ``level`` below the root.
 
-    ``scaling`` (2, 3): scale and offset of the source's whole numbers, zeros for none.
+    ``scaling`` (3, 3) is that of ``scaling_of``.
     """
     local = to_local(rows["xyz"], grid.shift)
     codes, order = sort_codes(morton_codes(local, corner, edge))
