@@ -17,8 +17,9 @@ _LOW_BITS = np.uint64(0x7F7F7F7F7F7F7F7F)
 _CHANGE_BITS = np.log2(1.0 + np.abs(np.arange(256, dtype=np.uint8).view(np.int8).astype(float)))
 """Bits of a change of a byte, modulo 256."""
 _FAR = 3900
-"""Differences count up to this, so that seven fields together are nearer than a used point."""
-_USED = 32767
+"""Differences count up to this, so that those of seven fields together fit 16 bits."""
+_FIELDS = 7
+"""Values of a point at most; a number known beforehand lets all be added in one pass."""
 _FOUR_BITS = 7
 _TOO_FAR = 128
 """Cost of a value that needs more than four bits, besides its difference (found by trial)."""
@@ -256,13 +257,14 @@ def _write_group(values: Bytes, bits: int, out: Bytes, at: int) -> int:
 
 @compiled
 def walk(values: NDArray[np.int32], first: NDArray[np.int64], way: NDArray[np.int64]) -> None:
-    """Write greedy ways through the runs ``first[r]:first[r + 1]`` of ``values`` (F, N)."""
+    """Write greedy ways through the runs ``first[r]:first[r + 1]`` of ``values`` (F ≤ 7, N)."""
     fields = values.shape[0]
     longest = 0
     for run in range(len(first) - 1):
         longest = max(longest, first[run + 1] - first[run])
-    left = np.empty((fields, longest), np.int16)
+    left, now = np.zeros((_FIELDS, longest), np.int16), np.zeros(_FIELDS, np.int16)
     distance = np.empty(longest, np.uint16)
+    points, places = np.empty(longest, np.uint32), np.empty(longest, np.int64)
     for run in range(len(first) - 1):
         start, size = first[run], first[run + 1] - first[run]
         for field in range(fields):
@@ -271,27 +273,41 @@ def walk(values: NDArray[np.int32], first: NDArray[np.int64], way: NDArray[np.in
                 least = min(least, values[field, start + place])
             for place in range(size):
                 left[field, place] = np.int16(min(values[field, start + place] - least, _FAR))
-        here = 0
+        for place in range(size):
+            points[place] = places[place] = place
+        here = np.int64(0)
         for step in range(size):
             way[start + step] = start + here
-            distance[:size] = 0
+            # The last of those that are left takes its place.
+            place, last = places[here], size - step - 1
+            points[place] = points[last]
+            places[points[last]] = place
             for field in range(fields):
-                _add_cost(left[field], size, left[field, here], distance)
-            left[0, here] = _USED
-            distance[here] = np.uint16(65535)
-            nearest = np.uint16(65535)
-            for place in range(size):
-                if left[0, place] != _USED and distance[place] < nearest:
-                    nearest, here = distance[place], place
+                now[field], left[field, place] = left[field, place], left[field, last]
+            _measure(left, last, now, distance)
+            here = _nearest(distance, points, last)
 
 
 @innermost
-def _add_cost(left: NDArray[np.int16], size: int, at: int, distance: NDArray[np.uint16]) -> None:
-    """Add what the change of one value costs from ``at`` to each of the first ``size`` points."""
+def _nearest(distance: NDArray[np.uint16], points: NDArray[np.uint32], size: int) -> np.int64:
+    """The first of the nearest points, fewer than 2**16."""
+    least = np.uint32(0xFFFFFFFF)
     for place in range(size):
-        change = np.int16(abs(np.int16(left[place] - at)))
-        cost = change + np.int16(_TOO_FAR if change > _FOUR_BITS else 0)
-        distance[place] = np.uint16(distance[place] + np.uint16(cost))
+        least = min(least, np.uint32(np.uint32(distance[place]) << np.uint32(16)) | points[place])
+    return np.int64(least & np.uint32(0xFFFF))
+
+
+@innermost
+def _measure(
+    left: NDArray[np.int16], size: int, now: NDArray[np.int16], distance: NDArray[np.uint16]
+) -> None:
+    """Write what the change of all values costs from ``now`` to each of the first points left."""
+    for place in range(size):
+        total = np.int16(0)
+        for field in range(_FIELDS):
+            change = np.int16(abs(np.int16(left[field, place] - now[field])))
+            total = np.int16(total + change + np.int16(_TOO_FAR if change > _FOUR_BITS else 0))
+        distance[place] = np.uint16(total)
 
 
 @compiled
