@@ -144,6 +144,9 @@ class Settings:
         where=SERVERS,
         unit="seconds",
     )
+    waiting_edits: int = option(
+        6_000, "edits of all viewers that may wait; new strokes are refused then", where=SERVERS
+    )
     exports: int = option(4, "exports under way at once, in all", where=SERVERS)
     exports_per_person: int = option(2, "exports under way at once, of one person", where=SERVERS)
     statement_seconds: int = option(

@@ -19,7 +19,6 @@ from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
-from pointbrush.streaming.load import MOST_WAITING
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.work.annotate.strokes import LiveStroke
@@ -109,8 +108,8 @@ class Editor:
         if isinstance(edit, messages.StrokeBegin) and self._hub.load.overloaded:
             self._drop(edit)  # and what follows of it
             raise TooManyRequestsError(
-                f"expected at most {MOST_WAITING:,} edits that wait, there are as many: the server "
-                "has too much to do, paint this again in a moment"
+                f"expected at most {self._hub.load.most_waiting:,} edits that wait, there are as "
+                "many: the server has too much to do, paint this again in a moment"
             )
         while self._bytes >= WAITING_BYTES:
             self._fewer.clear()

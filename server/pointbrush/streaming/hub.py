@@ -51,7 +51,7 @@ class Hub:
         self.viewers: set[Viewer] = set()
         self.rooms: dict[str, Room] = {}
         self.presence = Presence()
-        self.load = Load()
+        self.load = Load(workspace.settings.waiting_edits)
         self._frames = self._bytes = self._skipped = 0
         self._counted = (0, 0, 0)
         self._opening = asyncio.Lock()

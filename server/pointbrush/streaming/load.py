@@ -23,8 +23,6 @@ CUT, GROW = 0.85, 1.05
 MOST_CUTS = 4
 """Cuts at once: as many as the lag is times too long."""
 CALM_SECONDS = 0.1
-MOST_WAITING = 6_000
-"""Edits of all viewers that wait, 2,000 short strokes: more would take many seconds."""
 BEHIND = 32
 """Edits that wait from which on only what must be answered is."""
 
@@ -36,7 +34,9 @@ class Load:
     moment, each link looks as wide as the machine's memory, and nobody knows better for a second.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, most_waiting: float = math.inf) -> None:
+        """``most_waiting``: edits of all viewers that wait, until no further strokes are begun."""
+        self.most_waiting = most_waiting
         self.each = math.inf
         """Bytes a second that one viewer who follows a clock may be sent."""
         self._budget = FIRST
@@ -62,7 +62,7 @@ class Load:
     @property
     def overloaded(self) -> bool:
         """Return whether no further strokes can be begun now."""
-        return self.waiting >= MOST_WAITING
+        return self.waiting >= self.most_waiting
 
     @contextmanager
     def edit(self) -> Iterator[None]:
