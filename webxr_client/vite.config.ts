@@ -1,5 +1,5 @@
 import { readFile, writeFile } from 'node:fs/promises';
-import { join } from 'node:path';
+import { basename, join } from 'node:path';
 import { promisify } from 'node:util';
 import { brotliCompress, constants, gzip } from 'node:zlib';
 import type { Plugin } from 'vite';
@@ -7,6 +7,36 @@ import { defineConfig } from 'vitest/config';
 
 const COMPRESSED = /\.(js|css|svg|html)$/;
 const LEAST_BYTES = 1024;
+
+const ASSEMBLY = '?assembly';
+/** Its own types declare arrays anew, for the page as well. */
+const COMPILER: string = 'assemblyscript/asc';
+
+interface Compiler {
+  readonly compileString: (
+    sources: Record<string, string>,
+    options: Record<string, unknown>,
+  ) => Promise<{ binary: Uint8Array | null; stderr: { toString(): string } }>;
+}
+
+/** Compiles AssemblyScript: `import code from 'x.ts?assembly'` is a WebAssembly module in base64. */
+function assembly(): Plugin {
+  return {
+    name: 'assembly',
+    enforce: 'pre',
+    async load(id) {
+      if (!id.endsWith(ASSEMBLY)) return null;
+      const path = id.slice(0, -ASSEMBLY.length);
+      this.addWatchFile(path);
+      const source = { [basename(path)]: await readFile(path, 'utf8') };
+      const options = { optimizeLevel: 3, runtime: 'stub', importMemory: true, enable: ['simd'] };
+      const { compileString } = (await import(COMPILER)) as Compiler;
+      const { binary, stderr } = await compileString(source, options);
+      if (!binary) throw new Error(`${path}: ${stderr.toString()}`);
+      return `export default '${Buffer.from(binary).toString('base64')}';`;
+    },
+  };
+}
 
 /** Names in the document what `main` imports when it runs, so that all of it loads side by side. */
 function preloadPage(): Plugin {
@@ -55,7 +85,7 @@ export default defineConfig({
   // The server may mount the page below a path, and every asset comes from it.
   base: './',
   oxc: { jsx: { runtime: 'automatic', importSource: 'preact' } },
-  plugins: [preloadPage(), compress()],
+  plugins: [assembly(), preloadPage(), compress()],
   build: {
     outDir: '../server/pointbrush/web/page',
     emptyOutDir: true,
@@ -77,6 +107,6 @@ export default defineConfig({
       },
     },
   },
-  worker: { format: 'es' },
+  worker: { format: 'es', plugins: () => [assembly()] },
   test: { include: ['src/**/*.test.{ts,tsx}'] },
 });

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS
-from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS
+from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS, GRID_ROUNDING
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.room import RoomFinder
@@ -82,7 +82,7 @@ def _position_error(records: list[Record], grid: Grid, extent: float) -> float:
     error = max((record.error for record in records), default=0.0)
     if grid.lattice is None:
         return error
-    rounded = extent / GRID_CELLS / 2
+    rounded = GRID_ROUNDING * extent / GRID_CELLS
     return max(error, max((record.side_error for record in records), default=0.0) + rounded)
 
 

@@ -34,6 +34,7 @@ class Wire implements Socket {
 }
 
 class Browser implements Outside {
+  readonly depth = true;
   readonly sockets: Wire[] = [];
   readonly posted: ToDecoder[] = [];
   refusal = '';

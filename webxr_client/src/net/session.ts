@@ -43,6 +43,8 @@ export interface Closing {
 }
 
 export interface Outside {
+  /** Whether depth images can be decoded here; without it all frames come as points. */
+  readonly depth: boolean;
   /** Begin to connect. */
   dial(told: Told): Socket;
   /** Reason why the server refuses a socket, in words; empty where it does not. */
@@ -132,7 +134,7 @@ export class Session {
     this.credits.reset();
     this.backoff.reset();
     this.link('online');
-    this.transmit({ type: 'hello', depth: true });
+    this.transmit({ type: 'hello', depth: this.outside.depth });
     this.reopen();
   }
 

@@ -3,6 +3,7 @@
  * worker: a browser reads from a socket only while its thread is free.
  */
 import { SCHEMA_HASH, SUBPROTOCOL } from '../protocol/messages';
+import { supported } from './depth/kernel';
 import { Session, type Socket, type Told } from './session';
 import { openStorage } from './storage';
 import type { Decoded, ToDecoder, ToWorker } from './wire';
@@ -49,7 +50,7 @@ function after(ms: number, act: () => void): () => void {
 }
 
 // The way to the server is long: it need not wait for what the browser keeps on its disk.
-const session = new Session({ dial, whyRefused, post, after });
+const session = new Session({ depth: supported, dial, whyRefused, post, after });
 void openStorage().then((storage) => session.restore(storage));
 
 self.onmessage = ({ data: message }: MessageEvent<ToWorker>) => {

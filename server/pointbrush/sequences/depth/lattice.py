@@ -28,6 +28,9 @@ FARTHEST = 65535
 GRID_CELLS = 65535
 """Cells of the grid, along each side of a recording's box, that a page may round points to; along
 the camera's axis it need not."""
+GRID_ROUNDING = 0.51
+"""Greatest distance that this moves a point along a side, in cells: half of one, and what single
+precision adds."""
 
 
 class Band(NamedTuple):

@@ -1,19 +1,16 @@
 /** The bytes of a band: frequencies, tokens in rANS, and low bits (`docs/depth-format.md`). */
 
-/** Contexts of pixels with both neighbours, by the bits of their difference; with one; with none. */
-export const BOTH = 9;
-export const ONE = 9;
-export const NONE = 10;
 const CONTEXTS = 11;
 /** Remainders below this are tokens of their own; above, tokens stand for quarters of octaves. */
 const DIRECT = 16;
 const TOKENS = 1 + DIRECT + 4 * 14;
-export const SCALE_BITS = 10;
-export const SCALE = 1 << SCALE_BITS;
-/** Pixels take turns with so many states. */
-const STATES = 4;
-/** A token's low bits begin in one byte and end in the third from there, or before. */
-const MARGIN = 2;
+const MOST_LOW_BITS = 15;
+const SCALE_BITS = 10;
+const SCALE = 1 << SCALE_BITS;
+/** Bytes that are read ahead of need, of words and of low bits. */
+const WORD_BYTES = 2;
+const AHEAD = 4;
+const STATES_BYTES = 16;
 
 const LENGTHS = 12;
 
@@ -41,49 +38,23 @@ export function partsOf(data: Uint8Array): Parts {
   };
 }
 
-/** Value of each token without its low bits, and how many these are; of token 0, no point, nothing. */
-export const [VALUES, LOW_BITS] = (() => {
-  const values = new Uint16Array(TOKENS);
-  const bits = new Uint8Array(TOKENS);
-  for (let token = 1; token < TOKENS; token++) {
-    const code = token - 1 - DIRECT;
-    const count = code < 0 ? 0 : (code >> 2) + 2;
-    bits[token] = count;
-    values[token] = code < 0 ? token - 1 : (4 + (code & 3)) << count;
-  }
-  return [values, bits];
-})();
-
-/** A band's tokens and low bits, taken over to where a loop may read them beyond their ends. */
-export class Streams {
-  readonly states = new Uint32Array(STATES);
-  words = new Uint16Array(0);
-  low = new Uint8Array(0);
-  private ends = { words: 0, low: 0 };
-
-  take({ tokens, low }: Parts): void {
-    const head = this.states.byteLength;
-    if (tokens.length < head || tokens.length % 2 !== 0) {
-      throw new RangeError(
-        `depth: expected ${STATES} states and words, got ${tokens.length} bytes`,
-      );
-    }
-    new Uint8Array(this.states.buffer).set(tokens.subarray(0, head));
-    const words = (tokens.length - head) / 2;
-    if (this.words.length <= words) this.words = new Uint16Array(2 * words + 1);
-    new Uint8Array(this.words.buffer).set(tokens.subarray(head));
-    if (this.low.length < low.length + MARGIN) this.low = new Uint8Array(2 * low.length + MARGIN);
-    this.low.set(low);
-    this.ends = { words, low: 8 * low.length };
-  }
-
-  /** Say so if more was read than there is. */
-  check(words: number, lowBits: number): void {
-    if (words > this.ends.words || lowBits > this.ends.low) {
-      throw new RangeError('depth: expected more bytes, got their end');
-    }
-  }
+/** Room for the tokens of so many pixels: each takes a word at most. */
+export function tokenBytes(pixels: number): number {
+  return STATES_BYTES + WORD_BYTES * (pixels + 1);
 }
+
+/** Room for the low bits of so many pixels. */
+export function lowBytes(pixels: number): number {
+  return Math.ceil((MOST_LOW_BITS * pixels) / 8) + AHEAD;
+}
+
+/** Of each token its value without low bits, and in the lowest five bits how many these are. */
+export const TOKENS_TOLD = Uint32Array.from({ length: TOKENS }, (_, token) => {
+  const code = token - 1 - DIRECT;
+  if (code < 0) return Math.max(token - 1, 0) << 5;
+  const bits = (code >> 2) + 2;
+  return ((4 + (code & 3)) << (bits + 5)) | bits;
+});
 
 /** Reads numbers of seven bits a byte, the lowest first. */
 export class Numbers {
@@ -102,29 +73,27 @@ export class Numbers {
   }
 }
 
-/** An entry of `Tables`: token, its frequency less 1, and how far into it the state's low bits are. */
-export const TOKEN_SHIFT = 2 * SCALE_BITS;
+export const ENTRIES = CONTEXTS * SCALE;
 
-/** Entries by context and a state's low bits, `(context << SCALE_BITS) | bits`. */
-export class Tables {
-  readonly entries = new Uint32Array(CONTEXTS * SCALE);
-
-  read(numbers: Numbers): void {
-    for (let context = 0; context < CONTEXTS; context++) {
-      const tokens = numbers.next();
-      if (tokens > TOKENS) throw new RangeError(`depth: expected ${TOKENS} tokens at most`);
-      let slot = context * SCALE;
-      const end = slot + SCALE;
-      for (let token = 0; token < tokens; token++) {
-        const many = numbers.next();
-        const stop = slot + many;
-        if (stop > end) throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
-        let entry = (token << TOKEN_SHIFT) | ((many - 1) << SCALE_BITS);
-        while (slot < stop) this.entries[slot++] = entry++;
-      }
-      if (tokens > 0 && slot !== end) {
-        throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
-      }
+/**
+ * Read a chunk's frequencies: entries by context and the lowest bits of a state.  An entry is a token,
+ * its frequency less 1, and how far into it the state is.
+ */
+export function writeEntries(entries: Uint32Array, numbers: Numbers): void {
+  for (let context = 0; context < CONTEXTS; context++) {
+    const tokens = numbers.next();
+    if (tokens > TOKENS) throw new RangeError(`depth: expected ${TOKENS} tokens at most`);
+    let slot = context * SCALE;
+    const end = slot + SCALE;
+    for (let token = 0; token < tokens; token++) {
+      const many = numbers.next();
+      const stop = slot + many;
+      if (stop > end) throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
+      let entry = (token << (2 * SCALE_BITS)) | ((many - 1) << SCALE_BITS);
+      while (slot < stop) entries[slot++] = entry++;
+    }
+    if (tokens > 0 && slot !== end) {
+      throw new RangeError(`depth: expected frequencies of a sum of ${SCALE}`);
     }
   }
 }

@@ -1,19 +1,17 @@
 /** A depth message → vertices, as `decodeFrame` makes them of a frame message. */
-import type { Depth, Lattice, SequenceInfo } from '../../protocol/messages';
+import type { Depth, SequenceInfo } from '../../protocol/messages';
 import type { BufferPool } from '../pool';
 import { STRIDE, type Segment, type SegmentChunk } from '../segment';
-import { BandPlan, gridOf, type Colors, type Grid } from './band';
-import { Numbers, partsOf, readListed, Streams, Tables, type Parts } from './codec';
-import { bandsOf, firstStep, type Band } from './lattice';
-import { PIXEL_BYTES, type Picture, type ReadPicture } from './pictures';
+import { Camera, type Known } from './camera';
+import { Numbers, partsOf, readListed, type Parts } from './codec';
+import { gridOf } from './grid';
+import type { Picture, ReadPicture } from './pictures';
 
 /** State of a frame that its later chunks need of those before them. */
 interface Begun {
   /** Chunks that came. */
   readonly chunks: number;
-  /** Distance between the pixels that came, and what these hold, row by row. */
-  readonly step: number;
-  readonly pixels: Uint16Array;
+  readonly known: Known;
   readonly listed: Uint16Array;
   /** The finest picture, in JPEG. */
   readonly jpeg: Uint8Array<ArrayBuffer> | null;
@@ -76,32 +74,35 @@ export class DepthDecoder {
     const jpeg = finest(parts) ?? before?.jpeg ?? null;
     const pictureStep = finest(parts) ? camera.bands[at]!.pictureStep : (before?.pictureStep ?? 1);
     const picture = await (coming ?? (jpeg && this.readPicture(jpeg)));
-    const colors = picture && (await camera.colorsOf(picture, pictureStep));
+    if (picture) await camera.paint(picture, pictureStep);
     const waited = performance.now();
 
     const points = message.chunks.reduce((sum, chunk) => sum + chunk.count, 0);
     const vertices = this.pool.take(points * STRIDE);
+    const bytes = new Uint8Array(vertices);
     const chunks: SegmentChunk[] = [];
-    camera.restore(before ?? null);
+    camera.restore(before?.known ?? null);
     let listed = before?.listed ?? new Uint16Array(0);
     let start = 0;
     message.chunks.forEach((chunk, i) => {
       const numbers = new Numbers(parts[i]!.tables);
       if (chunk.index === 0) listed = readListed(numbers);
-      const words = new Uint32Array(vertices, start * STRIDE, (chunk.count * STRIDE) / 4);
-      const count = camera.decode(chunk.index, numbers, parts[i]!, listed, colors, words);
+      const colorStep = picture ? pictureStep : 0;
+      const decoded = camera.decode(chunk.index, numbers, parts[i]!, listed, colorStep);
+      const count = decoded.length / STRIDE;
       if (count !== chunk.count) {
         throw new RangeError(`depth: expected ${chunk.count} points, got ${count}`);
       }
+      bytes.set(decoded, start * STRIDE);
       chunks.push({ ...chunk, ...camera.grid, start });
       start += count;
     });
     const done = first + chunks.length;
     if (message.final) this.begun.delete(message.frame);
     else {
-      const step = camera.bands[done - 1]!.step;
-      const kept = { chunks: done, step, listed, jpeg: jpeg?.slice() ?? null, pictureStep };
-      this.begun.set(message.frame, { ...kept, pixels: camera.save(step) });
+      const known = camera.save(camera.bands[done - 1]!.step);
+      const kept = { chunks: done, known, listed, jpeg: jpeg?.slice() ?? null, pictureStep };
+      this.begun.set(message.frame, kept);
     }
     const decodeMs = performance.now() - waited + (picture ? 0 : waited - began);
     return this.segment(message, chunks, vertices, decodeMs, message.final);
@@ -126,91 +127,4 @@ function lastPicture(parts: readonly Parts[]): number {
 
 function finest(parts: readonly Parts[]): Uint8Array<ArrayBuffer> | null {
   return (parts[lastPicture(parts)]?.picture as Uint8Array<ArrayBuffer> | undefined) ?? null;
-}
-
-/** A recording's lattice, with an image to decode into that all frames share. */
-class Camera {
-  readonly bands: readonly Band[];
-  private readonly plans: readonly BandPlan[];
-  private readonly tables = new Tables();
-  private readonly streams = new Streams();
-  private readonly stride: number;
-  private readonly image: Uint16Array;
-  /** Bytes of the finest picture, which all frames share. */
-  private pixels = new Uint8Array(0);
-
-  constructor(
-    private readonly lattice: Lattice,
-    readonly grid: Grid,
-  ) {
-    this.bands = bandsOf(lattice);
-    this.plans = this.bands.map((band, chunk) => new BandPlan(lattice, band, chunk, grid));
-    // Neighbours beyond the edges are looked for in a margin.
-    const margin = firstStep(lattice);
-    this.stride = lattice.width + margin;
-    this.image = new Uint16Array(this.stride * (lattice.height + margin));
-  }
-
-  /** Take in the picture of pixels `step` apart, and close it. */
-  async colorsOf(picture: Picture, step: number): Promise<Colors> {
-    const width = Math.ceil(this.lattice.width / step);
-    const height = Math.ceil(this.lattice.height / step);
-    const nbytes = PIXEL_BYTES * width * height;
-    if (this.pixels.length < nbytes) this.pixels = new Uint8Array(nbytes);
-    const target = this.pixels.subarray(0, nbytes);
-    try {
-      if (picture.width !== width || picture.height !== height) {
-        throw new RangeError(
-          `depth: expected a picture of ${width} by ${height} pixels, ` +
-            `got ${picture.width} by ${picture.height}`,
-        );
-      }
-      await picture.copyTo(target);
-    } finally {
-      picture.close();
-    }
-    return { pixels: new Uint32Array(target.buffer, 0, width * height), width, step };
-  }
-
-  /** Begin with what came of a frame before, or with nothing. */
-  restore(begun: Begun | null): void {
-    this.image.fill(0);
-    if (begun) this.copy(begun.step, begun.pixels, true);
-  }
-
-  /** The values of pixels `step` apart. */
-  save(step: number): Uint16Array {
-    const { width, height } = this.lattice;
-    const pixels = new Uint16Array(Math.ceil(width / step) * Math.ceil(height / step));
-    this.copy(step, pixels, false);
-    return pixels;
-  }
-
-  private copy(step: number, pixels: Uint16Array, back: boolean): void {
-    const { image, stride } = this;
-    const { width, height } = this.lattice;
-    for (let row = 0, i = 0; row < height; row += step) {
-      const end = row * stride + width;
-      for (let place = row * stride; place < end; place += step, i++) {
-        if (back) image[place] = pixels[i]!;
-        else pixels[i] = image[place]!;
-      }
-    }
-  }
-
-  decode(
-    chunk: number,
-    numbers: Numbers,
-    parts: Parts,
-    listed: Uint16Array,
-    colors: Colors | null,
-    vertices: Uint32Array,
-  ): number {
-    const plan = this.plans[chunk];
-    if (!plan) throw new RangeError(`depth: expected chunks before ${this.plans.length}`);
-    const { image, stride, tables, streams } = this;
-    tables.read(numbers);
-    streams.take(parts);
-    return plan.decode(image, stride, streams, tables, listed, colors, vertices);
-  }
 }

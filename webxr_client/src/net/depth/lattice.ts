@@ -75,6 +75,11 @@ function cut({ width, height }: Size, level: Level): Band[] {
   }));
 }
 
+/** How many pixels a band has, with or without a point. */
+export function pixelsOf({ row, stop, column, down, across }: Band, width: number): number {
+  return Math.ceil((stop - row) / down) * Math.ceil((width - column) / across);
+}
+
 /** Pictures have every pixel, every second, every eighth, and so on: the coarsest that will do. */
 function pictureStep(step: number): number {
   let found = 1;
