@@ -60,7 +60,7 @@ def encode_vertices(vertices: Bytes, words: int = 0) -> bytes:
     if n == 0:
         return bytes([HEADER]) + tail.tobytes()
     tail[-stride - channels : -channels] = vertices[0]
-    from pointbrush.sequences.loops import pack_blocks
+    from pointbrush.sequences.packing import pack_blocks
 
     size = block_size(stride)
     most = stride // 4 + stride * (size + size // (4 * GROUP) + 1)

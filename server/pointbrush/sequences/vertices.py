@@ -38,7 +38,7 @@ def encode(
 
     ``dropped``: low bits that the colours lose, or PACKED; ``related``: send r and b relative to g.
     """
-    from pointbrush.sequences.loops import lay_out
+    from pointbrush.sequences.packing import lay_out
 
     flags = dropped << DROPPED_SHIFT
     q = quantised.q if order is None else quantised.q.take(order, axis=0)
@@ -87,7 +87,7 @@ def are_related(colors: Bytes) -> bool:
     """
     if len(colors) == 0:
         return False
-    from pointbrush.sequences.loops import change_bits
+    from pointbrush.sequences.packing import change_bits
 
     alone, relative = change_bits(colors, runs_of(len(colors)))
     return bool(relative < alone)
