@@ -15,34 +15,37 @@ AHEAD_FRAMES = 8
 """Frames that are fetched before anybody asks for them: a quarter of a second of playing."""
 THREADS = 4
 """Frames of one recording that are fetched at once."""
+REMEMBERED = 64
+"""Frames looked at last, which tell the direction, and wishes of several people that are kept."""
 
 
 class ReadAhead:
     """Fetches frames in the direction in which they are looked at; thread-safe.
 
-    What was wished for earlier and not begun gives way: after a jump nobody waits for it.
+    The newest wishes go first: after a jump nobody waits for those of before.
     """
 
     def __init__(self, frames: int, fetch: Callable[[int], None]) -> None:
         """``fetch(index)`` fetches one of ``frames``, unless it is here."""
         self._frames, self._fetch = frames, fetch
-        self._last = -1
+        self._looked_at: deque[int] = deque(maxlen=REMEMBERED)
         self._wishes: deque[int] = deque()
         self._threads = 0
         self._lock = threading.Lock()
 
     def looked_at(self, index: int) -> None:
-        """Fetch those after ``index``, or before it, where the last one was after it."""
+        """Fetch the frames after ``index``, or before it, where people come from behind it."""
         with self._lock:
-            if index == self._last:
-                return
-            step = -1 if index < self._last else 1
-            self._last = index
-            wished = (index + step * k for k in range(1, AHEAD_FRAMES + 1))
-            self._wishes = deque(frame for frame in wished if 0 <= frame < self._frames)
-            missing = min(THREADS, len(self._wishes)) - self._threads
-            self._threads += max(0, missing)
-        for _ in range(missing):
+            seen = self._looked_at
+            step = -1 if index + 1 in seen and index - 1 not in seen else 1
+            seen.append(index)
+            ahead = (index + step * k for k in range(1, AHEAD_FRAMES + 1))
+            new = [frame for frame in ahead if 0 <= frame < self._frames and frame not in seen]
+            old = [frame for frame in self._wishes if frame not in new]
+            self._wishes = deque([*new, *old][:REMEMBERED])
+            started = max(0, min(THREADS, len(self._wishes)) - self._threads)
+            self._threads += started
+        for _ in range(started):
             threading.Thread(target=self._run, name="pointbrush-ahead", daemon=True).start()
 
     def _run(self) -> None:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pointbrush.errors import PointbrushError, UnavailableError
+from pointbrush.errors import PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
 from pointbrush.permissions import make_private
 from pointbrush.sequences import Manifest, clean_temporary
@@ -155,7 +155,10 @@ class BucketStore:
         for name in sorted(alone - self.deleted.names()):
             if self._is_alone(name):  # not restored meanwhile
                 log.warning("removing what an import of %s that was stopped has left", name)
-                self._bucket.remove([name])
+                try:
+                    self._bucket.remove([name])
+                except ReadOnlyError as error:  # then somebody else does
+                    log.warning("it stays: %s", error.whole)
 
     def _is_alone(self, sequence: str) -> bool:
         """Whether files have no manifest."""
