@@ -4,7 +4,7 @@ python benchmarks/bench_import.py [--points 5000000] [--keep FOLDER]
 python benchmarks/bench_import.py --bytes FILE...
 
 The scan is synthetic and seeded; it is written as LAS (26 bytes a point) and imported by a process
-of its own, whose memory is watched.  ``--points 100000000`` is the size of docs/benchmarks.md.
+of its own, whose memory is watched.  ``--points 20000000`` is the size of docs/benchmarks.md.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pointbrush.sequences.files import clean_temporary
     from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
     from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
+    from pointbrush.sequences.octree.coordinates import load_loops
     from pointbrush.sequences.source_order import source_blocks
     from pointbrush.sequences.store import Sequence, open_sequence
     from pointbrush.sequences.stored_frame import Chunk, StoredFrame
@@ -28,6 +29,7 @@ __all__ = [
     "clean_temporary",
     "import_frames",
     "import_large",
+    "load_loops",
     "note_checksums",
     "open_sequence",
     "read_manifest",
@@ -47,6 +49,7 @@ _PLACES = {
     "Manifest": "pointbrush.sequences.manifest",
     "read_manifest": "pointbrush.sequences.manifest",
     "update_manifest": "pointbrush.sequences.manifest",
+    "load_loops": "pointbrush.sequences.octree.coordinates",
     "source_blocks": "pointbrush.sequences.source_order",
     "Sequence": "pointbrush.sequences.store",
     "open_sequence": "pointbrush.sequences.store",

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit, Delta, GapError
-from pointbrush.sequences import Sequence
+from pointbrush.sequences import Sequence, load_loops
 from pointbrush.streaming.encoding import (
     encode_delta,
     encode_provisional,
@@ -87,6 +87,8 @@ class Room:
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
+        if self.recording.manifest.large:
+            self._loading = asyncio.ensure_future(self._run(load_loops))
         self.revision = self._start = max(self.revision, await self.board.load())
 
     # ── points ───────────────────────────────────────────────────────────────────────────

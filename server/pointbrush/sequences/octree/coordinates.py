@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,11 @@ def pack_coordinates(
     words = np.zeros(_MOST_WORDS * len(source) + blocks, np.uint64)
     used = pack(source, _patterns(source), scaling, first, base, bits, words)
     return Packed(words[:used].copy(), base, bits)
+
+
+def load_loops() -> None:
+    """Load the compiled loops: it takes half a second, better before somebody waits for them."""
+    import_module("pointbrush.sequences.octree.loops")
 
 
 def _patterns(source: NDArray[Any]) -> NDArray[np.signedinteger[Any]]:
