@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames, importer, source_order
-from pointbrush.work.annotate import kept, layers
+from pointbrush.work.annotate import layers
 from tests.serving import Served, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import viewer

@@ -14,8 +14,7 @@ from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence, source_blocks
-from pointbrush.work.annotate.kept import KeptAnnotation
-from pointbrush.work.annotate.layers import require_layer
+from pointbrush.work.annotate.layers import KeptAnnotation, require_layer
 
 Columns = dict[str, NDArray[Any]]
 

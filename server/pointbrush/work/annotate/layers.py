@@ -1,8 +1,9 @@
-"""Whole annotations in source order on their way into the store, as one edit."""
+"""Whole annotations of a frame: read as they are at one revision, and replaced as one edit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import zlib
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,12 +14,36 @@ from pointbrush.errors import BadInputError, LockedLabelError
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.packing import BLOCK
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.annotate.packed import Packed
 
+_LEVEL = 1  # zlib: the fastest; neighbours in stored order have the same label mostly
 LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
 IMPORTED = 3
 PIECE_POINTS = 16 * BLOCK
 """Points compared at once: whole blocks of the journal."""
+READ_POINTS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Packed:
+    """Values of a run of points: compressed, or the one that all of them have."""
+
+    count: int
+    dtype: np.dtype[Any]
+    data: bytes | None
+    value: Any
+
+    @classmethod
+    def of(cls, values: NDArray[Any]) -> Packed:
+        """Pack values (N,)."""
+        same = not len(values) or bool((values == values[0]).all())
+        data = None if same else zlib.compress(values.tobytes(), _LEVEL)
+        return cls(len(values), values.dtype, data, values[0] if same and len(values) else 0)
+
+    def values(self) -> NDArray[Any]:
+        """The values (N,)."""
+        if self.data is None:
+            return np.full(self.count, self.value, self.dtype)
+        return np.frombuffer(zlib.decompress(self.data), self.dtype)
 
 
 def require_layer(layer: str) -> np.dtype[Any]:
@@ -99,3 +124,35 @@ def _require_allowed(
     locked = [label.id for label in palette.values() if label.locked]
     if (np.isin(now, locked) | np.isin(wanted, locked)).any():
         raise LockedLabelError("annotation: expected no change of points of locked labels")
+
+
+class KeptAnnotation:
+    """A frame's layers in stored order, compressed; ``revision`` is that of its last change."""
+
+    def __init__(
+        self, store: LabelStore, sequence: str, frame: int, layers: Collection[str] = tuple(LAYERS)
+    ) -> None:
+        """Read ``layers`` piece by piece; nothing is committed meanwhile."""
+        self.revision = 0
+        self.sizes = np.zeros(1, np.int64)
+        """Points of each label that are not deleted, by label id."""
+        self._pieces: list[dict[str, Packed]] = []
+        for values in store.runs(sequence, frame, READ_POINTS):
+            self.revision = values.changed
+            self._pieces.append({name: Packed.of(getattr(values, name)) for name in layers})
+            counts = np.bincount(values.label[~values.deleted], minlength=len(self.sizes))
+            counts[: len(self.sizes)] += self.sizes
+            self.sizes = counts.astype(np.int64)
+
+    def read(self, first: int, stop: int) -> dict[str, NDArray[Any]]:
+        """The layers of points ``first`` to before ``stop``."""
+        found: dict[str, list[NDArray[Any]]] = {name: [] for name in self._pieces[0]}
+        begin, end = first // READ_POINTS, max(first, stop - 1) // READ_POINTS
+        for number in range(begin, min(end + 1, len(self._pieces))):
+            start = number * READ_POINTS
+            for name, packed in self._pieces[number].items():
+                found[name].append(packed.values()[max(first - start, 0) : max(stop - start, 0)])
+        return {
+            name: parts[0] if len(parts) == 1 else np.concatenate(parts)
+            for name, parts in found.items()
+        }

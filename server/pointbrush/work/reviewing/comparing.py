@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import source_blocks
-from pointbrush.work.annotate.kept import KeptAnnotation
+from pointbrush.work.annotate.layers import KeptAnnotation
 
 Names = Mapping[int, str]
 """Key by which a label is compared: name or category; 0, no label, is "" and compared too."""
