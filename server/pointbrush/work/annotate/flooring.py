@@ -19,8 +19,7 @@ from pointbrush.selection import Points, Stroke, first_hits, fit_plane
 from pointbrush.selection.ray import Alive
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.annotate.painted_frame import frame_points
-from pointbrush.work.annotate.seen import Seen
+from pointbrush.work.annotate.painted_frame import Seen, frame_points
 
 Vector = NDArray[np.float64]
 

@@ -22,8 +22,7 @@ from pointbrush.selection import Points, Stroke, first_hits
 from pointbrush.selection.box import clipped
 from pointbrush.selection.ray import Alive
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.annotate.painted_frame import frame_points
-from pointbrush.work.annotate.seen import Seen
+from pointbrush.work.annotate.painted_frame import Seen, frame_points
 from pointbrush.work.events import Prepared
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.options import ObjectOptions
