@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking import FrameResult, TrackState
-from pointbrush.work.tracking.told import counted
+from pointbrush.work.tracking.runs import counted
 
 
 def state(points: int, confidence: float, said: str = "tracked") -> TrackState:

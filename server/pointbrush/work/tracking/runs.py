@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -13,8 +13,12 @@ from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult, TrackOptions
 from pointbrush.work.events import Event, Provisional, Retracted
-from pointbrush.work.tracking import TRACK, told
+from pointbrush.work.tracking import TRACK
 from pointbrush.work.tracking import job as tracking
+from pointbrush.work.tracking.job import doubtful
+
+MOST_NAMED = 4
+"""Labels that are told of one by one; of those beyond only their number."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,7 @@ class Runs:
                 return tracking.NOTHING | {MESSAGE: "no label was changed"}
             labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
             summary = f"tracked {labelled}, frames {start} to {stop}, {request.method}"
-            outcome = told.counted(pending.results, start, names)
+            outcome = counted(pending.results, start, names)
             return _told(pending.commit(edit, author, summary), names, outcome)
 
         def done(job: Job) -> None:
@@ -155,3 +159,29 @@ def _told(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dic
     ]
     message = f"left out, changed while it was tracked: {', '.join(said)}"
     return result | {"left_out": found, MESSAGE: message}
+
+
+def counted(results: Iterable[FrameResult], start: int, names: Mapping[int, str]) -> str:
+    """Return in how many frames each label was found, and in how many that is doubtful.
+
+    As "pin 1: 29 frames, 7 doubtful; pin 2: 29 frames"; ``start``, which was painted, is left out.
+    """
+    found: dict[int, int] = {}
+    doubts: dict[int, int] = {}
+    for result in results:
+        if result.frame == start:
+            continue
+        for label, track in result.tracks.items():
+            found[label] = found.get(label, 0) + (track.points > 0)
+            doubts[label] = doubts.get(label, 0) + doubtful(track)
+    said = [_one(names.get(label, str(label)), found[label], doubts[label]) for label in found]
+    if len(said) > MOST_NAMED:
+        rest = list(found)[MOST_NAMED:]
+        more = f"{len(rest)} more labels, {sum(doubts[label] for label in rest)} frames doubtful"
+        said[MOST_NAMED:] = [more]
+    return "; ".join(said)
+
+
+def _one(name: str, frames: int, doubtful_frames: int) -> str:
+    told = f"{name}: {frames} {'frame' if frames == 1 else 'frames'}"
+    return f"{told}, {doubtful_frames} doubtful" if doubtful_frames else told
