@@ -8,7 +8,7 @@ import pytest
 
 from pointbrush.errors import ForbiddenError, NotFoundError
 from pointbrush.formats import Limits, open_source
-from pointbrush.work.imports.roots import allowed
+from pointbrush.formats.inside import allowed
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 from pointbrush.errors import BadInputError
 from pointbrush.formats.annotation import parse_map
 from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.inside import allowed
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.jobs import Job
 from pointbrush.web.auth import Caller, Gate, resource
@@ -23,7 +24,6 @@ from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 from pointbrush.web.schemas_work import JobOut
 from pointbrush.web.upload_files import described, parse_json, save
-from pointbrush.work.imports.roots import allowed
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 

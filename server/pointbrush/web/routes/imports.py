@@ -18,6 +18,7 @@ from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
+from pointbrush.formats.inside import allowed
 from pointbrush.streaming.encoding import describe
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import Ws
@@ -31,7 +32,6 @@ from pointbrush.web.upload_files import (
     relative_path,
     save,
 )
-from pointbrush.work.imports.roots import allowed
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
