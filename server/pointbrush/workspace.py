@@ -38,14 +38,13 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
-from pointbrush.work import checking, exporting, palettes, place, thumbnails
+from pointbrush.work import exporting, listing, palettes, thumbnails
 from pointbrush.work.annotate import accepting, copying, flooring, layers
 from pointbrush.work.annotate.accepting import Judgement
 from pointbrush.work.annotate.placing import Placement, placements, require_overlaid
 from pointbrush.work.annotate.splitting import Split, split_label
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
-from pointbrush.work.backup import make_backup, restore_one
-from pointbrush.work.checking import Repaired
+from pointbrush.work.backup import make_backup, require_here, restore_one
 from pointbrush.work.compiling import are_compiled
 from pointbrush.work.deletion import Deleted, Deletion
 from pointbrush.work.events import (
@@ -60,7 +59,7 @@ from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
 from pointbrush.work.imports.submitting import IMPORT, LABELS, SAMPLE, ImportRequest, Imports
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
-from pointbrush.work.listing import Listed, entry, listing, problems_of
+from pointbrush.work.listing import Listed, Repaired
 from pointbrush.work.objects import (
     Answer,
     Level,
@@ -108,7 +107,7 @@ class Workspace:
         """
         self.settings = settings
         self.paths = ServerPaths(settings.workspace, *settings.roots)
-        place.require_here(settings.workspace, settings.database_url)
+        require_here(settings.workspace, settings.database_url)
         self.library = Library(_store_of(settings))
         self.library.clean()
         make_private(settings.workspace)
@@ -239,11 +238,11 @@ class Workspace:
 
     def listing(self) -> list[Listed]:
         """All recordings by name, and what is wrong with those that are damaged."""
-        return listing(self.library, self.store, self._imports, self._deletion)
+        return listing.recordings(self.library, self.store, self._imports, self._deletion)
 
     def entry(self, sequence: str) -> Listed:
         """One of them, damaged or not; raises NotFoundError."""
-        return entry(self.library, self.store, sequence)
+        return listing.entry(self.library, self.store, sequence)
 
     def recording(self, sequence: str) -> Recording:
         """The stored recording; raises NotFoundError, DamagedError."""
@@ -768,15 +767,15 @@ class Workspace:
 
     def check(self, sequence: str) -> list[str]:
         """List faults of a recording's files, its journal or its annotations; [] if sound."""
-        return problems_of(self.library, self.store, sequence)
+        return listing.problems_of(self.library, self.store, sequence)
 
     def check_database(self) -> list[str]:
         """List faults of the label database itself; [] if all of it can be read."""
         return self.store.integrity()
 
     def repair(self, sequences: Collection[str]) -> Repaired:
-        """Make anew what can be of what is wrong; see ``checking.repair``."""
-        return checking.repair(self.library, self.store, sequences)
+        """Make anew what can be of what is wrong; see ``listing.repair``."""
+        return listing.repair(self.library, self.store, sequences)
 
     def ready_checks(self) -> dict[str, Callable[[], None]]:
         """Return a check of each part that work needs; it raises UnavailableError."""

@@ -48,7 +48,7 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
     try:
         _copy(source / RECORDINGS, partial / RECORDINGS)
         if url:
-            place.note(partial, url)
+            place.note_database(partial, url)
             restore(source / DATABASE, url)
         else:
             shutil.copy2(source / DATABASE, partial / DATABASE)
@@ -100,7 +100,7 @@ def move_labels(workspace: Path, source_url: str, target_url: str) -> None:
     if any_alive(workspace):
         raise ConflictError("move: expected no running server on this workspace; stop it first")
     move(source_url, target_url)
-    place.note(workspace, target_url)
+    place.note_database(workspace, target_url)
     old = workspace / DATABASE
     if source_url == place.own_url(workspace):
         for suffix in ("-wal", "-shm"):

@@ -1,17 +1,89 @@
-"""All recordings of a workspace, whole or not, and what is wrong with those that are not."""
+"""All recordings of a workspace, their faults, and what can be made anew of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
-from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
+from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import LabelStore
-from pointbrush.sequences import Manifest, verify
-from pointbrush.work import checking
+from pointbrush.sequences import Manifest, note_checksums, verify
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
+
+
+@dataclass(slots=True)
+class Repaired:
+    """Faults that are repaired, and what is lost; one sentence each."""
+
+    rebuilt: list[str] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)
+
+
+def check_recording(library: Library, store: LabelStore, sequence: str) -> list[str]:
+    """List faults of a recording's files, journal and annotations; none when it is sound."""
+    problems = verify(library.store.files(sequence))
+    try:
+        return problems + store.check(sequence)
+    except (UnavailableError, NotFoundError) as error:
+        return [*problems, f"its labels cannot be read: {error}"]
+
+
+def repair(library: Library, store: LabelStore, sequences: Iterable[str]) -> Repaired:
+    """Make anew what can be; no other process may have the workspace open.
+
+    Indexes come from the database's rows; snapshots, counts, palette and tracks from the journal.
+    Files of frames, the journal and manifests cannot be made anew.  Raises ReadOnlyError.
+    """
+    done = Repaired()
+    _repair_database(store, done)
+    if done.lost:
+        return done
+    for sequence in sequences:
+        _repair_labels(store, sequence, done)
+        if not library.has(sequence):
+            done.lost.append(f"{sequence}: {LABELS_ALONE}")
+            continue
+        files = library.store.files(sequence)
+        if note_checksums(files):
+            done.rebuilt.append(
+                f"{sequence}: it had no checksums; those of its files as they are now are kept"
+            )
+        done.lost += [
+            f"{sequence}: {line}; import it again or restore it from a backup"
+            for line in verify(files)
+        ]
+    return done
+
+
+def _repair_database(store: LabelStore, done: Repaired) -> None:
+    found = store.integrity()
+    if not found:
+        return
+    try:
+        store.rebuild_indexes()
+    except ReadOnlyError:
+        raise
+    except UnavailableError as error:
+        found = [*found, f"database: its indexes cannot be made anew: {error}"]
+    else:
+        left = store.integrity()
+        done.rebuilt += [line for line in found if line not in left]
+        found = left
+    done.lost += [f"{line}; restore it from a backup" for line in found]
+
+
+def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
+    try:
+        rebuilt, lost = store.repair(sequence)
+    except (UnavailableError, NotFoundError) as error:
+        rebuilt, lost = [], [f"its labels cannot be read: {error}"]
+    done.rebuilt += [f"{sequence}: {line}" for line in rebuilt]
+    done.lost += [
+        f"{sequence}: {line}; nothing of its labels was changed, restore them from a backup"
+        for line in lost
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +105,7 @@ class Listed:
         return self.id if self.manifest is None else self.manifest.name
 
 
-def listing(
+def recordings(
     library: Library, store: LabelStore, imports: Imports, deletion: Deletion
 ) -> list[Listed]:
     """Every recording that has files or labels, by name; not those that imports have begun."""
@@ -79,7 +151,7 @@ def problems_of(library: Library, store: LabelStore, sequence: str) -> list[str]
         return [LABELS_ALONE, *_told(lambda: store.check(sequence))]
     damaged = library.look(sequence).damaged
     if known:
-        problems = _told(lambda: checking.check_recording(library, store, sequence))
+        problems = _told(lambda: check_recording(library, store, sequence))
     else:
         problems = _told(lambda: verify(library.store.files(sequence)))
     return problems if damaged is None else [damaged, *problems]

@@ -18,7 +18,7 @@ def own_url(workspace: Path) -> str:
     return f"sqlite:///{(workspace / 'labels.sqlite').absolute()}"
 
 
-def note(workspace: Path, url: str) -> None:
+def note_database(workspace: Path, url: str) -> None:
     """Write where the labels are now; a password is left out."""
     text = "" if url == own_url(workspace) else _public(url)
     partial = workspace / f".{NOTE}"
