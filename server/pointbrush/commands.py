@@ -18,8 +18,7 @@ from pointbrush.options import has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import follow
 from pointbrush.settings import Settings
-from pointbrush.work.backup import move_labels, restore_backup
-from pointbrush.work.place import own_url
+from pointbrush.work.backup import move_labels, own_url, restore_backup
 from pointbrush.workspace import Workspace
 
 AUTHOR = "command line"

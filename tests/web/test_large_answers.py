@@ -48,7 +48,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         patch.setattr(importer, "LARGE_POINTS", 8_000)
         patch.setattr(source_order, "BLOCK_POINTS", 5_000)
         patch.setattr(source_order, "PIECE_POINTS", 3_500)
-        patch.setattr(kept, "PIECE_POINTS", 4_000)
+        patch.setattr(layers, "READ_POINTS", 4_000)
         patch.setattr(layers, "PIECE_POINTS", 4_500)
         import_frames([scan()], folder / "large", sequence_id="large", **about)
         with serving(settings) as running:

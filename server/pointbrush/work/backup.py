@@ -1,22 +1,71 @@
-"""Backups: recordings are immutable and copied or linked, the database is copied consistently."""
+"""Backups of a workspace, the way back, and the move of its labels to another database.
+
+A note in the workspace says which database its labels were moved to.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import uuid
 from itertools import chain, count
 from pathlib import Path
+from typing import Any
 
-from pointbrush.errors import ConflictError, NotFoundError
+from sqlalchemy import make_url
+
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels import LabelStore, move, restore
 from pointbrush.sequences.manifest import rename_sequence
-from pointbrush.work import place
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
 
+NOTE = "database.json"
 DATABASE = "labels.sqlite"
 RECORDINGS = "sequences"
+
+
+def own_url(workspace: Path) -> str:
+    """Return the URL of the SQLite file that a workspace has of its own."""
+    return f"sqlite:///{(workspace / 'labels.sqlite').absolute()}"
+
+
+def note_database(workspace: Path, url: str) -> None:
+    """Write where the labels are now; a password is left out."""
+    text = "" if url == own_url(workspace) else _public(url)
+    partial = workspace / f".{NOTE}"
+    partial.write_text(json.dumps({"database": text}), encoding="utf-8")
+    partial.replace(workspace / NOTE)
+
+
+def require_here(workspace: Path, url: str) -> None:
+    """Raise BadInputError when the labels are known to be in another database than ``url``."""
+    try:
+        noted = json.loads((workspace / NOTE).read_text(encoding="utf-8"))["database"]
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError, KeyError, TypeError):
+        raise BadInputError(
+            f"workspace: expected a note of its database in {NOTE}, got something else"
+        ) from None
+    if _place(noted or own_url(workspace)) != _place(url):
+        start = f"--database {noted}" if noted else "no --database: they are in the workspace"
+        raise BadInputError(
+            f"database: the labels of this workspace were moved; start with {start} "
+            f"(or remove {NOTE} if you know better)"
+        )
+
+
+def _public(url: str) -> str:
+    return make_url(url).set(password=None).render_as_string(hide_password=False)
+
+
+def _place(url: str) -> tuple[Any, ...]:
+    parsed = make_url(url)
+    if parsed.get_backend_name() == "sqlite":
+        return "sqlite", str(Path(str(parsed.database)).absolute())
+    return "postgresql", parsed.host, parsed.port or 5432, parsed.database
 
 
 def make_backup(store: LabelStore, library: Library, target: Path) -> None:
@@ -48,7 +97,7 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
     try:
         _copy(source / RECORDINGS, partial / RECORDINGS)
         if url:
-            place.note_database(partial, url)
+            note_database(partial, url)
             restore(source / DATABASE, url)
         else:
             shutil.copy2(source / DATABASE, partial / DATABASE)
@@ -100,9 +149,9 @@ def move_labels(workspace: Path, source_url: str, target_url: str) -> None:
     if any_alive(workspace):
         raise ConflictError("move: expected no running server on this workspace; stop it first")
     move(source_url, target_url)
-    place.note_database(workspace, target_url)
+    note_database(workspace, target_url)
     old = workspace / DATABASE
-    if source_url == place.own_url(workspace):
+    if source_url == own_url(workspace):
         for suffix in ("-wal", "-shm"):
             old.with_name(old.name + suffix).unlink(missing_ok=True)
         old.rename(old.with_name(f"{old.name}.moved-{uuid.uuid4().hex[:8]}"))
