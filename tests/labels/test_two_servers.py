@@ -6,14 +6,16 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
+import psycopg
 import pytest
 from waiting import eventually
 
 from pointbrush.errors import NotFoundError
-from pointbrush.labels import Commit, LabelStore, Write, sessions
+from pointbrush.labels import Commit, LabelStore, Limits, Write, sessions
 
 SEQ = "juggling"
 POINTS = [70_000, 100]
@@ -191,3 +193,30 @@ def test_a_sequence_made_anew_elsewhere(url: str, here: LabelStore, tmp_path: Pa
     assert there.revision(SEQ) == 0
     assert len(there.values(SEQ, 0).label) == 7
     there.close()
+
+
+def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(postgres_url: str) -> None:
+    with (
+        closing(LabelStore(postgres_url)) as here,
+        closing(LabelStore(postgres_url, limits=Limits(statement_seconds=1))) as there,
+    ):
+        here.register(SEQ, POINTS)
+        here.create_label(SEQ, "ann", name="one")
+        heard: list[int] = []
+        there.subscribe(lambda commit: heard.append(commit.revision))
+        eventually(lambda: there.revision(SEQ) == 1 and heard == [1])
+        with psycopg.connect(postgres_url) as other:
+            # Read by who catches up with a stroke, and not by who paints it.
+            other.execute("LOCK TABLE labels IN ACCESS EXCLUSIVE MODE")
+            write = Write(np.arange(5), label=1, provenance=1)
+            here.apply(SEQ, edit_id=None, author="a", kind="paint", writes={0: write}, summary="")
+            waits = (
+                "SELECT 1 FROM pg_stat_activity "
+                "WHERE query LIKE '%labels%' AND wait_event_type = 'Lock'"
+            )
+            with psycopg.connect(postgres_url, autocommit=True) as watching:
+                eventually(lambda: watching.execute(waits).fetchone() is not None)
+                eventually(lambda: watching.execute(waits).fetchone() is None)
+            assert heard == [1]
+        # Nobody commits again.
+        eventually(lambda: heard == [1, 2], 30)

@@ -50,13 +50,18 @@ class Accounts:
         self._names: dict[str, str] = {}
         self._lock = threading.Lock()
 
-    def name(self, account: str) -> str:
-        """Return what is shown for an account."""
+    def known(self, account: str) -> str | None:
+        """Return the name of an account where the database need not be asked for it."""
         if MARK not in account:
             return account
         with self._lock:
-            if account in self._names:
-                return self._names[account]
+            return self._names.get(account)
+
+    def name(self, account: str) -> str:
+        """Return what is shown for an account; raises UnavailableError."""
+        known = self.known(account)
+        if known is not None:
+            return known
         with self._database.read() as connection:
             query = select(accounts.c.name).where(accounts.c.id == account)
             found = connection.execute(query).scalar()

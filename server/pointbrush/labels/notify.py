@@ -108,11 +108,18 @@ class Watcher:
         if self._thread.is_alive():
             self._thread.join()
 
-    def _catch_up(self) -> None:
+    def _caught_up(self) -> bool:
+        """Take in what others have committed; False, after a pause, when that failed.
+
+        Nobody tells of it again: who is behind stays so until another commit, unless it is tried.
+        """
         try:
             self._heard()
         except Exception:
             log.exception("could not catch up with another process's commits")
+            self._stop.wait(RETRY_SECONDS)
+            return False
+        return True
 
     def _run(self) -> None:
         while not self._stop.is_set():
@@ -131,15 +138,15 @@ class Watcher:
         with contextlib.closing(sqlite3.connect(path, timeout=1)) as connection:
             while not self._stop.wait(POLL_SECONDS):
                 version = connection.execute("PRAGMA data_version").fetchone()[0]
-                if version != seen:
+                if version != seen and self._caught_up():
                     seen = version
-                    self._catch_up()
 
     def _watch_postgres(self) -> None:
         with self._database.listener() as connection:
             connection.execute(f"LISTEN {CHANNEL}")
-            self._catch_up()  # what was committed while nobody listened
+            behind = True  # by what was committed while nobody listened
             while not self._stop.is_set():
+                if behind and self._caught_up():
+                    behind = False
                 notices = list(connection.notifies(timeout=0.25, stop_after=1))
-                if any(notice.payload != self.origin for notice in notices):
-                    self._catch_up()
+                behind = behind or any(notice.payload != self.origin for notice in notices)

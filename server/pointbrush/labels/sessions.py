@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -31,6 +32,8 @@ from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Commit
 from pointbrush.labels.upkeep import Upkeep
 from pointbrush.labels.writer import Request, Writer
+
+log = logging.getLogger(__name__)
 
 GAP = 2_000
 """Edits of another process beyond which everything is read anew instead."""
@@ -134,13 +137,21 @@ class Sessions:
             self._cache.drop(state.number)
 
     def catch_up(self) -> None:
-        """Take in what other processes committed, and tell the subscribers."""
+        """Take in what other processes committed, and tell the subscribers.
+
+        Raises UnavailableError; then it is to be called again.
+        """
         with self._listing:
             newest = self._read_live()
             before, self._live = self._live, newest
-        for sequence in sorted(before.keys() | newest.keys()):
-            if _number(before, sequence) != _number(newest, sequence):
-                self.came_or_went(sequence)
+        try:
+            for sequence in sorted(before.keys() | newest.keys()):
+                if _number(before, sequence) != _number(newest, sequence):
+                    self.came_or_went(sequence)
+        except UnavailableError:
+            with self._listing:
+                self._live = before
+            raise
         for sequence, (number, revision) in newest.items():
             state = self._states.get(sequence)
             if state is None:
@@ -148,8 +159,19 @@ class Sessions:
             else:
                 behind = (number, revision) != (state.number, state.revision)
             if behind:
-                with contextlib.suppress(NotFoundError), self.reading(sequence):
-                    pass
+                self._look_into(sequence)
+
+    def _look_into(self, sequence: str) -> None:
+        """Bring a sequence up to date; a fault of its own keeps no other from it."""
+        try:
+            with self.reading(sequence):
+                pass
+        except NotFoundError:
+            return  # it was deleted meanwhile
+        except UnavailableError:
+            raise
+        except Exception:
+            log.exception("%s: commits of another process could not be read", sequence)
 
     @contextlib.contextmanager
     def listing(self) -> Iterator[None]:

@@ -172,13 +172,18 @@ class Room:
         bases = {frame: self._touched.get(frame, self._start) for frame in held}
         # From here on nobody gets older values, also while the deltas are encoded.
         self._touched.update(dict.fromkeys(commit.frames, commit.revision))
-        encoded = await self._encoded(commit, bases)
+        try:
+            encoded = await self._encoded(commit, bases)
+        except PointbrushError:
+            # The database is away: each frame is owed whole, and sent when it is back.
+            encoded, whole = [], held
+        else:
+            whole = [frame for frame in held if commit.frames[frame] is None]
         self.revision = commit.revision
         for delta in encoded:
             for viewer in self.viewers:
                 if viewer.holds(delta.frame):
                     viewer.outbox.delta(delta)
-        whole = [frame for frame in held if commit.frames[frame] is None]
         changed = self.board.committed(commit)
         for viewer in self.viewers:
             viewer.stale(whole)
@@ -208,7 +213,10 @@ class Room:
         """A commit's part in each frame of ``bases`` that lists one, encoded once for all."""
         listed = {frame: delta for frame in bases if (delta := commit.frames[frame]) is not None}
 
-        author = self.workspace.store.accounts.name(commit.author)
+        accounts = self.workspace.store.accounts
+        author = accounts.known(commit.author)
+        if author is None:
+            author = str(await self._run(accounts.name, commit.author))
 
         def encode_all() -> list[QueuedDelta]:
             return [

@@ -13,7 +13,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from pointbrush import __version__
-from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError
+from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
@@ -258,9 +258,10 @@ class ViewerSession(Viewer):
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.labels = self.outbox.all_cells = True
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
-        for job in self.hub.workspace.jobs():
-            if job.state in ("queued", "running"):
-                self.hub.tell_job(job, [self])
+        with contextlib.suppress(UnavailableError):  # then each is told when it changes
+            for job in self.hub.workspace.jobs():
+                if job.state in ("queued", "running"):
+                    self.hub.tell_job(job, [self])
         if message.revision is not None:
             await self._catch_up(room, message.revision)
         self.outbox.wake.set()
@@ -272,6 +273,8 @@ class ViewerSession(Viewer):
         self.catching_up = True
         try:
             deltas = await room.since(revision)
+        except UnavailableError:
+            deltas = None  # the database is away: what it holds is owed until it is back
         finally:
             self.catching_up = False
         if deltas is None:
