@@ -44,10 +44,11 @@ function pictureOf(told: Golden, jpeg: Uint8Array): Picture {
   };
 }
 
-function decoderOf(told: Golden): DepthDecoder {
+type View = Pick<Golden, 'lattice' | 'lo' | 'hi'>;
+
+function decoderOf(told: Golden, { lattice, lo, hi }: View = told): DepthDecoder {
   const read = (jpeg: Uint8Array) => Promise.resolve(pictureOf(told, jpeg));
   const decoder = new DepthDecoder(new BufferPool(1 << 20), read);
-  const { lattice, lo, hi } = told;
   decoder.open({ identity: 'i', lattice, lo, hi } as SequenceInfo);
   return decoder;
 }
@@ -98,6 +99,41 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
       expect(Math.max(...off)).toBeLessThanOrEqual(told.position_error);
     }
   });
+
+  it.each([0, 1, 2].flatMap((axis) => [1, -1].map((sign) => ({ axis, sign }))))(
+    'has every point in the box of a camera that looks along $axis times $sign',
+    async ({ axis, sign }) => {
+      const lattice = { ...told.lattice, axis, sign };
+      const { width, eye, unit, tangent, pitch } = lattice;
+      const sides = [0, 1, 2].filter((side) => side !== axis);
+      const seen = told.pixels.map((pixel, i) => {
+        const along = unit * Math.round((xyz[3 * i + 2]! - eye[2]) / unit);
+        const at = [...eye];
+        at[axis]! += sign * along;
+        [pixel % width, Math.floor(pixel / width)].forEach((place, i) => {
+          at[sides[i]!]! += along * (tangent[i]! + pitch[i]! * place);
+        });
+        return at;
+      });
+      const extent = (most: typeof Math.max) =>
+        [0, 1, 2].map((side) => most(...seen.map((at) => at[side]!)));
+      // A box that is too small on both sides.
+      const lo = extent(Math.min).map((value) => value + 0.05);
+      const hi = extent(Math.max).map((value) => value - 0.05);
+      const decoder = decoderOf(told, { lattice, lo, hi } as unknown as View);
+      const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
+      const off = positions(all).map((at, i) =>
+        Math.max(
+          ...at.map((value, side) => {
+            const whole = seen[i]![side]!;
+            const bounded = Math.min(Math.max(whole, lo[side]!), hi[side]!);
+            return Math.abs(value - (side === axis ? whole : bounded));
+          }),
+        ),
+      );
+      expect(Math.max(...off)).toBeLessThanOrEqual(told.position_error);
+    },
+  );
 
   it('has the colours of the finest picture that came', async () => {
     const decoder = decoderOf(told);
