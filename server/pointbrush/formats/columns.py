@@ -20,12 +20,6 @@ from pointbrush.formats.options import ColorRange, Extras, ReadOptions
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
-UNIT, MOSTLY = 0.01, 0.99
-"""Greatest distance from 1 of a normal's length, and the share of rows that keep to it."""
-LIKER = 0.15
-"""Difference in correlation that tells which columns are colours."""
-MANY_SHADES = 32
-"""Different values of a column that is hardly a class."""
 log = logging.getLogger(__name__)
 
 ROLES: dict[str, tuple[str, ...]] = {
@@ -202,73 +196,6 @@ def _other(
         for name, values in columns.items()
         if name not in used and values.ndim == 1 and values.dtype.kind in "fiu"
     }
-
-
-def plain_columns(table: Array, options: ReadOptions, *, intensity_first: bool) -> dict[str, Array]:
-    """Columns of a table (N, 3 or more) that has no names: by their number and what they hold.
-
-    Where a person says what they are, all of them, called by their numbers.
-    x y z, then an intensity alone; or red green blue; or intensity red green blue, which is tried
-    first with ``intensity_first``.  What is neither (normals) is left out.
-    """
-    width = table.shape[1]
-    if options.chosen.columns:
-        return {str(i): table[:, i] for i in range(width)}
-    names = ["x", "y", "z"]
-    after = width >= 7 and _are_colors(table[:, 4:7])
-    before = width >= 6 and _are_colors(table[:, 3:6], whole=width > 6)
-    if width in (4, 5):
-        names += ["intensity"]
-    elif after and (intensity_first or not before or _ends_in_colors(table)):
-        names += ["intensity", "red", "green", "blue"]
-    elif before:
-        names += ["red", "green", "blue"]
-    return {column: table[:, i] for i, column in enumerate(names)}
-
-
-def _ends_in_colors(table: Array) -> bool:
-    """Whether columns 5 to 7 are the colours where columns 4 to 6 could be.
-
-    Red, green and blue go together more than an intensity goes with them.  Where that does not
-    tell, a last column that runs over the range of a colour is one, and no class.
-    """
-    rows = table[np.isfinite(table[:, 3:7]).all(axis=1), 3:7].astype(np.float64)
-    if len(rows) < 3:
-        return False
-    first, last = _likeness(rows[:, :3]), _likeness(rows[:, 1:])
-    if abs(first - last) > LIKER:
-        return last > first
-    high = rows[:, 1:].max()
-    return len(np.unique(rows[:, 3])) > MANY_SHADES and bool(rows[:, 3].max() > high / 4)
-
-
-def _likeness(columns: NDArray[np.float64]) -> float:
-    """Mean correlation of neighbouring columns (N, 3); 0 where one of them is constant."""
-    centred = columns - columns.mean(axis=0)
-    spread = np.sqrt((centred**2).mean(axis=0))
-    products = (centred[:, :-1] * centred[:, 1:]).mean(axis=0)
-    scale = spread[:-1] * spread[1:]
-    return float(np.mean(np.divide(products, scale, out=np.zeros(2), where=scale > 0)))
-
-
-def _are_normals(values: NDArray[Any]) -> bool:
-    """Whether rows (N, 3) have length 1, as colours that are fractions hardly all have."""
-    length = np.linalg.norm(values.astype(np.float64), axis=1)
-    return bool(np.mean(np.abs(length - 1) < UNIT) > MOSTLY)
-
-
-def _are_colors(values: Array, *, whole: bool = True) -> bool:
-    """Fractions 0..1, or numbers 0..255, ``whole`` ones where other columns could be meant.
-
-    Normals have negative parts, so are not taken.
-    """
-    if values.dtype.kind == "f":
-        values = values[np.isfinite(values).all(axis=1)]
-    if len(values) == 0 or values.min() < 0:
-        return False
-    if values.max() <= 1:
-        return not _are_normals(values)
-    return bool(values.max() <= 255 and not (whole and np.any(values % 1)))
 
 
 def finite_points(name: str, xyz: Array, *, missing: bool) -> NDArray[np.int64] | None:

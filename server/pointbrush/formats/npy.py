@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.columns import frame_from_columns, name_left_out, plain_columns
+from pointbrush.formats.columns import frame_from_columns, name_left_out
 from pointbrush.formats.options import Extras, ReadOptions, require_count
 from pointbrush.formats.table import Table
+from pointbrush.formats.unnamed import plain_columns
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]

@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import frame_from_columns, plain_columns, roles
+from pointbrush.formats.columns import frame_from_columns, roles
 from pointbrush.formats.corrections import Corrections, meanings
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.table import Table
+from pointbrush.formats.unnamed import plain_columns
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
