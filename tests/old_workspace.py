@@ -14,8 +14,7 @@ from alembic.config import Config
 from sqlalchemy import Table, inspect, select
 
 from pointbrush.labels.database import Database
-from pointbrush.labels.migrate import MIGRATIONS
-from pointbrush.labels.schema import metadata
+from pointbrush.labels.schema import MIGRATIONS, metadata
 from pointbrush.settings import Settings
 from tests.serving import settings_in
 

@@ -14,7 +14,7 @@ from sqlalchemy import MetaData, insert, select, text
 
 from pointbrush.labels import LabelStore
 from pointbrush.labels.database import Database
-from pointbrush.labels.migrate import MIGRATIONS
+from pointbrush.labels.schema import MIGRATIONS
 
 OLD = Path(__file__).parents[1] / "golden" / "workspace_0001"
 

@@ -16,8 +16,7 @@ from sqlalchemy import text
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
 from pointbrush.labels.database import Database
-from pointbrush.labels.migrate import MIGRATIONS, migrate
-from pointbrush.labels.schema import HEAD, metadata
+from pointbrush.labels.schema import HEAD, MIGRATIONS, metadata, migrate
 
 
 def test_the_migrations_make_the_schema(url: str) -> None:

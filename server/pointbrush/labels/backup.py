@@ -15,8 +15,7 @@ from sqlalchemy import Connection, Select, Table, func, insert, select, text
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels.database import Database
 from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY
-from pointbrush.labels.migrate import migrate
-from pointbrush.labels.schema import LIVE, PER_SEQUENCE, metadata, sequences, tokens
+from pointbrush.labels.schema import LIVE, PER_SEQUENCE, metadata, migrate, sequences, tokens
 
 ROWS = 256
 """Rows copied at once: they hold up to a few hundred kilobytes each."""

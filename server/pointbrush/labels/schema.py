@@ -1,14 +1,18 @@
-"""The tables.  The journal (``edits`` and ``edit_*``) is the truth; the rest is derived from it.
+"""The tables, and the migrations that bring a database of any version to them.
 
-A migration must go with every change here (``migrations/versions``); a test compares the two.
+The journal (``edits`` and ``edit_*``) is the truth; the rest is derived from it.  A migration must go
+with every change here (``migrations/versions``); a test compares the two.
 """
 
 from __future__ import annotations
+
+from pathlib import Path
 
 from sqlalchemy import (
     BigInteger,
     Boolean,
     Column,
+    Connection,
     Double,
     ForeignKey,
     Index,
@@ -20,8 +24,12 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    inspect,
     text,
 )
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels.database import Database
 
 HEAD = "0010"
 """The migration that these tables are at."""
@@ -39,6 +47,8 @@ INERT = 4
 IN_FORCE = (ACTIVE, KEPT)
 
 metadata = MetaData()
+MIGRATIONS = Path(__file__).parent / "migrations"
+_ADVISORY_LOCK = 0x706F696E74  # "point": one process migrates a PostgreSQL database at a time
 
 
 def _sequence() -> Column[int]:
@@ -287,3 +297,47 @@ PER_SEQUENCE = (
     edits,
 )
 """Everything that goes when a sequence is forgotten, children first."""
+
+
+def migrate(database: Database) -> None:
+    """Run the migrations that are missing, in one transaction.
+
+    Raises BadInputError for a database of a newer pointbrush, UnavailableError.
+    """
+    with database.read() as connection:
+        if _version(connection) == HEAD:
+            return
+    with database.write() as connection:
+        if not database.sqlite:
+            # A migration rewrites tables, and waits for another process's: both may take long.
+            connection.execute(text("SET LOCAL statement_timeout TO 0"))
+            connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _ADVISORY_LOCK})
+        if _version(connection) != HEAD:
+            _upgrade(connection)
+
+
+def _version(connection: Connection) -> str | None:
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    found = connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
+    return None if found is None else str(found)
+
+
+def _upgrade(connection: Connection) -> None:
+    # Imported here: a database that is up to date opens without Alembic's start-up time.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.set_main_option("path_separator", "os")
+    config.attributes["connection"] = connection
+    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
+    found = _version(connection)
+    if found is not None and found not in known:
+        raise BadInputError(
+            f"database: expected schema version {HEAD} or older, got {found}; "
+            "it was written by a newer pointbrush"
+        )
+    command.upgrade(config, "head")

@@ -14,11 +14,11 @@ from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
-from pointbrush.labels.migrate import migrate
 from pointbrush.labels.plans import new_entry
 from pointbrush.labels.reading import View
 from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
+from pointbrush.labels.schema import migrate
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
