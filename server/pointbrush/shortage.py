@@ -1,16 +1,22 @@
-"""Error numbers of a system that has no more: room on a disk, or files for a process."""
+"""A system that has no more: room on a disk, or files for a process."""
 
 from __future__ import annotations
 
 import errno
+import shutil
 import sys
+import tempfile
+from pathlib import Path
 
 from pointbrush.errors import UnavailableError
+from pointbrush.permissions import FORBIDDEN
 
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 FILES = frozenset({errno.EMFILE, errno.ENFILE})
 RESERVED = 256
 """Files that connections leave to the database, to recordings and to worker processes."""
+LEAST_ROOM = 32 << 20
+"""Bytes on the disk below which a server is not ready for new work."""
 
 
 def shortage(error: OSError) -> UnavailableError | None:
@@ -35,3 +41,22 @@ def most_connections() -> int:
 
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     return sys.maxsize if soft == resource.RLIM_INFINITY else soft - min(RESERVED, soft // 2)
+
+
+def require_room(folder: Path) -> None:
+    """Raise UnavailableError unless ``folder`` has room, or is read-only; names no path."""
+    try:
+        free = shutil.disk_usage(folder).free
+        if free < LEAST_ROOM:
+            raise UnavailableError(
+                f"expected {LEAST_ROOM >> 20} MB of room on the workspace's disk, "
+                f"got {free >> 20} MB"
+            )
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(4096))
+    except OSError as error:
+        if error.errno in FORBIDDEN:
+            return  # served for viewing: no new work will need room
+        raise UnavailableError(
+            f"expected a workspace that can be written: {error.strerror}"
+        ) from None

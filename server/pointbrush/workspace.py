@@ -38,6 +38,7 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
+from pointbrush.shortage import require_room
 from pointbrush.work import exporting, listing, palettes, thumbnails
 from pointbrush.work.annotate import accepting, copying, flooring, layers
 from pointbrush.work.annotate.accepting import Judgement
@@ -68,7 +69,6 @@ from pointbrush.work.objects import (
     StaleCandidateError,
 )
 from pointbrush.work.palettes import NamedLabel
-from pointbrush.work.readiness import require_room
 from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:

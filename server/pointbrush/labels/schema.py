@@ -1,7 +1,7 @@
 """The tables, and the migrations that bring a database of any version to them.
 
-The journal (``edits`` and ``edit_*``) is the truth; the rest is derived from it.  A migration must go
-with every change here (``migrations/versions``); a test compares the two.
+The journal (``edits`` and ``edit_*``) is the truth; the rest is derived from it.  A migration must
+go with every change here (``migrations/versions``); a test compares the two.
 """
 
 from __future__ import annotations
