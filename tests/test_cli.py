@@ -283,3 +283,11 @@ def test_a_command_imports_nothing_that_it_does_not_need(
     found = subprocess.run(line, capture_output=True, text=True, check=True)
     imported = set(ast.literal_eval(found.stdout.splitlines()[-1]))
     assert imported <= set(may), found.stderr
+
+
+def test_a_server_listens_without_what_only_some_of_its_work_needs() -> None:
+    rare = ("scipy", "numba", "psycopg", "segno", "cryptography", "viser", "pointbrush.review",
+            "pointbrush.samples.generating", "pointbrush.tracking.tracker")  # fmt: skip
+    code = f"import sys, pointbrush.web.server; print([n for n in {rare} if n in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ast.literal_eval(found.stdout) == []

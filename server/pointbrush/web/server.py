@@ -13,7 +13,6 @@ import tempfile
 import threading
 from pathlib import Path
 
-import segno
 import uvicorn
 
 from pointbrush.errors import BadInputError
@@ -23,8 +22,7 @@ from pointbrush.web.app import create_app
 from pointbrush.web.clients import is_loopback
 from pointbrush.web.logs import FORMATS, log_events, write_json
 from pointbrush.web.patience import patient_protocol
-from pointbrush.web.routes.trust import fingerprint
-from pointbrush.web.tls import Certificate, certificate
+from pointbrush.web.tls import Certificate, certificate, fingerprint
 from pointbrush.web.uncopied import UncopiedProtocol
 from pointbrush.workspace import Event, Workspace
 
@@ -179,6 +177,8 @@ def announce(url: str, *, code: bool, authority: Path | None = None) -> None:
     """Print the one line; off this machine also a QR code, and how to trust the certificate."""
     print(f"pointbrush ready at {url}", flush=True)
     if code:
+        import segno
+
         segno.make(url, micro=False).terminal(out=sys.stdout, compact=True)
     if authority is not None:
         trust = url.partition("/?")[0] + "/trust"

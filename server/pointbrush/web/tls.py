@@ -1,7 +1,8 @@
 """HTTPS for headsets on the local network: our own authority, made once and kept.
 
 WebXR needs a secure context.  A headset trusts the authority once; certificates for this machine's
-names are renewed under it without asking again.
+names are renewed under it without asking again.  Most servers have none: what reads and signs
+certificates is imported where it is used.
 """
 
 from __future__ import annotations
@@ -11,9 +12,6 @@ import os
 import socket
 from dataclasses import dataclass
 from pathlib import Path
-
-import trustme
-from cryptography import x509
 
 from pointbrush.errors import BadInputError, ReadOnlyError
 from pointbrush.permissions import writable
@@ -85,7 +83,18 @@ def machine_names(settings: Settings) -> list[str]:
     return sorted(names - {""})
 
 
+def fingerprint(authority: Path) -> str:
+    """SHA-256 of a certificate, in pairs of digits as browsers show it."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes
+
+    found = x509.load_pem_x509_certificate(authority.read_bytes())
+    return found.fingerprint(hashes.SHA256()).hex(":").upper()
+
+
 def _usable(certfile: Path, names: list[str]) -> bool:
+    from cryptography import x509
+
     try:
         found = x509.load_pem_x509_certificate(certfile.read_bytes())
         alternatives = found.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
@@ -99,6 +108,8 @@ def _usable(certfile: Path, names: list[str]) -> bool:
 
 def _issue(folder: Path, names: list[str]) -> None:
     """Write a certificate for ``names``, under the authority kept in ``folder``."""
+    import trustme
+
     folder.mkdir(parents=True, exist_ok=True)
     folder.chmod(0o700)
     public, private = folder / "authority.pem", folder / "authority.key"

@@ -6,14 +6,11 @@ import io
 from html import escape
 from pathlib import Path
 
-import segno
-from cryptography import x509
-from cryptography.hazmat.primitives import hashes
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse, HTMLResponse
 
 from pointbrush.errors import NotFoundError
-from pointbrush.web.tls import Certificate
+from pointbrush.web.tls import Certificate, fingerprint
 
 router = APIRouter(include_in_schema=False)
 PAGES = Path(__file__).parents[1] / "docs"
@@ -31,12 +28,6 @@ def authority_of(request: Request) -> Path:
     if certificate is None or certificate.authority is None:
         raise NotFoundError("expected a server with a certificate of its own (--tls), got none")
     return certificate.authority
-
-
-def fingerprint(authority: Path) -> str:
-    """SHA-256 of a certificate, in pairs of digits as browsers show it."""
-    found = x509.load_pem_x509_certificate(authority.read_bytes())
-    return found.fingerprint(hashes.SHA256()).hex(":").upper()
 
 
 @router.get("/trust", response_class=HTMLResponse)
@@ -57,6 +48,8 @@ def secure_address(request: Request) -> str:
 @router.get("/trust/address.svg")
 def address_code(request: Request) -> Response:
     """Return that address as a QR code."""
+    import segno
+
     drawn = io.BytesIO()
     segno.make(secure_address(request), micro=False).save(
         drawn, kind="svg", scale=6, border=4, light="white"
