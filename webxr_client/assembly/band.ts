@@ -63,6 +63,7 @@ export function decode(
   columns: usize,
   rows: usize,
   stamps: usize,
+  /** 12 bytes each, and 4 more. */
   vertices: usize,
 ): i32 {
   // Pixels take turns with the states: four short chains of operations, side by side in the processor.
@@ -146,9 +147,11 @@ export function decode(
           rgb = load<u32>(color) & RGB;
           rgb = select<u32>(rgb, NEARLY_BLACK, rgb != 0);
         }
-        store<u64>(out, i64x2.extract_lane(cells, 0) | ((<u64>rgb) << 48));
         const stamp = <u32>load<u16>(stamps + ((<usize>(depth >> STAMP_SHIFT)) << 1));
-        store<u32>(out, (rgb >> 16) | (stamp << 16), 8);
+        // Behind three coordinates: colour and stamp, and zeros that the next vertex overwrites.
+        const front = i64x2.splat((<i64>rgb) << 48);
+        const whole = i64x2.replace_lane(front, 1, <i64>((rgb >> 16) | (stamp << 16)));
+        v128.store(out, v128.or(cells, whole));
         out += VERTEX;
       }
     }

@@ -15,6 +15,9 @@ import { inOneMemory, instantiate, type Decode } from './kernel';
 import { bandsOf, firstStep, pixelsOf, type Band } from './lattice';
 import { PIXEL_BYTES, type Picture } from './pictures';
 
+/** Bytes that the kernel writes beyond the last vertex. */
+const BEYOND = 4;
+
 /** State of a frame that its later chunks need of those before them. */
 export interface Known {
   /** Distance between the pixels that came, and what these hold, row by row. */
@@ -136,7 +139,7 @@ function arraysOf(lattice: Lattice, grid: Grid, bands: readonly Band[]) {
     colors: new Uint8Array(PIXEL_BYTES * width * height),
     ...raysOf(lattice, grid),
     stamps: stampsOf(lattice, bands),
-    vertices: new Uint8Array(STRIDE * most),
+    vertices: new Uint8Array(STRIDE * most + BEYOND),
   };
 }
 

@@ -29,10 +29,14 @@ export const readPicture: ReadPicture = async (jpeg) => {
   }
 };
 
-/** Whether this browser's frames turn into RGB: older ones take no notice of the format. */
+/** Whether this browser's frames turn into RGB: some take no notice of the format, or refuse it. */
 function converts(image: VideoFrame): boolean {
   const { displayWidth, displayHeight } = image;
-  return image.allocationSize({ format: 'RGBX' }) === PIXEL_BYTES * displayWidth * displayHeight;
+  try {
+    return image.allocationSize({ format: 'RGBX' }) === PIXEL_BYTES * displayWidth * displayHeight;
+  } catch {
+    return false;
+  }
 }
 
 class Converted implements Picture {
