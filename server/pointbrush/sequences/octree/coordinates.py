@@ -50,9 +50,13 @@ def scaling_of(frame: PointFrame) -> NDArray[np.float64]:
 
     A coordinate is ``whole × scale / divisor + offset``, which gives decimals exactly.
     """
-    if frame.scaling is not None and frame.xyz.dtype == np.float64:
-        return np.array([frame.scaling.scale, frame.scaling.offset, np.ones(3)])
     some = frame.xyz[:: max(len(frame) // _SAMPLE, 1)]
+    if frame.scaling is not None:
+        scale, offset = frame.scaling.scale, frame.scaling.offset
+        # Another unit, or a turn, may have been chosen for the import.
+        kept = np.rint((some - offset) / scale) * scale + offset == some
+        if kept.mean() > 1 / 2:
+            return np.array([scale, offset, np.ones(3)])
     divisors = [_decimals(some[:, axis]) for axis in range(3)]
     return np.array([[float(divisor > 0) for divisor in divisors], np.zeros(3), divisors])
 
