@@ -42,6 +42,11 @@ export const clipMatrix: ReadonlySignal<Matrix4 | null> = computed(() => {
   return box && info ? cubeOf(box, info.shift) : null;
 });
 
+/** `T_cube_room`: the same for places of the room. */
+export const clipInRoom: ReadonlySignal<Matrix4 | null> = computed(
+  () => clipMatrix.value?.clone().multiply(room.value.clone().invert()) ?? null,
+);
+
 /** The thinnest way through the box, which it is scrolled along. */
 function scrolled({ volume, slab }: Clip): 0 | 1 | 2 {
   if (slab !== null) return slab;

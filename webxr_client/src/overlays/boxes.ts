@@ -1,5 +1,6 @@
 /** An upright box round each labelled object of the frame on screen. */
-import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Object3D } from 'three'; // prettier-ignore
+import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Matrix4, type Object3D } from 'three'; // prettier-ignore
+import { reaches } from '../cloud/clipping';
 import { colorOf, isShown } from './shown';
 import { at, BOX, HALF, type Summary } from './summary';
 
@@ -11,6 +12,13 @@ const BAR = 0.004;
 const AIR = 0.01;
 /** Fewer points are a speck and no object. */
 const FEWEST = 8;
+
+/** Return whether a label's box may have a part in the clip box. */
+function meets({ values }: Summary, slot: number, clip: Matrix4): boolean {
+  const [box, half] = [at(slot, BOX), at(slot, HALF)];
+  const radius = Math.hypot(values[half]!, values[half + 1]!, values[half + 2]!);
+  return reaches(clip, values[box]!, values[box + 1]!, values[box + 2]!, radius);
+}
 
 export class Boxes {
   /** Boxes on screen. */
@@ -35,12 +43,14 @@ export class Boxes {
     this.count = 0;
   }
 
-  show(summary: Summary): void {
+  /** Boxes that lie wholly outside `clip` (`T_cube_room`) are left out. */
+  show(summary: Summary, clip: Matrix4 | null): void {
     let bars = 0;
     this.count = 0;
     for (let slot = 0; slot < summary.labels.length && this.count < MOST; slot++) {
       const label = summary.labels[slot]!;
       if (summary.count[slot]! < FEWEST || !isShown(label)) continue;
+      if (clip && !meets(summary, slot, clip)) continue;
       this.count += 1;
       const color = colorOf(label);
       for (let edge = 0; edge < EDGES; edge++, bars++) {

@@ -1,4 +1,5 @@
 /** Overlays on the recording, at the desk and in the headset: boxes, trails, a ghost. */
+import { clipInRoom } from '../clip';
 import type { CloudFrame } from '../cloud/frame';
 import type { Engine } from '../engine/engine';
 import { peek } from '../peek';
@@ -33,7 +34,7 @@ export class Overlays {
     this.trails = new Trails(world, uniforms);
     this.ghost = new Ghost(room, uniforms);
     const { palette, solo, view, activeLabel, sequence, playing } = state;
-    watch([palette, solo, view, activeLabel, sequence, playing], () => {
+    watch([palette, solo, view, activeLabel, sequence, playing, clipInRoom], () => {
       this.dirty = true;
       engine.viewer.invalidate();
     });
@@ -87,7 +88,7 @@ export class Overlays {
   private box(frame: CloudFrame, on: boolean): void {
     this.boxed = frame;
     const summary = on ? this.summaries.peek(frame) : null;
-    if (summary) this.boxes.show(summary);
+    if (summary) this.boxes.show(summary, peek(clipInRoom));
     else this.boxes.hide();
     this.engine.viewer.invalidate();
   }
@@ -98,8 +99,9 @@ export class Overlays {
   };
 
   private trail(frames: number, on: boolean): void {
-    if (on) this.trails.show(this.head, frames, peek(state.palette), this.summaryOf);
-    else this.trails.hide();
+    const { trails, summaryOf } = this;
+    if (on) trails.show(this.head, frames, peek(state.palette), summaryOf, peek(clipInRoom));
+    else trails.hide();
     this.engine.viewer.invalidate();
   }
 

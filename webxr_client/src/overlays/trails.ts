@@ -1,5 +1,6 @@
 /** The ways of the labelled objects through the frames near the playhead. */
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, type Color, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, type Color, type Matrix4, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
+import { shows } from '../cloud/clipping';
 import { dotMaterial, type PointUniforms } from '../cloud/material';
 import { colorOf, isShown } from './shown';
 import { at, MIDDLE, type Summary } from './summary';
@@ -77,7 +78,7 @@ export class Trails {
   private readonly dots = new Vertices(DOTS);
   private readonly ends = new Vertices(2 * DOTS);
   private readonly points: Points<BufferGeometry, RawShaderMaterial>;
-  private readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
+  readonly lines: LineSegments<BufferGeometry, LineBasicMaterial>;
 
   constructor(world: Object3D, uniforms: PointUniforms) {
     const look = { transparent: true, depthTest: false, vertexColors: true };
@@ -99,12 +100,13 @@ export class Trails {
     this.count = 0;
   }
 
-  /** `summaryOf` gives what is known of a frame. */
+  /** `summaryOf` gives what is known of a frame; places outside `clip` (`T_cube_room`) are left out. */
   show(
     head: number,
     frames: number,
     labels: readonly { readonly id: number }[],
     summaryOf: (frame: number) => Summary | null,
+    clip: Matrix4 | null,
   ): void {
     const { dots, ends } = this;
     const first = Math.max(0, head - REACH);
@@ -120,9 +122,16 @@ export class Trails {
         const summary = summaryOf(frame);
         const slot = summary ? summary.of(label) : -1;
         if (slot < 0) continue;
+        const { values } = summary!;
+        const place = at(slot, MIDDLE);
+        if (clip && !shows(clip, values[place]!, values[place + 1]!, values[place + 2]!)) {
+          // A line over the places left out would leave the clip box.
+          before = -Infinity;
+          continue;
+        }
         // Points farther away in time are fainter.
         const near = 1 - (0.75 * Math.abs(frame - head)) / REACH;
-        dots.set(count, summary!.values, at(slot, MIDDLE), color, near);
+        dots.set(count, values, place, color, near);
         if (frame - before <= BRIDGE) {
           ends.copy(joined++, dots, count - 1);
           ends.copy(joined++, dots, count);
