@@ -25,10 +25,12 @@ const ring = Array.from({ length: 400 }, (_, i): Vector => {
   return [Math.round(radius * Math.cos(i)), -1500, Math.round(radius * Math.sin(i))];
 });
 
+const LOCAL = [0, 0, 0];
+
 describe('the first view', () => {
   it('is that of a camera which saw the points from the origin', () => {
     const { frame, room } = frameAround(camera);
-    const view = viewOf('sensor', frame, room, 55, 1.6)!;
+    const view = viewOf('sensor', frame, room, 55, 1.6, LOCAL)!;
     expect(view.eye.length()).toBeLessThan(0.2);
     expect(
       view.target
@@ -40,26 +42,34 @@ describe('the first view', () => {
 
   it('is from above and behind a lidar', () => {
     const { frame, room } = frameAround(ring);
-    const view = viewOf('sensor', frame, room, 55, 1.6)!;
+    const view = viewOf('sensor', frame, room, 55, 1.6, LOCAL)!;
     expect(view.eye.y).toBeGreaterThan(3);
     expect(view.target.length()).toBeLessThan(1e-6);
+  });
+
+  it('looks down on a scan in the coordinates of a map, whose local origin is no sensor', () => {
+    const { frame } = frameAround(ring);
+    const aside = new Matrix4().makeTranslation(30, 0, 30);
+    const { eye, target } = viewOf('sensor', frame, aside, 55, 1.6, [448300, 5411900, 0])!;
+    expect(target.x).toBeGreaterThan(25);
+    expect(eye.y).toBeGreaterThan(target.y + 5);
   });
 
   it('has everything in it when no sensor is at the origin', () => {
     const { frame } = frameAround(camera);
     const far = new Matrix4().makeTranslation(500, 0, 0);
-    const view = viewOf('fit', frame, far, 55, 1.6)!;
+    const view = viewOf('fit', frame, far, 55, 1.6, LOCAL)!;
     expect(view.target.distanceTo(new Vector3(500, 0, -3))).toBeLessThan(0.2);
     expect(view.eye.distanceTo(view.target)).toBeGreaterThan(1.5);
   });
 
   it('from the top looks down', () => {
     const { frame, room } = frameAround(ring);
-    const { eye, target } = viewOf('top', frame, room, 55, 1.6)!;
+    const { eye, target } = viewOf('top', frame, room, 55, 1.6, LOCAL)!;
     expect(target.clone().sub(eye).normalize().y).toBeLessThan(-0.99);
   });
 
   it('needs points', () => {
-    expect(viewOf('fit', new CloudFrame(0, false), new Matrix4(), 55, 1.6)).toBeNull();
+    expect(viewOf('fit', new CloudFrame(0, false), new Matrix4(), 55, 1.6, LOCAL)).toBeNull();
   });
 });

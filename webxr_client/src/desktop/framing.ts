@@ -67,17 +67,20 @@ export function isPlan(preset: ViewPreset): boolean {
   return preset !== 'sensor' && preset !== 'fit';
 }
 
-/** The view that a preset asks for; room coordinates. */
+/** The view that a preset asks for; room coordinates. `shift`: source minus local. */
 export function viewOf(
   preset: ViewPreset,
   frame: CloudFrame,
   room: Matrix4,
   fov: number,
   aspect: number,
+  shift: readonly number[],
 ): View | null {
   const points = sample(frame, room);
   if (points.length === 0) return null;
-  const sensor = preset === 'sensor' ? sensorView(points, room) : null;
+  // Coordinates of a map begin nowhere near a sensor.
+  const local = shift.every((metres) => metres === 0);
+  const sensor = preset === 'sensor' && local ? sensorView(points, room) : null;
   if (sensor) return sensor;
   const bound = (part: number): Vector3 =>
     new Vector3(

@@ -312,7 +312,7 @@ export class Engine {
     this.unframed = false;
     const [low, high] = this.viewer.bounds(info);
     const { camera, room } = this.viewer;
-    const view = viewOf(preset, frame, room.matrix, camera.fov, camera.aspect);
+    const view = viewOf(preset, frame, room.matrix, camera.fov, camera.aspect, info.shift);
     if (!view) return;
     const { eye, target } = view;
     const size = low.distanceTo(high);

@@ -203,7 +203,9 @@ export class Cockpit {
     const { room } = this.engine.viewer;
     const frame = this.engine.playback.frame;
     room.updateWorldMatrix(true, false);
-    if (!frame || !standBefore(frame, room.matrixWorld, this.rig)) return;
+    const info = peek(state.sequence);
+    if (!frame || !info) return;
+    if (!standBefore(frame, room.matrixWorld, this.rig, info.shift)) return;
     this.standing = true;
     this.settle(peek(xrSettings).seated);
   }

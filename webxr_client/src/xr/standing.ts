@@ -35,9 +35,17 @@ function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: 
 /** One stands so far before the nearest things, metres. */
 const ARM = 0.9;
 
-/** Stand on the sensor's line of sight, within reach of what it saw; false without points. */
-export function standBefore(frame: CloudFrame, sceneFromLocal: Matrix4, rig: Rig): boolean {
-  const seen = viewOf('sensor', frame, sceneFromLocal, 60, 1);
+/**
+ * Stand on the sensor's line of sight, within reach of what it saw; false without points.
+ * `shift`: source minus local.
+ */
+export function standBefore(
+  frame: CloudFrame,
+  sceneFromLocal: Matrix4,
+  rig: Rig,
+  shift: readonly number[],
+): boolean {
+  const seen = viewOf('sensor', frame, sceneFromLocal, 60, 1, shift);
   if (!seen) return false;
   const way = seen.target.clone().sub(seen.eye).setY(0);
   const length = way.length();
