@@ -1,6 +1,8 @@
 /** Local density of decoded points: how large each must be drawn to fill the surface. */
 import { sizeCode, SIZE_CODES, STRIDE } from './segment';
 
+/** A point without neighbours is drawn this large for its distance from the sensor. */
+const LONE = 0.005;
 /** Points whose common extent gives the local spacing; every eighth is looked at. */
 const RUN = 64;
 const EVERY = 8;
@@ -163,8 +165,10 @@ function measure(
     const first = run * RUN;
     const n = Math.min(count - first, RUN);
     const stop = (first + n) * WORDS;
+    // Of few points each counts.
+    const every = (n > EVERY ? EVERY : 1) * WORDS;
     let loX = 65535, loY = 65535, loZ = 65535, hiX = 0, hiY = 0, hiZ = 0; // prettier-ignore
-    for (let i = first * WORDS; i < stop; i += EVERY * WORDS) {
+    for (let i = first * WORDS; i < stop; i += every) {
       const xy = vertices[i]!;
       const x = xy & 0xffff;
       const y = xy >>> 16;
@@ -183,6 +187,7 @@ function measure(
     const y = oy + ((loY + hiY) / 2) * sy;
     const z = oz + ((loZ + hiZ) / 2) * sz;
     distances[run] = Math.max(1e-6, Math.sqrt(x * x + y * y + z * z));
+    if (n === 1) spacings[run] = LONE * distances[run]!;
     if (step > 1) {
       spacings[run + 1] = spacings[run]!;
       distances[run + 1] = distances[run]!;
