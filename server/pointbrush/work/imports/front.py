@@ -1,0 +1,142 @@
+"""Recordings and labels that come in: the part of the façade that imports."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pointbrush import formats
+from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.datasets import ClassName
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import LabelStore
+from pointbrush.lazy import once
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.settings import Settings
+from pointbrush.work.imports.submitting import ImportRequest, Imports
+from pointbrush.work.library import Library
+
+if TYPE_CHECKING:
+    from pointbrush.work.imports.annotating import LabelImports
+    from pointbrush.work.imports.previewing import Preview, Previews
+
+
+class Importing(ABC):
+    """Imports into a workspace, which ``Workspace`` is the whole of; thread-safe."""
+
+    settings: Settings
+    library: Library
+    store: LabelStore
+    runner: JobRunner
+    _imports: Imports
+
+    @abstractmethod
+    def recording(self, sequence: str) -> Recording:
+        """The stored recording; raises NotFoundError, DamagedError."""
+
+    def require_importable(self) -> None:
+        """Raise ReadOnlyError where nothing can be imported: before an upload is taken in."""
+        self.library.require_writable()
+
+    def import_paths(
+        self,
+        paths: Sequence[Path],
+        *,
+        name: str | None = None,
+        fps: float | None = None,
+        chosen: Corrections | None = None,
+        cleanup: Path | None = None,
+        roots: Sequence[Path] = (),
+        owner: str | None = None,
+    ) -> Job:
+        """Import files as one sequence in a job; ``cleanup`` is removed when it has ended.
+
+        ``chosen`` is what a person says of the files.  With ``roots``, nothing that lies or leads
+        outside them is read.  ``owner``: who asks.
+        """
+        absolute = tuple(path.absolute() for path in paths)
+        request = ImportRequest(absolute, name, fps, chosen or Corrections(), tuple(roots), cleanup)
+        return self._imports.of_paths(request, owner)
+
+    def preview(
+        self,
+        paths: Sequence[Path],
+        *,
+        name: str | None = None,
+        fps: float | None = None,
+        chosen: Corrections | None = None,
+        roots: Sequence[Path] = (),
+    ) -> Preview:
+        """Say what ``import_paths`` would do; nothing is written.  Raises what readers raise."""
+        from pointbrush.work.imports.previewing import PreviewRequest
+
+        limits = formats.Limits(self.settings.max_frame_points, roots=tuple(roots))
+        absolute = tuple(path.absolute() for path in paths)
+        return self._previews.of(
+            PreviewRequest(absolute, chosen or Corrections(), limits, name, fps)
+        )
+
+    def import_labels(
+        self,
+        sequence: str,
+        place: Path,
+        author: str,
+        *,
+        label_format: str | None = None,
+        names: Mapping[int, ClassName] | None = None,
+        dry_run: bool = False,
+        no_ground: bool = False,
+        field: str | None = None,
+        roots: Sequence[Path] = (),
+        cleanup: Path | None = None,
+    ) -> Job:
+        """Import labels made elsewhere as one edit, in a job whose result reports what was found.
+
+        ``names`` are class names by number; ``dry_run`` writes nothing; ``no_ground`` leaves the
+        ground out of boxes; ``field`` names the field of points that is labels; ``cleanup`` is
+        removed when the job has ended.  Raises NotFoundError.
+        """
+        from pointbrush.work.imports.annotating import LabelRequest
+
+        request = LabelRequest(
+            place.absolute(),
+            label_format,
+            dict(names or {}),
+            dry_run,
+            no_ground,
+            field,
+            tuple(roots),
+            cleanup,
+        )
+        return self._label_imports.start(self.recording(sequence), request, author)
+
+    def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
+        """Make the sample recording and import it, with a palette for its objects."""
+        return self._imports.of_sample(frames, seed)
+
+    def import_roots(self, *, own: bool) -> list[Path]:
+        """Folders that a caller over the network may import from.
+
+        ``own``: where none are named, the current folder and the home folder; the caller is who
+        started the server, on this machine.
+        """
+        return self.settings.roots or (self.settings.own_roots if own else [])
+
+    def end_previews(self) -> None:
+        """End the process of previews, if there is one."""
+        if Importing._previews.made(self):
+            self._previews.close()
+
+    @once
+    def _previews(self) -> Previews:
+        from pointbrush.work.imports.previewing import Previews
+
+        return Previews()
+
+    @once
+    def _label_imports(self) -> LabelImports:
+        from pointbrush.work.imports.annotating import LabelImports
+
+        return LabelImports(self.store, self.runner, self.settings.max_frame_points)
