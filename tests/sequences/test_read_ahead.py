@@ -25,14 +25,14 @@ class Frames:
 
 
 def test_forward_and_back_within_the_recording() -> None:
-    frames = Frames(20)
+    frames = Frames(40)
     frames.open.set()
     frames.ahead.looked_at(0)
     eventually(lambda: sorted(frames.fetched) == list(range(1, AHEAD_FRAMES + 1)))
     frames.fetched.clear()
-    frames.ahead.looked_at(19)
-    frames.ahead.looked_at(18)
-    eventually(lambda: sorted(frames.fetched) == list(range(18 - AHEAD_FRAMES, 18)))
+    frames.ahead.looked_at(39)
+    frames.ahead.looked_at(38)
+    eventually(lambda: sorted(frames.fetched) == list(range(38 - AHEAD_FRAMES, 38)))
 
 
 def test_after_a_jump_the_frames_there_come_first() -> None:

@@ -269,9 +269,10 @@ class BucketFiles:
 
     def hold(self, index: int, part: str) -> Hold:
         """See RecordingFiles."""
+        held = self._hold(self._of_frame.get((part, index), []))
         if part == FRAMES:
             self._ahead.looked_at(index)
-        return self._hold(self._of_frame.get((part, index), []))
+        return held
 
     def _fetch_ahead(self, index: int) -> None:
         with self._hold(self._of_frame.get((FRAMES, index), [])):

@@ -11,9 +11,9 @@ from pointbrush.errors import PointbrushError
 
 log = logging.getLogger(__name__)
 
-AHEAD_FRAMES = 8
-"""Frames that are fetched before anybody asks for them: a quarter of a second of playing."""
-THREADS = 4
+AHEAD_FRAMES = 16
+"""Frames that are fetched before anybody asks for them: half a second of playing."""
+THREADS = 6
 """Frames of one recording that are fetched at once."""
 REMEMBERED = 64
 """Frames looked at last, which tell the direction, and wishes of several people that are kept."""
