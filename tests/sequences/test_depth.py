@@ -103,6 +103,19 @@ def test_a_whole_image_has_all_its_columns_though_every_so_many_points_are_of_fe
     assert 512 < lattice.width < 570
 
 
+def test_colours_that_are_noise_are_imported_too(tmp_path: Path) -> None:
+    v, u = np.mgrid[0:212, 0:256].reshape(2, -1)
+    depth = 2.0 + 0.3 * np.sin(u / 30) * np.cos(v / 22)
+    xyz = np.column_stack([(u - 128) * depth / 182, (v - 106) * depth / 182, depth])
+    noise = np.random.default_rng(0).integers(0, 256, xyz.shape).astype(np.uint8)
+    sequence = put([PointFrame(xyz.astype(np.float32), rgb=noise)], tmp_path / "s")
+    rgb = sequence[0].rgb
+    assert sequence[0].depth_ends is not None
+    assert 0 < sequence.manifest.color_error <= 6.0
+    assert rgb is not None
+    assert np.array_equal(sequence[0].to_source(rgb), noise)
+
+
 @pytest.mark.parametrize("how", ["turned", "scattered", "with intensity"])
 def test_other_clouds_go_as_points(tmp_path: Path, how: str) -> None:
     frame = depth_camera(0)

@@ -34,6 +34,8 @@ COARSE_QUALITY = 75, "4:2:0"
 """The same of smaller pictures, which are seen until a finer one is there."""
 COLOR_ERROR = 6.0
 """Greatest root mean square difference of a picture's colours from a frame's own, of 255."""
+_JPEG_PIXEL = 4
+"""Bytes that a pixel of a JPEG file takes at most, where all is noise."""
 SPARSE = 1.5
 """Depths are numbered where they could be so many times as many as they are."""
 
@@ -129,7 +131,11 @@ def _pictures(lattice: Lattice, number: NDArray[np.int32], rgb: Bytes | None) ->
 
 def _jpeg(colors: Bytes, quality: int, sampling: str) -> bytes:
     from PIL import Image as Pillow
+    from PIL import ImageFile
 
+    # Pillow raises OSError for a picture that takes more than its buffer, as one of noise may.
+    most = _JPEG_PIXEL * colors.shape[0] * colors.shape[1]
+    ImageFile.MAXBLOCK = max(ImageFile.MAXBLOCK, most)
     out = io.BytesIO()
     picture = Pillow.fromarray(np.ascontiguousarray(colors))
     picture.save(out, "JPEG", quality=quality, subsampling=sampling, optimize=True)
