@@ -28,7 +28,7 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
-from pointbrush.shortage import require_room
+from pointbrush.system import require_room
 from pointbrush.work import exporting, listing, thumbnails
 from pointbrush.work.annotate import flooring
 from pointbrush.work.annotate.placing import Placement

@@ -20,6 +20,7 @@ from pointbrush.errors import ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import works
 from pointbrush.labels.state import find_revision
+from pointbrush.system import process_alive
 
 log = logging.getLogger(__name__)
 
@@ -169,7 +170,7 @@ def given_up(row: Row[Any], now: float, seconds: float | None) -> bool:
     """Return whether the process of a row has ended, or has not been heard of for ``seconds``."""
     if seconds is not None and row.beat < now - seconds:
         return True
-    return bool(row.host == host() and not _alive(row.process))
+    return bool(row.host == host() and not process_alive(row.process))
 
 
 @cache
@@ -180,13 +181,3 @@ def host() -> str:
     except OSError:
         space = 0
     return f"{socket.gethostname()}/{space}"
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True

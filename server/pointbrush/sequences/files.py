@@ -12,7 +12,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from pointbrush.errors import ConflictError, PointbrushError, UnavailableError
-from pointbrush.shortage import FULL
+from pointbrush.system import FULL, process_alive
 
 _TEMPORARY = re.compile(r"\.tmp-(\d+)-[0-9a-f]{32}")
 _FULL = FULL | {errno.EROFS, errno.EIO}
@@ -94,19 +94,7 @@ def clean_temporary(folder: Path) -> list[Path]:
     removed = []
     for path in folder.glob(".tmp-*"):
         match = _TEMPORARY.fullmatch(path.name)
-        if match and not _alive(int(match[1])):
+        if match and not process_alive(int(match[1])):
             shutil.rmtree(path, ignore_errors=True)
             removed.append(path)
     return removed
-
-
-def _alive(process: int) -> bool:
-    if process == os.getpid():
-        return True
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True

@@ -16,9 +16,9 @@ from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
 from pointbrush import errors
-from pointbrush.shortage import shortage
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.shared.status import status_of
+from pointbrush.system import shortage
 
 logger = logging.getLogger(__name__)
 

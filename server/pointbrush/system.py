@@ -1,8 +1,9 @@
-"""A system that has no more: room on a disk, or files for a process."""
+"""The system under this process: room on its disk, files it may open, other processes."""
 
 from __future__ import annotations
 
 import errno
+import os
 import shutil
 import sys
 import tempfile
@@ -60,3 +61,14 @@ def require_room(folder: Path) -> None:
         raise UnavailableError(
             f"expected a workspace that can be written: {error.strerror}"
         ) from None
+
+
+def process_alive(process: int) -> bool:
+    """Return whether a process of this machine, by its number, still runs."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # somebody else's
+        return True
+    return True
