@@ -112,7 +112,9 @@ def main() -> None:
         print(f"sent in {time.perf_counter() - started:.1f} s")
 
         def opened(cache: str) -> Sequence:
-            return open_sequence(BucketFiles(Bucket(URL, FileCache(folder / cache, 1 << 40)), "wall"))
+            return open_sequence(
+                BucketFiles(Bucket(URL, FileCache(folder / cache, 1 << 40)), "wall")
+            )
 
         cold = [first_frame(opened(f"cold {attempt}")) for attempt in range(5)]
         warm = [first_frame(opened("cold 0")) for _ in range(5)]

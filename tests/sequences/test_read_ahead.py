@@ -5,17 +5,17 @@ from __future__ import annotations
 import threading
 
 from pointbrush.errors import UnavailableError
-from pointbrush.sequences.read_ahead import AHEAD_FRAMES, THREADS, ReadAhead
+from pointbrush.sequences.read_ahead import AHEAD_BYTES, AHEAD_FRAMES, THREADS, ReadAhead
 from tests.waiting import eventually
 
 
 class Frames:
     """Frames that come once ``open`` is set."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, nbytes: int = 0) -> None:
         self.fetched: list[int] = []
         self.open = threading.Event()
-        self.ahead = ReadAhead(count, self.fetch)
+        self.ahead = ReadAhead(count, nbytes, self.fetch)
 
     def fetch(self, index: int) -> None:
         self.fetched.append(index)
@@ -44,3 +44,12 @@ def test_after_a_jump_the_frames_there_come_first() -> None:
     wanted = [*range(51, 51 + AHEAD_FRAMES), *range(THREADS + 1, AHEAD_FRAMES + 1)]
     eventually(lambda: len(frames.fetched) == THREADS + len(wanted))
     assert set(frames.fetched[THREADS : THREADS + AHEAD_FRAMES]) == set(wanted[:AHEAD_FRAMES])
+
+
+def test_of_large_frames_fewer_come() -> None:
+    frames = Frames(100, nbytes=100 * AHEAD_BYTES // 2)
+    frames.open.set()
+    frames.ahead.looked_at(10)
+    eventually(lambda: sorted(frames.fetched) == [11, 12])
+    frames.ahead.looked_at(90)
+    eventually(lambda: sorted(frames.fetched) == [11, 12, 91, 92])

@@ -15,6 +15,7 @@ from urllib.request import urlopen
 import fsspec
 import numpy as np
 import pytest
+from s3fs import S3FileSystem
 from sqlalchemy import update
 
 from pointbrush.client import Client
@@ -24,6 +25,8 @@ from pointbrush.sequences import import_frames, open_sequence, verify
 from pointbrush.sequences.bucket import Bucket, BucketFiles
 from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
+from pointbrush.work.imports.importing import ImportWork
+from pointbrush.work.trash import ids_for
 from pointbrush.workspace import Workspace
 from tests.buckets import s3, s3_endpoint  # noqa: F401  # fixtures
 from tests.serving import TOKEN, serving, settings_in, surface
@@ -63,11 +66,22 @@ def workspace(settings: Settings) -> Iterator[Workspace]:
         yield opened
 
 
+class Channel:
+    """Nobody listens; a process of its own for each import would take seconds."""
+
+    def progress(self, fraction: float, message: str) -> None: ...
+
+    def item(self, value: object) -> None: ...
+
+
 def imported(workspace: Workspace, folder: Path) -> str:
-    job = workspace.runner.wait(workspace.import_paths([source(folder)]).id, 60)
-    assert job.state == "done", job.error
-    assert job.sequence is not None
-    return job.sequence
+    library, guards = workspace.library, workspace.store.guards
+    guard = guards.reserve(ids_for("room"), library.is_free)
+    target = library.store.target(guard.sequence)
+    ImportWork((source(folder),), target, guard.sequence)(Channel())
+    guards.end(guard)
+    assert guard.sequence in [one.id for one in workspace.listing()]
+    return guard.sequence
 
 
 def objects(url: str) -> set[str]:
@@ -296,6 +310,13 @@ def test_what_cannot_be_used_says_why(
         patch.setitem(sys.modules, "s3fs", None)
         patch.setitem(sys.modules, "fsspec", None)
         assert "pip install 'pointbrush[s3]'" in problem(s3)
+    with monkeypatch.context() as patch:
+        S3FileSystem.clear_instance_cache()
+        patch.delenv("AWS_ACCESS_KEY_ID")
+        patch.setenv("AWS_SHARED_CREDENTIALS_FILE", str(tmp_path / "none"))
+        patch.setenv("AWS_CONFIG_FILE", str(tmp_path / "none"))
+        assert "expected credentials for the bucket" in problem(s3)
+    S3FileSystem.clear_instance_cache()
     with monkeypatch.context() as patch:
         away(patch)
         assert "expected an answer from the bucket, got none" in problem(s3)

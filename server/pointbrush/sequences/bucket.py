@@ -241,7 +241,8 @@ class BucketFiles:
     @cached_property
     def _ahead(self) -> ReadAhead:
         manifest = self._known or self.manifest()
-        return ReadAhead(0 if manifest.large else manifest.frames, self._fetch_ahead)
+        frames = 0 if manifest.large else manifest.frames
+        return ReadAhead(frames, sum(self._sizes.values()), self._fetch_ahead)
 
     def checksums(self) -> dict[str, str] | None:
         """See RecordingFiles."""

@@ -13,6 +13,8 @@ log = logging.getLogger(__name__)
 
 AHEAD_FRAMES = 16
 """Frames that are fetched before anybody asks for them: half a second of playing."""
+AHEAD_BYTES = 256 << 20
+"""Of such frames together; at least one is fetched."""
 THREADS = 6
 """Frames of one recording that are fetched at once."""
 REMEMBERED = 64
@@ -25,9 +27,10 @@ class ReadAhead:
     The newest wishes go first: after a jump nobody waits for those of before.
     """
 
-    def __init__(self, frames: int, fetch: Callable[[int], None]) -> None:
-        """``fetch(index)`` fetches one of ``frames``, unless it is here."""
+    def __init__(self, frames: int, nbytes: int, fetch: Callable[[int], None]) -> None:
+        """``fetch(index)`` fetches one of ``frames`` of ``nbytes`` in all, unless it is here."""
         self._frames, self._fetch = frames, fetch
+        self._ahead = max(1, min(AHEAD_FRAMES, AHEAD_BYTES * frames // max(nbytes, 1)))
         self._looked_at: deque[int] = deque(maxlen=REMEMBERED)
         self._wishes: deque[int] = deque()
         self._threads = 0
@@ -39,7 +42,7 @@ class ReadAhead:
             seen = self._looked_at
             step = -1 if index + 1 in seen and index - 1 not in seen else 1
             seen.append(index)
-            ahead = (index + step * k for k in range(1, AHEAD_FRAMES + 1))
+            ahead = (index + step * k for k in range(1, self._ahead + 1))
             new = [frame for frame in ahead if 0 <= frame < self._frames and frame not in seen]
             old = [frame for frame in self._wishes if frame not in new]
             self._wishes = deque([*new, *old][:REMEMBERED])
