@@ -126,7 +126,7 @@ bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, w
 docs: $(STAMPS)/dev  ## the documentation as a site: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
-pictures: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the pictures of the desk in docs/images, anew
+pictures: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the pictures of desk and headset in docs/images, anew
 	@$(BIN)/python docs/pictures.py
 
 format: $(STAMPS)/dev $(STAMPS)/node

@@ -4,7 +4,7 @@ python benchmarks/bench_ten_labels.py [--frames 90] [--seed 1] [--method auto]
 
 Seven pins, the two people who pass them, and a piece of the room are painted in frame 0 with the
 truth and tracked to the end over REST, on a server of its own.  A painter in another process sends
-a stroke over the socket every 0.1 s, before the run and during it.  Goal: done in 15 s, strokes
+a stroke over the socket every 0.1 s, before the run and during it.  Goal: done in 9 s, strokes
 answered within 50 ms in 95 of 100 cases.
 """
 

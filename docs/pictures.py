@@ -1,4 +1,4 @@
-"""Take the pictures of the desk's views anew: ``make pictures``, or ``python docs/pictures.py``.
+"""Take the pictures of desk and headset anew: ``make pictures``, or ``python docs/pictures.py``.
 
 A server of its own serves the sample recording with the true labels of its first frame, which are
 tracked on; Chromium shows each view.  Written are small JPEGs in ``docs/images``.
@@ -27,6 +27,7 @@ from playwright.sync_api import Browser, sync_playwright
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
+from docs import headset_pictures  # noqa: E402
 from pointbrush.samples import generate  # noqa: E402
 from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
 from tests.e2e.desk import Desk, launch  # noqa: E402
@@ -44,6 +45,8 @@ class Options:
     width: int = 1440  # window, pixels
     height: int = 810
     written: int = 1200  # width of a picture, pixels
+    floor: tuple[float, float, float] = (0.0, 1.1, 2.8)  # near what is pointed at, y down, metres
+    flat: float = 0.03  # of the lowest point, metres
     dust: int = 60  # points of a label that cannot be followed
     most_bytes: int = 120_000  # of a picture
     patience: float = 180.0  # seconds for a job
@@ -142,7 +145,7 @@ def review(desk: Desk) -> None:
     save(desk, "desk-review")
 
 
-def doubt(desk: Desk, server: Server, truth: NDArray[np.uint16]) -> None:
+def doubt(desk: Desk, server: Server, truth: NDArray[np.uint16]) -> int:
     """Track a label on points all over the room: nobody can be sure where such a thing went."""
     body = {"name": "dust", "color": "#e86fd0"}
     dust = server.api.post(f"{server.path}/labels", json=body).raise_for_status().json()["id"]
@@ -154,10 +157,14 @@ def doubt(desk: Desk, server: Server, truth: NDArray[np.uint16]) -> None:
     desk.ask(f"pb.state.activeLabel.value = {dust}")
     desk.until(f"pb.state.timeline.value.rows.get({dust})?.points[0] > 0")
     save(desk, "desk-timeline", "#timeline")
+    return int(dust)
 
 
-def take(server: Server, browser: Browser, truth: NDArray[np.uint16], xyz: Points) -> None:
-    """Walk through the views, from the first visit to the list of recordings."""
+def take(server: Server, browser: Browser, truth: NDArray[np.uint16], xyz: Points) -> int:
+    """Walk through the views, from the first visit to the list of recordings.
+
+    Returns the label that cannot be followed.
+    """
     size = (OPTIONS.width, OPTIONS.height)
     newcomer = launch(browser, server.page, *size, drawn=True, newcomer=True)
     newcomer.page.locator(".tour").wait_for(timeout=OPTIONS.patience * 1000)
@@ -182,13 +189,14 @@ def take(server: Server, browser: Browser, truth: NDArray[np.uint16], xyz: Point
     desk.page.mouse.move(0, OPTIONS.height / 2)  # without the button's tip
     save(desk, "desk-light")
     desk.page.get_by_role("button", name="Dark theme").click()
-    doubt(desk, server, truth)
+    dust = doubt(desk, server, truth)
     review(desk)
     desk.ask("pb.engine.closeSequence()")
     desk.page.locator(".recording img").wait_for()
     desk.until("document.querySelector('.recording img').complete")
     save(desk, "desk-home")
     desk.context.close()
+    return dust
 
 
 def main() -> None:
@@ -200,7 +208,10 @@ def main() -> None:
         sync_playwright() as playwright,
     ):
         chromium = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
-        take(server, chromium, truth, xyz)
+        dust = take(server, chromium, truth, xyz)
+        floor = xyz[xyz[:, 1] > xyz[:, 1].max() - OPTIONS.flat]
+        nearest = floor[np.linalg.norm(floor - OPTIONS.floor, axis=1).argmin()]
+        headset_pictures.take(server, chromium, IMAGES, dust, nearest.tolist())
         chromium.close()
 
 
