@@ -196,9 +196,8 @@ def test_unknown_jobs_are_not_found(runner: JobRunner) -> None:
 def test_workers_end_when_the_server_is_killed() -> None:
     script = (
         "import os, sys, time\n"
-        "from pointbrush.jobs import JobRunner\n"
-        "runner = JobRunner(print, workers=1)\n"
-        "future = runner._submit(os.getpid)\n"
+        "from pointbrush.worker import Workers\n"
+        "future = Workers(1, '').submit(os.getpid)\n"
         "print(future.result(), flush=True)\n"
         "time.sleep(60)\n"
     )

@@ -7,17 +7,13 @@ cancel comes down.
 
 from __future__ import annotations
 
-import logging
 import multiprocessing
-import os
 import secrets
-import socket
 import threading
 import time
 import uuid
 from collections.abc import Callable, Mapping
-from concurrent.futures import BrokenExecutor, Executor, Future
-from concurrent.futures import CancelledError as FutureCancelledError
+from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection, Listener
@@ -27,20 +23,18 @@ from pointbrush.errors import (
     CancelledError,
     ConflictError,
     NotFoundError,
-    PointbrushError,
     UnavailableError,
 )
 from pointbrush.worker import (
-    DaskExecutor,
     DisconnectedError,
     Work,
-    end_processes,
-    local_processes,
-    own_host,
+    Workers,
+    cut_off,
+    died,
     run_work,
+    sentence,
+    tell,
 )
-
-logger = logging.getLogger(__name__)
 
 JobKind = Literal["import", "tracking", "export"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -128,18 +122,9 @@ class JobRunner:
         Raises BadInputError or UnavailableError when there is no such scheduler.
         """
         self._notify, self._public = notify, public
-        self._make_executor: Callable[[], Executor]
-        self._executor: Executor | None = None
-        host = "127.0.0.1"
-        self._connecting = threading.Lock()
-        if scheduler:
-            self._make_executor = lambda: DaskExecutor(scheduler)
-            # At once: a wrong address should not first show when somebody needs it.
-            self._executor, host = self._make_executor(), own_host(scheduler)
-        else:
-            self._make_executor = lambda: local_processes(workers)
+        self._workers = Workers(workers, scheduler)
         self._key = secrets.token_bytes(32)
-        self._listener = Listener((host, 0), backlog=64, authkey=self._key)
+        self._listener = Listener((self._workers.host, 0), backlog=64, authkey=self._key)
         self._lock = threading.Lock()
         self._jobs: dict[str, Job] = {}
         self._running: dict[str, _Running] = {}
@@ -180,13 +165,12 @@ class JobRunner:
         Jobs need not wait for its imports then.  Workers of a cluster begin by themselves.
         """
         with self._lock:
-            if self._executor is None and not self._closed:
-                self._submit(function)
+            if not self._workers.begun and not self._closed:
+                self._workers.submit(function)
 
     def require_scheduler(self) -> None:
         """Raise UnavailableError when jobs run on a cluster that does not answer."""
-        if isinstance(self._executor, DaskExecutor):
-            self._executor.require_answer()
+        self._workers.require_answer()
 
     def jobs(self) -> list[Job]:
         """All remembered jobs, newest first."""
@@ -211,7 +195,7 @@ class JobRunner:
             if running.future is not None:
                 running.future.cancel()
             if running.connection is not None:
-                _tell(running.connection, "cancel")
+                tell(running.connection, "cancel")
         return job
 
     def wait(self, job_id: str, timeout: float | None = None) -> Job:
@@ -254,23 +238,11 @@ class JobRunner:
         deadline = time.monotonic() + END_SECONDS
         for running in supervised:
             running.ended.wait(deadline - time.monotonic())
-        if self._executor is not None:
-            # A step of work, or what makes a process ready, may take as long as it likes.
-            end_processes(self._executor)
-            self._executor.shutdown(wait=True, cancel_futures=True)
+        # A step of work, or what makes a process ready, may take as long as it likes.
+        self._workers.end()
         for running in supervised:
             running.ended.wait(END_SECONDS)
         self._listener.close()
-
-    def _submit(self, function: Callable[..., Any], *args: Any) -> Future[Any]:
-        if self._executor is None:
-            self._executor = self._make_executor()
-        try:
-            return self._executor.submit(function, *args)
-        except BrokenExecutor:
-            # A worker died under an earlier job; later ones get new workers.
-            self._executor = self._make_executor()
-            return self._executor.submit(function, *args)
 
     def _forget_old(self) -> None:
         ended = [job_id for job_id, job in self._jobs.items() if job.state in ENDED]
@@ -299,15 +271,15 @@ class JobRunner:
             running.tries += 1
             before, running.connection = running.connection, connection
         if before is not None:
-            _cut_off(before)
+            cut_off(before)
             running.drained.wait(DRAIN_SECONDS)
             running.drained.clear()
             if running.restart is not None:
                 running.restart(self.job(job_id))
         with self._lock:
-            _tell(connection, "start")
+            tell(connection, "start")
             if running.cancelled:
-                _tell(connection, "cancel")
+                tell(connection, "cancel")
         self._change(job_id, state="running", progress=0.0, message="")
         try:
             while True:
@@ -335,7 +307,7 @@ class JobRunner:
             elif running.cancelled or isinstance(error, CancelledError):
                 self._end(job_id, running, cancelled=True)
             else:
-                self._change(job_id, state="failed", error=self._public(_sentence(error)))
+                self._change(job_id, state="failed", error=self._public(sentence(error)))
         finally:
             with self._lock:
                 job = self._jobs.get(job_id, job)
@@ -347,22 +319,7 @@ class JobRunner:
 
     def _hand_out(self, job_id: str, work: Work) -> Future[Any] | None:
         """Give work to a worker; None while the scheduler is away."""
-        try:
-            return self._submit(run_work, self._listener.address, self._key, job_id, work)
-        except DisconnectedError:
-            return None
-
-    def _look_for_scheduler(self) -> None:
-        """Connect to a scheduler that began anew; without the lock, as it may take long."""
-        with self._connecting:
-            lost = self._executor
-            if not isinstance(lost, DaskExecutor) or lost.connected:
-                return
-            with suppress(UnavailableError):
-                found = self._make_executor()
-                with self._lock:
-                    self._executor = found
-                lost.shutdown(wait=False, cancel_futures=True)
+        return self._workers.submit(run_work, self._listener.address, self._key, job_id, work)
 
     def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
         """Wait until the work has ended or was taken off the queue; return its error, or None."""
@@ -372,7 +329,7 @@ class JobRunner:
                     return CancelledError("cancelled by the user")
                 self._change(job_id, message="waiting for the Dask scheduler, which is away")
                 time.sleep(LOOK_SECONDS)
-                self._look_for_scheduler()
+                self._workers.look_for_scheduler()
                 with self._lock:
                     running.future = self._hand_out(job_id, running.work)
                 continue
@@ -382,7 +339,7 @@ class JobRunner:
             except TimeoutError as error:
                 if running.future.done():
                     return error
-                if isinstance(self._executor, DaskExecutor) and not self._executor.connected:
+                if self._workers.away:
                     return DisconnectedError("the Dask scheduler began anew")
                 if running.connection is None:
                     self._change(job_id, message=self._waits_for())
@@ -398,7 +355,7 @@ class JobRunner:
 
     def _again(self, job_id: str, running: _Running, error: BaseException | None) -> bool:
         """Hand work out again whose worker died, or that a lost scheduler has forgotten."""
-        if error is None or not _died(error) or running.cancelled or self._closed:
+        if error is None or not died(error) or running.cancelled or self._closed:
             return False
         if running.tries >= TRIES or running.submissions >= SUBMISSIONS:
             return False
@@ -414,7 +371,7 @@ class JobRunner:
         try:
             summary = running.finish(self.job(job_id), cancelled)
         except Exception as error:
-            self._change(job_id, state="failed", error=self._public(_sentence(error)))
+            self._change(job_id, state="failed", error=self._public(sentence(error)))
         else:
             state: JobState = "cancelled" if cancelled else "done"
             job = self.job(job_id)
@@ -437,38 +394,3 @@ class JobRunner:
         if self.book is not None:
             self.book.changed(job)
         self._notify(job)
-
-
-def _died(error: BaseException) -> bool:
-    """Whether work ended because its process or its scheduler did."""
-    if isinstance(error, PointbrushError):
-        return False
-    lost = (BrokenExecutor, EOFError, ConnectionError, FutureCancelledError, DisconnectedError)
-    # Dask's own errors are known by name: it need not be installed.
-    return isinstance(error, lost) or type(error).__name__ in (
-        "KilledWorker",
-        "FutureCancelledError",
-    )
-
-
-def _cut_off(connection: Connection[Any, Any]) -> None:
-    """Let whoever reads a connection read its end."""
-    with suppress(OSError), socket.socket(fileno=os.dup(connection.fileno())) as link:
-        link.shutdown(socket.SHUT_RDWR)
-
-
-def _tell(connection: Connection[Any, Any], word: str) -> None:
-    try:
-        connection.send(word)
-    except OSError:
-        return  # the work ended in this moment
-
-
-def _sentence(error: BaseException) -> str:
-    if isinstance(error, PointbrushError):
-        return str(error)
-    if _died(error):
-        return "the worker process died, twice (out of memory, or a fault in a native decoder)"
-    # Not one of ours: the operator needs the traceback, the user the gist.
-    logger.error("a job failed unexpectedly", exc_info=error)
-    return f"failed unexpectedly ({type(error).__name__}); the server's log says why"

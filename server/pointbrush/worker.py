@@ -1,23 +1,28 @@
 """A job's worker: a process of this machine, or one of a Dask cluster when that is not enough.
 
-Says how work reports to its runner, and how such a process begins and ends.
+Says how work is handed out, how it reports to its runner, and how such a process begins and ends.
 """
 
 from __future__ import annotations
 
 import importlib
+import logging
 import multiprocessing
 import os
 import socket
 import threading
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError as FutureCancelledError
+from contextlib import suppress
 from multiprocessing.connection import Client, Connection
 from typing import Any, Protocol, TypeVar
 from urllib.parse import urlsplit
 
-from pointbrush.errors import BadInputError, CancelledError, UnavailableError
+from pointbrush.errors import BadInputError, CancelledError, PointbrushError, UnavailableError
 from pointbrush.permissions import private_files
+
+logger = logging.getLogger(__name__)
 
 NICENESS = 5
 """By how much workers give way to the server: a stroke that waits is felt, a longer run is not."""
@@ -181,3 +186,108 @@ def own_host(address: str) -> str:
             return str(probe.getsockname()[0])
     except OSError as error:
         raise UnavailableError(f"scheduler: expected a way to {address}: {error}") from None
+
+
+class Workers:
+    """Workers that jobs are handed to; lost ones are replaced.  Thread-safe."""
+
+    def __init__(self, count: int, scheduler: str) -> None:
+        """``count`` processes of this machine, or those of a Dask ``scheduler`` (tcp://host:port).
+
+        Raises BadInputError or UnavailableError when there is no such scheduler.
+        """
+        self._make: Callable[[], Executor]
+        self._executor: Executor | None = None
+        self._lock, self._connecting = threading.Lock(), threading.Lock()
+        self.host = "127.0.0.1"
+        """Address of this machine that they report to."""
+        if scheduler:
+            self._make = lambda: DaskExecutor(scheduler)
+            # At once: a wrong address should not first show when somebody needs it.
+            self._executor, self.host = self._make(), own_host(scheduler)
+        else:
+            self._make = lambda: local_processes(count)
+
+    def submit(self, function: Callable[..., Any], *args: Any) -> Future[Any] | None:
+        """Hand work out; None while the scheduler is away."""
+        with self._lock:
+            if self._executor is None:
+                self._executor = self._make()
+            try:
+                return self._executor.submit(function, *args)
+            except DisconnectedError:
+                return None
+            except BrokenExecutor:
+                # A worker died under an earlier job; later ones get new workers.
+                self._executor = self._make()
+                return self._executor.submit(function, *args)
+
+    @property
+    def begun(self) -> bool:
+        """Whether there are workers, or were some."""
+        return self._executor is not None
+
+    @property
+    def away(self) -> bool:
+        """Whether the scheduler is another one by now, or none."""
+        return isinstance(self._executor, DaskExecutor) and not self._executor.connected
+
+    def require_answer(self) -> None:
+        """Raise UnavailableError when they are those of a scheduler that does not answer."""
+        if isinstance(self._executor, DaskExecutor):
+            self._executor.require_answer()
+
+    def look_for_scheduler(self) -> None:
+        """Connect to a scheduler that began anew; work can be handed out meanwhile."""
+        with self._connecting:
+            lost = self._executor
+            if lost is None or not self.away:
+                return
+            with suppress(UnavailableError):
+                found = self._make()
+                with self._lock:
+                    self._executor = found
+                lost.shutdown(wait=False, cancel_futures=True)
+
+    def end(self) -> None:
+        """End the processes of this machine, whatever they do, or leave the cluster."""
+        if self._executor is not None:
+            end_processes(self._executor)
+            self._executor.shutdown(wait=True, cancel_futures=True)
+
+
+def died(error: BaseException) -> bool:
+    """Whether work ended because its process or its scheduler did."""
+    if isinstance(error, PointbrushError):
+        return False
+    lost = (BrokenExecutor, EOFError, ConnectionError, FutureCancelledError, DisconnectedError)
+    # Dask's own errors are known by name: it need not be installed.
+    return isinstance(error, lost) or type(error).__name__ in (
+        "KilledWorker",
+        "FutureCancelledError",
+    )
+
+
+def cut_off(connection: Connection[Any, Any]) -> None:
+    """Let whoever reads a connection read its end."""
+    with suppress(OSError), socket.socket(fileno=os.dup(connection.fileno())) as link:
+        link.shutdown(socket.SHUT_RDWR)
+
+
+def tell(connection: Connection[Any, Any], word: str) -> None:
+    """Send the work a word, if it is still there."""
+    try:
+        connection.send(word)
+    except OSError:
+        return  # the work ended in this moment
+
+
+def sentence(error: BaseException) -> str:
+    """Return what a job that failed says of it; what nobody foresaw is for the log."""
+    if isinstance(error, PointbrushError):
+        return str(error)
+    if died(error):
+        return "the worker process died, twice (out of memory, or a fault in a native decoder)"
+    # Not one of ours: the operator needs the traceback, the user the gist.
+    logger.error("a job failed unexpectedly", exc_info=error)
+    return f"failed unexpectedly ({type(error).__name__}); the server's log says why"
