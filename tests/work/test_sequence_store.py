@@ -122,8 +122,10 @@ def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_pa
     imported(workspace, tmp_path / "once")
     workspace.create_label("room", "ada", name="wall")
     workspace.put_annotation("room", 0, np.ones(POINTS, np.uint16), author="ada")
-    workspace.delete_sequence("room")
-    assert workspace.listing() == []
+    with closing(Workspace(settings)) as other:
+        assert [one.id for one in other.listing()] == ["room"]
+        workspace.delete_sequence("room")
+        assert other.listing() == workspace.listing() == []
     with pytest.raises(NotFoundError):
         workspace.recording("room")
     again = imported(workspace, tmp_path / "again")

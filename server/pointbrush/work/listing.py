@@ -113,6 +113,9 @@ def recordings(
     if revisions.keys() != {folder.id for folder in found}:
         # A deletion or an import was stopped, here or by another server.
         deletion.tidy()
+        for one in found:
+            if one.id not in revisions:
+                library.store.forget(one.id)
         found = library.survey()
         imports.complete([one.manifest for one in found if one.manifest is not None])
         revisions = store.sequences()
