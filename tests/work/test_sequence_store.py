@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import signal
 import subprocess
@@ -30,6 +31,7 @@ from pointbrush.work.trash import ids_for
 from pointbrush.workspace import Workspace
 from tests.buckets import s3, s3_endpoint  # noqa: F401  # fixtures
 from tests.serving import TOKEN, serving, settings_in, surface
+from tests.streaming.client import viewer
 from tests.waiting import eventually
 
 FRAMES, POINTS = 4, 300
@@ -218,6 +220,24 @@ def test_the_main_job_on_a_server(s3: str, tmp_path: Path) -> None:  # noqa: F81
         assert any(name.startswith("room/frames/") for name in objects(s3))
 
 
+def test_a_viewer_sees_a_frame_as_soon_as_it_can_be_had(
+    served_from: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def scenario(url: str) -> None:
+        async with viewer(url, TOKEN) as client:
+            with monkeypatch.context() as patch:
+                asked = away(patch)
+                await client.open("room", frame=0)
+                await asyncio.to_thread(eventually, lambda: asked)
+                assert 0 not in client.frames
+            while not (0 in client.frames and client.frames[0].final):
+                await client.receive(20)
+            assert client.frames[0].total == POINTS
+
+    with serving(served_from) as served:
+        asyncio.run(scenario(served.url))
+
+
 def test_frames_after_one_that_is_looked_at_are_fetched_ahead(served_from: Settings) -> None:
     with closing(Workspace(served_from)) as workspace:
         recording = workspace.recording("room")
@@ -286,13 +306,16 @@ def test_while_the_store_is_away_what_is_here_is_served(
             workspace.ready_checks()["sequences"]()
 
 
-def away(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have every call of the store fail as it does when nothing listens at its address."""
+def away(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Have every call of the store fail as if nothing listened at its address; return the calls."""
+    asked: list[str] = []
 
-    async def fail(*_: object, **__: object) -> None:
+    async def fail(_: object, method: str, *__: object, **___: object) -> None:
+        asked.append(method)
         raise ConnectionRefusedError("nobody listens")
 
     monkeypatch.setattr("s3fs.core.S3FileSystem._call_s3", fail)
+    return asked
 
 
 def test_what_cannot_be_used_says_why(
