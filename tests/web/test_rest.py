@@ -587,3 +587,17 @@ def test_the_list_tells_what_a_start_page_shows(api: httpx.Client) -> None:
     assert picture.headers["content-type"] == "image/jpeg"
     assert picture.content[:3] == b"\xff\xd8\xff"
     assert api.get("/sequences/wall/frames/99/thumbnail").status_code == 404
+
+
+def test_what_a_call_has_not_is_refused_in_words(api: httpx.Client) -> None:
+    said = problem(api.get("/sequences/wall/edits", params={"befor": 3}), 422)
+    assert said == "query: expected only before, limit, got 'befor'"
+    said = problem(api.get("/sequences/wall/labels", params={"limit": 3}), 422)
+    assert said == "query: expected no parameters, got 'limit'"
+    assert "/api/v1/nowhere" in problem(api.get("/nowhere"), 404)
+    assert "expected GET, POST for /api/v1/sequences, got PUT" in problem(
+        api.put("/sequences"), 405
+    )
+    headers = {"content-type": "application/json"}
+    said = problem(api.post("/sequences/wall/labels", content=b"{bad", headers=headers), 400)
+    assert "body: JSON decode error at character 1" in said

@@ -60,11 +60,23 @@ def describe(found: Sequence[Any], most: int = 5) -> str:
     """Pydantic's findings as "where: what was expected, got what", a line's length each."""
     lines = []
     for item in found[:most]:
-        where = ".".join(str(part) for part in item["loc"]) or "message"
-        got = "" if item["type"] == "missing" else f", got {str(item.get('input'))[:60]!r}"
-        lines.append(f"{where}: {item['msg']}{got}")
+        malformed = item["type"] == "json_invalid"
+        place = item["loc"][:1] if malformed else item["loc"]
+        where = ".".join(str(part) for part in place) or "message"
+        lines.append(f"{where}: {item['msg']}{_got(item)}")
     more = len(found) - most
     return "; ".join(lines) + (f"; and {more} more" if more > 0 else "")
+
+
+def _got(item: Any) -> str:
+    """Say what came instead, where that is known; of malformed JSON the place and the fault."""
+    if item["type"] == "missing":
+        return ""
+    if item["type"] == "json_invalid":
+        # FastAPI leaves place and fault out of its message; Pydantic's has both.
+        at = item["loc"][1:]
+        return f" at character {at[0]}: {item['ctx']['error']}" if at else ""
+    return f", got {str(item.get('input'))[:60]!r}"
 
 
 def encode(message: Message) -> bytes:

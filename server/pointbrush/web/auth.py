@@ -20,6 +20,7 @@ from pointbrush.labels.accounts import OWNER, digest_of
 from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
+from pointbrush.web.context import known_query
 from pointbrush.web.roles import PREFIX, ROUTES, call_of
 from pointbrush.web.sessions import WebSessions
 from pointbrush.workspace import Workspace
@@ -239,4 +240,6 @@ Caller = Annotated[Principal, Depends(caller)]
 
 def resource(tag: str) -> APIRouter:
     """Return the router of a REST resource, whose calls all need a known caller."""
-    return APIRouter(prefix=PREFIX, tags=[tag], dependencies=[Depends(caller)])
+    return APIRouter(
+        prefix=PREFIX, tags=[tag], dependencies=[Depends(caller), Depends(known_query)]
+    )

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Annotated
 
 from fastapi import Depends, Path, Request
+from fastapi.dependencies.models import Dependant
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.streaming.messages import Uuid
@@ -27,6 +28,26 @@ async def workspace_of(request: Request) -> Workspace:
 
 
 Ws = Annotated[Workspace, Depends(workspace_of)]
+
+
+async def known_query(request: Request) -> None:
+    """Refuse query parameters that the call has not: a misspelt one would change nothing.
+
+    Raises BadInputError.
+    """
+    if not request.query_params:
+        return
+    known = sorted(_query_names(request.scope["route"].dependant))
+    unknown = [name for name in request.query_params if name not in known]
+    if unknown:
+        expected = f"only {', '.join(known)}" if known else "no parameters"
+        raise BadInputError(f"query: expected {expected}, got {unknown[0][:60]!r}")
+
+
+def _query_names(dependant: Dependant) -> set[str]:
+    """Names of the query parameters of a call and of all that it depends on."""
+    names = {field.alias for field in dependant.query_params}
+    return names.union(*map(_query_names, dependant.dependencies))
 
 
 async def body_within(request: Request, limit: int, what: str) -> bytearray:

@@ -94,7 +94,17 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
     headers = dict(error.headers or {})
     if error.status_code == 405:
         headers["Allow"] = ", ".join(methods_of(request.app, request.url.path)) or "GET"
-    return problem(error.status_code, str(error.detail), headers=headers)
+    return problem(error.status_code, _said(request, error, headers), headers=headers)
+
+
+def _said(request: Request, error: HTTPException, headers: Mapping[str, str]) -> str:
+    """Words for what the router itself says in a phrase only."""
+    path = request.url.path[:200]
+    if error.status_code == 405:
+        return f"method: expected {headers['Allow']} for {path}, got {request.method}"
+    if error.status_code == 404 and error.detail == HTTPStatus.NOT_FOUND.phrase:
+        return f"path: expected one that /api/v1/openapi.json has, got {path!r}"
+    return str(error.detail)
 
 
 def methods_of(app: FastAPI, path: str) -> list[str]:

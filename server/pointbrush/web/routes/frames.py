@@ -207,7 +207,13 @@ def get_chunk(
     response_class=Response,
     responses={200: {"description": "A JPEG", "content": {"image/jpeg": BINARY}}, **responses(404)},
 )
-def get_thumbnail(seq: SequenceId, i: FramePath, workspace: Ws) -> Response:
+def get_thumbnail(
+    seq: SequenceId,
+    i: FramePath,
+    workspace: Ws,
+    # For caches alone: another import of the name has another address.
+    of: Annotated[str, Query(max_length=64, description="the identity; changes nothing")] = "",  # noqa: ARG001
+) -> Response:
     """A small picture of the frame, from the sensor or over all of it."""
     return Response(
         workspace.thumbnail(seq, i), media_type="image/jpeg", headers={"Cache-Control": HOUR}
