@@ -212,7 +212,7 @@ def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: Live
 
 
 def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
-    for width, height in ((1280, 720), (1920, 1080)):
+    for width, height in ((390, 844), (1280, 720), (1920, 1080)):
         desk.page.set_viewport_size({"width": width, "height": height})
         nameless = desk.page.evaluate(
             """() => [...document.querySelectorAll('button, input, select, [role=slider]')]
