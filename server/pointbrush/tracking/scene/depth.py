@@ -1,7 +1,7 @@
 """Background model of a camera at rest: unlabelled points that stood still are no object's.
 
 Here with a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
-that distance (measured on the recording itself).  Without one see ``point_background.py``.
+that distance (measured on the recording itself).  Without one see ``scans.py``.
 """
 
 from __future__ import annotations

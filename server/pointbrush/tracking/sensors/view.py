@@ -1,6 +1,6 @@
 """One frame as `auto` sees it: points in the world, colour free of shading, a depth image.
 
-The depth image exists where the sensor is pinhole-like (``lens.py``).  It serves to tell what
+The depth image exists where the sensor is pinhole-like (``camera.py``).  It serves to tell what
 stood still, what is hidden and what is seen through.
 """
 

@@ -123,7 +123,7 @@ export class Camera {
   }
 }
 
-/** What lies in the memory, as it is at first. */
+/** Layout of the memory as it is at first. */
 function arraysOf(lattice: Lattice, grid: Grid, bands: readonly Band[]) {
   const { width, height } = lattice;
   // Neighbours beyond the edges are looked for in a margin.

@@ -75,7 +75,7 @@ function cut({ width, height }: Size, level: Level): Band[] {
   }));
 }
 
-/** How many pixels a band has, with or without a point. */
+/** Number of pixels in a band, with or without a point. */
 export function pixelsOf({ row, stop, column, down, across }: Band, width: number): number {
   return Math.ceil((stop - row) / down) * Math.ceil((width - column) / across);
 }
