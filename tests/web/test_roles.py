@@ -119,7 +119,8 @@ def test_jobs_are_cancelled_by_who_started_them_or_by_a_manager(
         return str(answer.json()["id"])
 
     def cancel(role: str, job: str) -> int:
-        return call(served, tokens[role], "DELETE", f"/jobs/{job}").status_code
+        headers = {"Authorization": f"Bearer {tokens[role]}"}
+        return httpx.delete(f"{served.url}{PREFIX}/jobs/{job}", headers=headers).status_code
 
     job = start()
     assert cancel("reviewer", job) == 403
