@@ -4,10 +4,10 @@
  */
 import { actions, type ViewPreset } from '../actions';
 import { stepFindings } from '../reviewing/store';
-import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/open';
+import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/popover';
 import { pickFiles } from '../panels/import-files';
 import { frameRange } from '../panels/range';
-import { renaming } from '../panels/renaming';
+import { renaming } from '../panels/palette-list';
 import { beginTour } from '../panels/tour-steps';
 import { trackOpen } from '../panels/track-form';
 import {

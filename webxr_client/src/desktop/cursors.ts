@@ -1,5 +1,5 @@
 /** Cursors over the picture: a cross, and beside it the sign of the tool or of its shape. */
-import { ICONS, type IconName } from '../panels/icons';
+import { type IconName, ICONS } from '../panels/icons';
 import { isStroke, type Tool } from '../state';
 import type { Way } from '../tools/ways';
 import type { Handle } from '../volume/volume';

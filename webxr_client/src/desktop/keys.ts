@@ -1,7 +1,7 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../actions';
 import { clip, scrollClip } from '../clip';
-import { openSearch } from '../panels/palette-search';
+import { openSearch } from '../panels/palette';
 import { isStroke, state, type BrushShape } from '../state';
 import { nextOutlineKind } from '../tools/lasso';
 import { DESK_WAYS } from '../tools/ways';

@@ -1,8 +1,8 @@
 /** Every command, found by its words: Ctrl K. */
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { commandsNow, found, frameCommand, type Command } from './command-search';
-import { commandsOpen } from './open';
-import { nextIndex } from './roving';
+import { commandsOpen } from './popover';
+import { nextIndex } from './radio-group';
 
 export function CommandPalette() {
   return commandsOpen.value ? <Opened /> : null;

@@ -1,9 +1,9 @@
 /** The few controls everything is made of. */
 import type { ComponentChildren, RefObject } from 'preact';
-import { Icon } from './icon';
-import type { IconName } from './icons';
+import { useRef } from 'preact/hooks';
+import { Icon, type IconName } from './icons';
 
-export interface ButtonProps {
+interface ButtonProps {
   icon?: IconName;
   /** Text on the button; without it `tip` names the button. */
   label?: string;
@@ -45,7 +45,7 @@ export function Button(props: ButtonProps) {
   );
 }
 
-export interface SliderProps {
+interface SliderProps {
   label: string;
   value: number;
   min: number;
@@ -92,7 +92,7 @@ export function Slider(props: SliderProps) {
   );
 }
 
-export interface CheckProps {
+interface CheckProps {
   label: string;
   checked: boolean;
   tip?: string;
@@ -130,4 +130,41 @@ export function Progress({ share, label }: { share: number; label: string }) {
 
 export function Swatch({ color }: { color: string }) {
   return <span class="swatch" style={{ '--color': color }} />;
+}
+
+/** A name that is typed over; Enter or going elsewhere takes it, Escape gives it up. */
+interface NameFieldProps {
+  name: string;
+  maxLength?: number;
+  /** The typed name, without space around it; null: given up. */
+  onFinish: (name: string | null) => void;
+}
+
+export function NameField({ name, maxLength = 80, onFinish }: NameFieldProps) {
+  const finished = useRef(false);
+  const finish = (result: string | null): void => {
+    if (finished.current) return;
+    finished.current = true;
+    onFinish(result);
+  };
+  return (
+    <input
+      class="field name-field"
+      aria-label="Name"
+      maxLength={maxLength}
+      ref={(input) => {
+        if (!input || document.activeElement === input) return;
+        input.value = name;
+        input.focus();
+        input.select();
+      }}
+      onClick={(event) => event.stopPropagation()}
+      onBlur={(event) => finish(event.currentTarget.value.trim())}
+      onKeyDown={(event) => {
+        event.stopPropagation();
+        if (event.key === 'Enter') finish(event.currentTarget.value.trim());
+        if (event.key === 'Escape') finish(null);
+      }}
+    />
+  );
 }

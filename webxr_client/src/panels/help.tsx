@@ -5,7 +5,7 @@ import { WALK_KEYS } from '../desktop/keys';
 import { found } from './command-search';
 import { Button } from './controls';
 import { state } from '../state';
-import { helpOpen } from './open';
+import { helpOpen } from './popover';
 import { beginTour } from './tour-steps';
 
 const MOUSE = [

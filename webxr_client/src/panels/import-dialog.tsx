@@ -5,7 +5,7 @@ import { actions, type ImportOptions } from '../actions';
 import { state, type ImportDraft, type ImportPreview, type LabelsFound } from '../state';
 import { Button, Check } from './controls';
 import { plural } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
 
 const FORMATS = [
   ['ply', 'PLY'], ['pcd', 'PCD'], ['las', 'LAS, LAZ, COPC'], ['e57', 'E57'], ['text', 'Text'],

@@ -6,10 +6,9 @@ import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
 import { Button } from './controls';
 import { plural } from './format';
-import { Icon } from './icon';
-import { LabelParts } from './label-parts';
-import { shiftLabel } from './palette-drag';
-import { renaming } from './renaming';
+import { Icon } from './icons';
+import { shiftLabel } from './label-rows';
+import { renaming } from './palette-list';
 import { Popover } from './popover';
 
 interface LabelMenuProps {
@@ -124,5 +123,52 @@ function CategoryField({ label }: { label: Label }) {
         ))}
       </datalist>
     </label>
+  );
+}
+
+/** In a label's menu: make it part of another one, or split it. */
+interface LabelPartsProps {
+  label: Label;
+  onClose: () => void;
+}
+
+function LabelParts({ label, onClose }: LabelPartsProps) {
+  const here = state.timeline.value.rows.get(label.id)?.points[state.frame.value] ?? 0;
+  const others = state.palette.value.filter(({ id, locked }) => id !== label.id && !locked);
+  const may = canEdit.value && !label.locked;
+  return (
+    <>
+      <button
+        type="button"
+        class="menu-item"
+        disabled={!may || here === 0}
+        data-tip="Each part that stands apart in this frame gets a label of its own"
+        onClick={() => {
+          onClose();
+          void actions.splitLabel(label.id);
+        }}
+      >
+        <Icon name="split" /> Split into parts
+      </button>
+      <label class="menu-item">
+        <Icon name="merge" />
+        <select
+          class="field"
+          aria-label="Merge into"
+          disabled={!may || others.length === 0}
+          onChange={(event) => {
+            onClose();
+            void actions.mergeLabel(label.id, Number(event.currentTarget.value));
+          }}
+        >
+          <option value="">Merge into…</option>
+          {others.map(({ id, name }) => (
+            <option key={id} value={id}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+    </>
   );
 }

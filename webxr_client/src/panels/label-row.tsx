@@ -1,18 +1,17 @@
 /** One label: its colour, name and counts, and what can be done with it. */
+import type { RefObject } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { actions } from '../actions';
 import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
-import { ColorPicker } from './color-picker';
-import { Button } from './controls';
+import { LABEL_COLORS } from './colors';
+import { Button, NameField } from './controls';
 import { count, plural, shortCount } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
+import { dragged, onRowDown, onRowFocus, onRowKey, tabStop } from './label-rows';
 import { LabelMenu } from './label-menu';
-import { onRowFocus, onRowKey, tabStop } from './label-keys';
-import { NameField } from './name-field';
-import { dragged, onRowDown } from './palette-drag';
-import { keyOf } from './palette-list';
-import { renaming } from './renaming';
+import { keyOf, renaming } from './palette-list';
+import { Popover } from './popover';
 
 export function LabelRow({ label, number }: { label: Label; number: number }) {
   const [menu, setMenu] = useState(false);
@@ -172,5 +171,49 @@ function Toggle({ on, icon, tip, disabled, onClick }: ToggleProps) {
     >
       <Icon name={icon} />
     </button>
+  );
+}
+
+/** The colour set, and any other colour. */
+interface ColorPickerProps {
+  label: Label;
+  anchor: RefObject<HTMLElement | null>;
+  onClose: () => void;
+}
+
+function ColorPicker({ label, anchor, onClose }: ColorPickerProps) {
+  const taken = new Set(
+    state.palette.value.filter((other) => other.id !== label.id).map((other) => other.color),
+  );
+  const choose = (color: string): void => {
+    onClose();
+    if (color !== label.color) void actions.recolorLabel(label.id, color);
+  };
+  return (
+    <Popover anchor={anchor} label={`Colour of ${label.name}`} onClose={onClose}>
+      <div class="color-grid">
+        {LABEL_COLORS.map((color) => (
+          <button
+            key={color}
+            type="button"
+            class="color-choice"
+            style={{ '--color': color }}
+            aria-label={color}
+            aria-pressed={color === label.color}
+            data-taken={taken.has(color) || undefined}
+            data-tip={taken.has(color) ? 'Another label has this colour' : undefined}
+            onClick={() => choose(color)}
+          />
+        ))}
+      </div>
+      <label class="row">
+        <span>Other</span>
+        <input
+          type="color"
+          value={label.color}
+          onChange={(event) => choose(event.currentTarget.value)}
+        />
+      </label>
+    </Popover>
   );
 }

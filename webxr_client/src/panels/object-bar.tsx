@@ -4,7 +4,7 @@ import { isStroke, state } from '../state';
 import { deskWay } from '../tools/ways';
 import { Button } from './controls';
 import { plural } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
 
 export function ObjectBar() {
   const object = state.object.value;

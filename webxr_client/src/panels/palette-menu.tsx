@@ -6,7 +6,7 @@ import { canEdit, state } from '../state';
 import { templates } from '../engine/palette-files';
 import { Button } from './controls';
 import { plural } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
 import { Popover } from './popover';
 
 const open = signal(false);

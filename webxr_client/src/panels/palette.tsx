@@ -4,14 +4,12 @@ import { actions } from '../actions';
 import { finishLabel, isNew, newLabel } from '../engine/new-label';
 import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
-import { Button } from './controls';
+import { Button, NameField } from './controls';
 import { count, plural } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
 import { LabelRow } from './label-row';
-import { NameField } from './name-field';
-import { listed, search, shownGroups } from './palette-list';
+import { canGroup, listed, search, shownGroups, wantsGroups } from './palette-list';
 import { PaletteMenuButton } from './palette-menu';
-import { PaletteSearch } from './palette-search';
 
 export function Palette() {
   if (!state.sequence.value) return null;
@@ -146,4 +144,61 @@ function Unlabeled() {
       </button>
     </div>
   );
+}
+
+/** Above the labels: a search, headings by category, and what the numbers of a row mean. */
+const FIELD = 'label-search';
+
+/** Put the cursor into the search. */
+export function openSearch(): void {
+  const field = document.getElementById(FIELD) as HTMLInputElement | null;
+  field?.focus();
+  field?.select();
+}
+
+function PaletteSearch() {
+  return (
+    <>
+      <div class="label-search">
+        <input
+          id={FIELD}
+          class="field"
+          type="search"
+          aria-label="Search labels"
+          placeholder={`Search ${listed.value.length} labels`}
+          data-tip="Search by name or category"
+          data-keys="/"
+          spellcheck={false}
+          value={search.value}
+          onInput={(event) => (search.value = event.currentTarget.value)}
+          onKeyDown={onKey}
+        />
+        {canGroup.value && (
+          <Button
+            icon="folder"
+            tip="Group by category"
+            small
+            pressed={wantsGroups.value}
+            onClick={() => (wantsGroups.value = !wantsGroups.value)}
+          />
+        )}
+      </div>
+      <div class="count-head faint" aria-hidden="true">
+        Points in this frame
+        <br />
+        in all frames
+      </div>
+    </>
+  );
+}
+
+/** Enter takes the first label that is found; Escape ends the search. */
+function onKey(event: KeyboardEvent): void {
+  if (event.key !== 'Enter' && event.key !== 'Escape') return;
+  event.preventDefault();
+  event.stopPropagation();
+  const first = shownGroups.peek()[0]?.labels[0];
+  if (event.key === 'Enter' && first) actions.selectLabel(first.id);
+  search.value = '';
+  (event.currentTarget as HTMLElement).blur();
 }

@@ -1,11 +1,12 @@
 /** Something that opens beside a button: menus, the tracking form, the colour picker. */
+import { signal } from '@preact/signals';
 import type { ComponentChildren, RefObject } from 'preact';
 import { createPortal } from 'preact/compat';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 
 const MARGIN = 8;
 
-export interface PopoverProps {
+interface PopoverProps {
   anchor: RefObject<HTMLElement | null>;
   label: string;
   onClose: () => void;
@@ -79,3 +80,9 @@ function keys(event: KeyboardEvent, box: HTMLElement, close: () => void): void {
   const items = [...box.querySelectorAll<HTMLElement>('.menu-item')];
   items[(items.indexOf(target) + step + items.length) % items.length]?.focus();
 }
+
+/** Popovers that more than one place opens. */
+export const helpOpen = signal(false);
+export const commandsOpen = signal(false);
+export const exportOpen = signal(false);
+export const historyOpen = signal(false);

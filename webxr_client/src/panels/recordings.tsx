@@ -1,11 +1,12 @@
 /** List of the recordings on the start page: picture, date, length, progress, and a search. */
+import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { actions } from '../actions';
 import { apiUrl } from '../net/rest';
-import type { SequenceSummary } from '../state';
+import { canManage, type SequenceSummary } from '../state';
+import { Button, NameField } from './controls';
 import { clock, day, plural, shortCount } from './format';
-import { Icon } from './icon';
-import { RecordingName, renamingRecording, RecordingTools } from './recording-tools';
+import { Icon } from './icons';
 
 /** So many recordings are told apart at a glance. */
 const SEARCHED_FROM = 4;
@@ -103,5 +104,51 @@ function Labelled({ row }: { row: SequenceSummary }) {
         <span style={{ transform: `scaleX(${share})` }} />
       </span>
     </span>
+  );
+}
+
+/** The recording whose name is being typed. */
+export const renamingRecording = signal<string | null>(null);
+
+interface RecordingToolsProps {
+  row: SequenceSummary;
+  /** It is about to be deleted. */
+  onDelete?: () => void;
+}
+
+export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
+  if (!canManage.value) return null;
+  return (
+    <span class="recording-tools">
+      <Button
+        icon="pencil"
+        tip={`Rename ${row.name}`}
+        small
+        onClick={() => (renamingRecording.value = row.id)}
+      />
+      <Button
+        icon="trash"
+        tip={`Delete ${row.name}; it can be restored for 30 days`}
+        small
+        onClick={() => {
+          onDelete?.();
+          void actions.deleteSequence(row.id);
+        }}
+      />
+    </span>
+  );
+}
+
+/** The name's field, in the place of the row. */
+export function RecordingName({ row }: { row: SequenceSummary }) {
+  return (
+    <NameField
+      name={row.name}
+      maxLength={200}
+      onFinish={(name) => {
+        renamingRecording.value = null;
+        if (name && name !== row.name) void actions.renameSequence(row.id, name);
+      }}
+    />
   );
 }

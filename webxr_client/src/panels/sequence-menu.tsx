@@ -5,9 +5,9 @@ import { actions } from '../actions';
 import { canEdit, canManage, importJob, state, type SequenceSummary } from '../state';
 import { pickFiles } from './import-files';
 import { plural, shortCount } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
 import { Popover } from './popover';
-import { RecordingName, renamingRecording, RecordingTools } from './recording-tools';
+import { RecordingName, RecordingTools, renamingRecording } from './recordings';
 
 const open = signal(false);
 const close = (): void => {

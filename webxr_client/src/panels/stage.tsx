@@ -10,7 +10,7 @@ import { ClipSign } from './clip';
 import { Button } from './controls';
 import { plural, metres, shortCount } from './format';
 import { dropping } from './import-files';
-import { Icon } from './icon';
+import { Icon } from './icons';
 import { JobCards } from './jobs';
 import { ObjectBar } from './object-bar';
 import { Toasts } from './toasts';

@@ -5,8 +5,7 @@ import { actions } from '../actions';
 import { theme } from '../theme';
 import { state } from '../state';
 import { frameRange, type FrameRange } from './range';
-import { stripHover } from './strip-hover';
-import { stripPlace } from './strip-menu';
+import { stripHover, stripPlace } from './strip-pointer';
 import {
   DARK_INK,
   drawTimeline,

@@ -1,16 +1,17 @@
-/** Time, below: transport, ruler, and one strip per label. */
+/** Time, below: transport, ruler, and one strip per label; its height, which is kept and can be dragged. */
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';
 import { state } from '../state';
+import { follow } from '../watch';
 import { Button } from './controls';
 import { Doubt } from './doubt';
 import { clock, plural } from './format';
 import { frameRange, ordered } from './range';
-import { doubtfulFrames } from './timeline-layout';
-import { TimelineHandle } from './timeline-height';
-import { Strips } from './timeline-strips';
-import { StripCard } from './strip-hover';
 import { StripLegend } from './strip-legend';
-import { StripMenu } from './strip-menu';
+import { StripCard, StripMenu } from './strip-pointer';
+import { doubtfulFrames } from './timeline-layout';
+import { Strips } from './timeline-strips';
 import { trackOpen } from './track-form';
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -130,4 +131,83 @@ function Doubtful({ frames }: { frames: number }) {
       />
     </span>
   );
+}
+
+/** Pixels: transport, ruler and four strips; and with one strip, which is the least. */
+const TIMELINE_DEFAULT = 146;
+const TIMELINE_LEAST = 92;
+/** Part of the window that stays with the picture. */
+const MOST_OF_WINDOW = 0.6;
+const STEP = 18;
+const KEY = 'pointbrush.timeline-height';
+
+function clampHeight(height: number, windowHeight: number): number {
+  const most = Math.max(TIMELINE_LEAST, MOST_OF_WINDOW * windowHeight);
+  return Math.round(Math.min(most, Math.max(TIMELINE_LEAST, height)));
+}
+
+function kept(): number {
+  try {
+    return Number(localStorage.getItem(KEY)) || TIMELINE_DEFAULT;
+  } catch {
+    return TIMELINE_DEFAULT; // storage is switched off
+  }
+}
+
+const height = signal(TIMELINE_DEFAULT);
+
+function setHeight(wanted: number): void {
+  height.value = clampHeight(wanted, innerHeight);
+  try {
+    localStorage.setItem(KEY, String(height.peek()));
+  } catch {
+    // It is kept until the page is left.
+  }
+}
+
+/** The edge between picture and timeline. */
+function TimelineHandle() {
+  useEffect(() => {
+    height.value = clampHeight(kept(), innerHeight);
+    return follow(() => {
+      document.getElementById('timeline')!.style.height = `${height.value}px`;
+    });
+  }, []);
+  return (
+    <div
+      class="timeline-handle"
+      role="separator"
+      tabIndex={0}
+      aria-label="Height of the timeline"
+      aria-orientation="horizontal"
+      aria-valuemin={TIMELINE_LEAST}
+      aria-valuenow={height.value}
+      data-tip="Drag: height of the timeline"
+      onPointerDown={drag}
+      onDblClick={() => setHeight(TIMELINE_DEFAULT)}
+      onKeyDown={(event) => {
+        const step = event.key === 'ArrowUp' ? STEP : event.key === 'ArrowDown' ? -STEP : 0;
+        if (step === 0) return;
+        event.preventDefault();
+        event.stopPropagation();
+        setHeight(height.peek() + step);
+      }}
+    />
+  );
+}
+
+function drag(event: PointerEvent): void {
+  if (event.button !== 0) return;
+  const handle = event.currentTarget as HTMLElement;
+  const began = height.peek();
+  const move = (moved: PointerEvent): void => setHeight(began + (event.clientY - moved.clientY));
+  const up = (): void => {
+    handle.removeEventListener('pointermove', move);
+    handle.removeEventListener('pointerup', up);
+    handle.removeEventListener('pointercancel', up);
+  };
+  handle.setPointerCapture(event.pointerId);
+  handle.addEventListener('pointermove', move);
+  handle.addEventListener('pointerup', up);
+  handle.addEventListener('pointercancel', up);
 }

@@ -2,8 +2,7 @@
 import { actions } from '../actions';
 import { state, type Notice } from '../state';
 import { Button } from './controls';
-import { Icon } from './icon';
-import type { IconName } from './icons';
+import { Icon, type IconName } from './icons';
 
 const ICON: Record<Notice['kind'], IconName> = {
   info: 'help',

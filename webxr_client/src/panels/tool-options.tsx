@@ -1,33 +1,25 @@
-/** The second row: how the tool takes points, and how the recording is shown. */
+/** The second row: how the tool takes points; beside it, how the recording is shown. */
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
-import { colorModeOf } from '../cloud/material';
 import { floorPlaces } from '../engine/floor';
-import { activeLabel, isStroke, patch, sparesLabels, RADIUS_MAX, RADIUS_MIN, state, type ColorMode } from '../state'; // prettier-ignore
+import {
+  activeLabel,
+  isStroke,
+  patch,
+  RADIUS_MAX,
+  RADIUS_MIN,
+  sparesLabels,
+  state,
+} from '../state';
+import { boxDraft } from '../tools/box-draft';
+import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
-import { OutlineKinds } from './outline-kinds';
-import { AccumulateButton } from './accumulate';
-import { BoxOptions } from './box-options';
-import { ClipButton } from './clip';
-import { CamerasButton } from './cameras';
-import { RampButton } from './ramp';
 import { Button, Check, Slider } from './controls';
 import { metres } from './format';
-import { Icon } from './icon';
 import { Popover } from './popover';
-import { RadioGroup } from './radio-group';
-
-const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
-  ['rgb', 'Colour', 'rgb'],
-  ['intensity', 'Intensity', 'intensity'],
-  ['height', 'Height', ''],
-  ['distance', 'Distance', ''],
-  ['plain', 'Plain', ''],
-  ['label', 'Label', ''],
-  ['confidence', 'Confidence', ''],
-  ['provenance', 'Provenance', ''],
-];
+import { RadioGroup, type RadioOption } from './radio-group';
+import { ViewOptions } from './view-options';
 
 export function ToolOptions() {
   const tool = state.tool.value;
@@ -216,101 +208,46 @@ function AfterStroke({ path }: { path: boolean }) {
   );
 }
 
-const overlaysOpen = signal(false);
+/** Kinds of lasso. */
+const KINDS: readonly RadioOption<OutlineKind>[] = [
+  { value: 'free', icon: 'lasso', label: 'Free', tip: 'Draw the outline with the button held', keys: 'O' },
+  { value: 'rectangle', icon: 'rectangle', label: 'Rectangle', tip: 'Drag from corner to corner', keys: 'O' },
+  { value: 'polygon', icon: 'polygon', label: 'Polygon', tip: 'Click the corners; Enter, a double click or the first corner closes it, Backspace takes one back', keys: 'O' },
+]; // prettier-ignore
 
-/** Overlays: the setting, its name, what it is for. */
-const OVERLAYS: readonly (readonly [
-  'boxes' | 'trails' | 'ghost' | 'eyeDome' | 'showDeleted',
-  string,
-  string,
-])[] = [
-  ['boxes', 'Boxes', 'A box round each labelled object'],
-  ['trails', 'Trails', 'The ways of the objects through the frames near this one'],
-  ['ghost', 'Ghost of the frame before', 'Where the objects were a frame before, faintly'],
-  ['eyeDome', 'Depth shading', 'Darken edges in depth, so that shapes stand out'],
-  ['showDeleted', 'Deleted points', 'Points deleted as noise, dark red; Restore shows them anyway'],
-];
-
-function OverlayOptions() {
-  const anchor = useRef<HTMLButtonElement>(null);
-  const view = state.view.value;
+function OutlineKinds() {
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="layers"
-        tip="Drawn over the recording: boxes, trails, shading"
-        expanded={overlaysOpen.value}
-        onClick={() => (overlaysOpen.value = !overlaysOpen.value)}
-      />
-      {overlaysOpen.value && (
-        <Popover
-          anchor={anchor}
-          label="Drawn over the recording"
-          onClose={() => (overlaysOpen.value = false)}
-          class="overlays"
-        >
-          {OVERLAYS.map(([name, label, tip]) => (
-            <Check
-              key={name}
-              label={label}
-              tip={tip}
-              checked={view[name]}
-              onChange={(on) => actions.setView({ [name]: on })}
-            />
-          ))}
-        </Popover>
-      )}
-    </>
+    <RadioGroup
+      label="Outline"
+      class="segmented"
+      options={KINDS}
+      value={outlineKind.value}
+      onChoose={(kind) => (outlineKind.value = kind)}
+    />
   );
 }
 
-function ViewOptions() {
-  const view = state.view.value;
-  const fields = state.sequence.value?.fields ?? [];
+/** Actions of the box tool, in the tool bar. */
+function BoxOptions() {
+  if (!boxDraft.value) return <span class="hint">Drag over the floor</span>;
   return (
     <>
-      <select
-        class="field"
-        aria-label="Colour points by"
-        data-tip="Colour points by"
-        value={colorModeOf(view.color, fields)}
-        onChange={(event) => actions.setView({ color: event.currentTarget.value as ColorMode })}
-      >
-        {COLOR_MODES.filter(([, , field]) => !field || fields.includes(field)).map(
-          ([mode, name]) => (
-            <option key={mode} value={mode}>
-              {name}
-            </option>
-          ),
-        )}
-      </select>
-      <RampButton />
-      <Slider
-        label="Labels over colour"
-        before={<Icon name="view" />}
-        value={view.labelBlend}
-        min={0}
-        max={1}
-        tip="From the recording's own colours to label colours only"
-        shown={`${Math.round(view.labelBlend * 100)} %`}
-        onInput={(labelBlend) => actions.setView({ labelBlend })}
+      <Button
+        icon="plane"
+        label="Onto the ground"
+        kind="outlined"
+        tip="Its bottom just above the ground under it"
+        keys="Shift G"
+        onClick={() => actions.snapBox()}
       />
-      <Slider
-        label="Point size"
-        before={<Icon name="points" />}
-        value={view.pointSize}
-        min={0.25}
-        max={4}
-        logarithmic
-        tip="Point size"
-        shown={`${view.pointSize.toFixed(1)}×`}
-        onInput={(pointSize) => actions.setView({ pointSize })}
+      <Button
+        icon="check"
+        label="Take"
+        kind="primary"
+        tip="Take the points in the box"
+        keys="Enter"
+        onClick={() => actions.closeOutline()}
       />
-      <CamerasButton />
-      <ClipButton />
-      <AccumulateButton />
-      <OverlayOptions />
     </>
   );
 }

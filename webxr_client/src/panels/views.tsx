@@ -1,11 +1,13 @@
 /** Over the canvas, top right: where to look from, and what the camera goes along with. */
 import { signal } from '@preact/signals';
+import type { RefObject } from 'preact';
 import { useRef } from 'preact/hooks';
 import { actions, type ViewPreset } from '../actions';
 import { orthographic } from '../desktop/views';
+import { type Bookmark, bookmarks, removeBookmark, renameBookmark } from '../engine/bookmarks';
 import { followsObject } from '../engine/going';
-import { Bookmarks } from './bookmarks';
 import { Button } from './controls';
+import { Popover } from './popover';
 
 const VIEWS: readonly (readonly [ViewPreset, string, string, string])[] = [
   ['sensor', 'Sensor', 'Look from where the sensor stood', 'R'],
@@ -60,6 +62,49 @@ export function Views() {
       {bookmarksOpen.value && (
         <Bookmarks anchor={anchor} onClose={() => (bookmarksOpen.value = false)} />
       )}
+    </div>
+  );
+}
+
+/** Views that were kept: go to one, rename it, drop it. */
+interface BookmarksProps {
+  anchor: RefObject<HTMLElement | null>;
+  onClose: () => void;
+}
+
+function Bookmarks({ anchor, onClose }: BookmarksProps) {
+  return (
+    <Popover anchor={anchor} label="Views to come back to" onClose={onClose} class="bookmarks">
+      {bookmarks.value.map((one, index) => (
+        <Row key={`${index} ${one.name}`} one={one} index={index} />
+      ))}
+      {bookmarks.value.length === 0 && (
+        <p class="soft">A kept view brings back place, direction and frame.</p>
+      )}
+      <Button
+        icon="plus"
+        label="Keep this view"
+        kind="outlined"
+        onClick={() => actions.keepView()}
+      />
+    </Popover>
+  );
+}
+
+function Row({ one, index }: { one: Bookmark; index: number }) {
+  return (
+    <div class="row">
+      <Button icon="target" tip={`Go to ${one.name}`} onClick={() => actions.goToView(one)} />
+      <input
+        class="field"
+        aria-label="Name of the view"
+        defaultValue={one.name}
+        maxLength={80}
+        onKeyDown={(event) => event.key !== 'Escape' && event.stopPropagation()}
+        onChange={(event) => renameBookmark(index, event.currentTarget.value)}
+      />
+      <span class="soft number">frame {one.frame}</span>
+      <Button icon="trash" tip={`Drop ${one.name}`} onClick={() => removeBookmark(index)} />
     </div>
   );
 }

@@ -4,7 +4,7 @@ import { actions } from '../actions';
 import { canManage, state } from '../state';
 import { Button } from './controls';
 import { day, plural } from './format';
-import { Icon } from './icon';
+import { Icon } from './icons';
 import { pickFiles } from './import-files';
 import { Recordings } from './recordings';
 

@@ -5,9 +5,8 @@ import { attempt, sequencePath } from '../engine/recordings';
 import { actions } from '../actions';
 import { api, apiUrl } from '../net/rest';
 import { state } from '../state';
-import { percent, worstFrames } from './order';
+import { type Agreement, percent, worstFrames } from './model';
 import { visit } from './store';
-import type { Agreement } from './types';
 
 const other = signal('');
 const found = signal<Agreement | null>(null);

@@ -1,12 +1,10 @@
 /** Suspicious things, and the way from one to the next. */
 import { Button } from '../panels/controls';
 import { plural } from '../panels/format';
-import { Icon } from '../panels/icon';
-import type { IconName } from '../panels/icons';
+import { Icon, type IconName } from '../panels/icons';
 import { canReview } from '../state';
-import { framesOf } from './order';
+import { type Finding, framesOf } from './model';
 import { checking, checks, current, goTo, reviewTab, settle, step, waiting } from './store';
-import type { Finding } from './types';
 import { draft } from './frame-states';
 
 const ICONS: Readonly<Record<Finding['kind'], IconName>> = {

@@ -4,7 +4,7 @@ import { Aim } from '../desktop/aim';
 import type { Engine } from '../engine/engine';
 import { state } from '../state';
 import { follow } from '../watch';
-import type { Place } from './types';
+import type { Place } from './model';
 import { marked, pointing } from './store';
 
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */

@@ -1,15 +1,15 @@
 /** The review at the side: suspicious things, states and notes, people, agreement, report. */
 import { render } from 'preact';
-import { Button } from '../panels/controls';
 import { sequencePath } from '../engine/recordings';
 import { apiUrl } from '../net/rest';
+import { Button } from '../panels/controls';
 import { state } from '../state';
 import { follow } from '../watch';
 import { AgreementTab } from './agreement';
 import { Findings } from './findings';
 import { FrameStates } from './frame-states';
 import { People } from './people';
-import { closeReview, followEdits, reviewOpen, reviewTab, waiting, type ReviewTab } from './store';
+import { closeReview, followEdits, reviewOpen, reviewTab, type ReviewTab, waiting } from './store';
 
 const TABS: readonly (readonly [ReviewTab, string])[] = [
   ['findings', 'Suspicious'],
@@ -114,4 +114,18 @@ export function mountReview(): () => void {
     render(null, place);
     place.remove();
   };
+}
+
+/** Opens the review. */
+export function ReviewButton() {
+  const open = reviewOpen.value;
+  return (
+    <Button
+      icon="check"
+      label="Review"
+      tip="Suspicious labels, states and notes, people, agreement, report"
+      pressed={open}
+      onClick={() => (open ? closeReview() : (reviewOpen.value = true))}
+    />
+  );
 }

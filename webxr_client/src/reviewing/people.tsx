@@ -2,12 +2,11 @@
 import { signal } from '@preact/signals';
 import { Button } from '../panels/controls';
 import { plural } from '../panels/format';
-import { Icon } from '../panels/icon';
+import { Icon } from '../panels/icons';
 import { canManage, state } from '../state';
-import { assignmentsOf, framesOf } from './order';
-import { FrameRange } from './range';
+import { assignmentsOf, framesOf, type Standing } from './model';
+import { FrameRange } from './frame-states';
 import { overview, put, visit } from './store';
-import type { Standing } from './types';
 
 const given = signal({ name: '', first: 0, last: null as number | null });
 

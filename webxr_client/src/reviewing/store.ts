@@ -5,8 +5,16 @@ import { attempt, sequencePath } from '../engine/recordings';
 import { api } from '../net/rest';
 import { notify, state } from '../state';
 import { follow } from '../watch';
-import { acceptances, stepFrom, unsettled } from './order';
-import type { Checks, Finding, Overview, Place, ReviewPatch } from './types';
+import {
+  acceptances,
+  type Checks,
+  type Finding,
+  type Overview,
+  type Place,
+  type ReviewPatch,
+  stepFrom,
+  unsettled,
+} from './model';
 
 export type ReviewTab = 'findings' | 'frames' | 'people' | 'agreement';
 

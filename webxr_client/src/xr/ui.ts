@@ -2,7 +2,7 @@
  * Drawing of panels in the room: a canvas, and the places on it that answer to a ray.
  * Everything is drawn anew when something changed; places are noted while drawing.
  */
-import { ICONS, type IconName } from '../panels/icons';
+import { type IconName, ICONS } from '../panels/icons';
 import { ellipsis } from '../panels/timeline-draw';
 
 export const FONT = '"Inter Variable", system-ui, sans-serif';

@@ -1,7 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Label } from '../protocol/messages';
-import { keyOf } from './palette-list';
-import { inGroups, matching, reordered, worthGrouping } from './palette-order';
+import { inGroups, keyOf, matching, reordered, worthGrouping } from './palette-list';
 
 function label(id: number, name: string, category = ''): Label {
   return { id, name, category, color: '#ffffff', locked: false, visible: true };

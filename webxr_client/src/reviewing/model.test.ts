@@ -1,6 +1,15 @@
 import { describe, expect, it } from 'vitest';
-import { acceptances, assignmentsOf, framesOf, standingOf, stepFrom, worstFrames } from './order';
-import type { Finding, Overview, Standing } from './types';
+import {
+  acceptances,
+  assignmentsOf,
+  type Finding,
+  framesOf,
+  type Overview,
+  type Standing,
+  standingOf,
+  stepFrom,
+  worstFrames,
+} from './model';
 
 function finding(id: string, first: number | null, labels: number[] = [1]): Finding {
   return { id, kind: 'few', text: '', labels, first, last: first, place: null, settled: false };

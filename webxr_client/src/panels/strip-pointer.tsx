@@ -1,15 +1,78 @@
-/** On a strip of the timeline, with the right button: what can be done to its label there. */
+/** Under the pointer on a strip of the timeline: what it says there, and what can be done there. */
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
-import { canEdit, canReview, state, trackingJob } from '../state';
-import { Icon } from './icon';
-import type { IconName } from './icons';
+import { apiUrl } from '../net/rest';
+import { canEdit, canReview, state, type TimelineRow, trackingJob } from '../state';
+import { clock, plural } from './format';
+import { Icon, type IconName } from './icons';
 import { Popover } from './popover';
 import { frameRange, ordered } from './range';
-import { cellWords } from './strip-words';
+import { cellKind, type CellKind } from './timeline-layout';
 
-export interface StripPlace {
+const KIND_WORDS: Readonly<Record<CellKind, string>> = {
+  none: 'not labelled',
+  painted: 'painted',
+  tracked: 'tracked',
+  occluded: 'tracked, hidden behind something',
+  doubtful: 'tracked, doubtful',
+  lost: 'lost',
+};
+
+function cellWords(row: TimelineRow | undefined, frame: number): string {
+  if (!row) return KIND_WORDS.none;
+  const kind = cellKind(row, frame);
+  const words = [KIND_WORDS[kind]];
+  const confidence = row.confidence[frame] ?? Number.NaN;
+  if (kind !== 'painted' && kind !== 'none' && !Number.isNaN(confidence))
+    words.push(`${Math.round(confidence * 100)} % sure`);
+  const points = row.points[frame] ?? 0;
+  if (points > 0) words.push(plural(points, 'point'));
+  return words.join(' · ');
+}
+
+/** Beside the pointer over the timeline: a picture of the frame, and what the strip says there. */
+interface StripHover {
+  readonly frame: number;
+  /** The label of the strip; null on the ruler. */
+  readonly label: number | null;
+  /** Pixels from the left and bottom edge of the window. */
+  readonly x: number;
+  readonly bottom: number;
+}
+
+export const stripHover = signal<StripHover | null>(null);
+
+const WIDTH = 176;
+
+export function StripCard() {
+  const at = stripHover.value;
+  const info = state.sequence.value;
+  if (!at || !info) return null;
+  const label = state.palette.value.find(({ id }) => id === at.label);
+  const left = Math.max(8, Math.min(at.x - WIDTH / 2, innerWidth - WIDTH - 8));
+  const path = `sequences/${encodeURIComponent(info.id)}/frames/${at.frame}/thumbnail`;
+  return (
+    <div class="strip-card" style={{ left: `${left}px`, bottom: `${at.bottom}px` }}>
+      <img src={`${apiUrl(path)}?of=${info.identity}`} alt="" width={160} height={90} />
+      <span class="number">
+        Frame {at.frame}
+        {info.fps > 0 && <span class="faint"> {clock(at.frame / info.fps)}</span>}
+      </span>
+      {label && (
+        <span class="name">
+          <span class="swatch" style={{ '--color': label.color }} /> {label.name}
+        </span>
+      )}
+      {label && (
+        <span class="soft">{cellWords(state.timeline.value.rows.get(label.id), at.frame)}</span>
+      )}
+    </div>
+  );
+}
+
+/** On a strip of the timeline, with the right button: what can be done to its label there. */
+interface StripPlace {
   readonly label: number;
   readonly frame: number;
   readonly x: number;
