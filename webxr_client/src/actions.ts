@@ -4,7 +4,7 @@
  */
 import type { Bookmark } from './engine/bookmarks';
 import type { BrushShape, Tool, ViewSettings } from './state';
-import type { PointerSample } from './tools/sample';
+import type { PointerSample } from './tools/path';
 
 export interface LabelPatch {
   readonly name?: string;

@@ -4,7 +4,7 @@ import { Matrix4, type Vector3 } from 'three';
 import { cubeOf } from './cloud/clipping';
 import type { ClipBox } from './protocol/messages';
 import { state } from './state';
-import { axisOf, ENDLESS, shifted, toSource, type Volume } from './volume/volume';
+import { axisOf, ENDLESS, shifted, toSource, type Volume } from './tools/volume';
 
 export interface Clip {
   readonly volume: Volume;

@@ -3,7 +3,7 @@
  * and ask for changes through `actions`.  Brush and view settings are the user's own: panels may
  * write those two signals directly.
  *
- * Read with `.value` in components (they re-render), with `peek` (`peek.ts`) in render loops.
+ * Read with `.value` in components (they re-render), with `peek` (`watch.ts`) in render loops.
  */
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import type { Job, Label, SequenceInfo } from './protocol/messages';

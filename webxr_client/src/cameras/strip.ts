@@ -1,20 +1,19 @@
 /** Brings a frame's pictures to the strip, and what is pointed at there to the cloud. */
+import { CanvasTexture, type Group, Sprite, SpriteMaterial, Vector3 } from 'three';
 import type { Vec } from '../cloud/pick';
-import { Vector3 } from 'three';
 import type { Engine } from '../engine/engine';
 import { api } from '../net/rest';
 import { state } from '../state';
 import { watch } from '../watch';
 import type { CameraPicture, Lens } from './lens';
-import { PlaceMarker } from './marker';
-import { pictures, pointed, projectedFrame, stripOpen, type Pictures } from './state';
+import { pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
 
 /** Milliseconds between two looks at what is on screen: pictures need not follow every stroke's dab. */
 const LOOK_MS = 150;
 /** From the camera's side, this part of its way to the place remains, within these metres. */
 const [PART, NEAR, FAR] = [0.4, 1.5, 12];
 
-export class CameraStrip {
+class CameraStrip {
   private readonly marker: PlaceMarker;
   private readonly known = new Map<number, readonly CameraPicture[]>();
   private looked = 0;
@@ -91,4 +90,61 @@ export function installCameras(engine: Engine): void {
 /** Look at a place from a camera's side, with the brush on it. */
 export function aimAt(place: Vec, lens: Lens): void {
   strip?.aim(place, lens);
+}
+
+/** A cross in the cloud at the place that one points at in a picture. */
+const SIZE = 64;
+/** Of the height of the view. */
+const SHARE = 0.045;
+
+class PlaceMarker {
+  private readonly sprite: Sprite;
+
+  constructor(private readonly room: Group) {
+    const map = new CanvasTexture(cross());
+    const material = new SpriteMaterial({
+      map,
+      depthTest: false,
+      sizeAttenuation: false,
+      transparent: true,
+    });
+    this.sprite = new Sprite(material);
+    this.sprite.scale.setScalar(SHARE);
+    this.sprite.renderOrder = 90;
+    this.sprite.visible = false;
+    room.parent?.add(this.sprite);
+  }
+
+  /** At a place in local coordinates; null: nowhere. */
+  show(place: Vec | null): void {
+    this.sprite.visible = place !== null;
+    if (place) this.sprite.position.set(...place).applyMatrix4(this.room.matrix);
+  }
+}
+
+function cross(): HTMLCanvasElement {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = SIZE;
+  const pen = canvas.getContext('2d')!;
+  const middle = SIZE / 2;
+  for (const [width, colour] of [
+    [7, '#0b0e12'],
+    [3, '#ffffff'],
+  ] as const) {
+    pen.lineWidth = width;
+    pen.strokeStyle = colour;
+    pen.beginPath();
+    pen.arc(middle, middle, 18, 0, 2 * Math.PI);
+    for (const [x, y] of [
+      [1, 0],
+      [-1, 0],
+      [0, 1],
+      [0, -1],
+    ] as const) {
+      pen.moveTo(middle + 10 * x, middle + 10 * y);
+      pen.lineTo(middle + 28 * x, middle + 28 * y);
+    }
+    pen.stroke();
+  }
+  return canvas;
 }

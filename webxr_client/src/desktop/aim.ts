@@ -9,7 +9,7 @@ import { DELETED } from '../cloud/piece';
 import type { Viewer } from '../cloud/viewer';
 import type { SequenceInfo } from '../protocol/messages';
 import { state } from '../state';
-import type { PointerSample } from '../tools/sample';
+import type { PointerSample } from '../tools/path';
 import { seenIn, type Seen } from '../tools/seen';
 
 export class Aim {

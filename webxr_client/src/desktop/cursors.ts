@@ -2,7 +2,7 @@
 import { type IconName, ICONS } from '../panels/icons';
 import { isStroke, type Tool } from '../state';
 import type { Way } from '../tools/ways';
-import type { Handle } from '../volume/volume';
+import type { Handle } from '../tools/volume';
 
 /** Pixels across, and to the middle of the cross. */
 const SIZE = 32;

@@ -1,9 +1,10 @@
-/** Choose a first view: the sensor's own where there is one, else an overview. */
-import { Vector3, type Matrix4 } from 'three';
+/** Views of a recording: the first one, the sensor's own or an overview, and those by name. */
+import { signal } from '@preact/signals';
+import { type Matrix4, Vector3 } from 'three';
 import type { ViewPreset } from '../actions';
 import type { CloudFrame } from '../cloud/frame';
 
-export interface View {
+interface View {
   readonly eye: Vector3;
   readonly target: Vector3;
 }
@@ -112,3 +113,6 @@ function directionOf(preset: ViewPreset): Vector3 {
       return new Vector3(0.45, 0.5, 0.75).normalize();
   }
 }
+
+/** The picture is orthographic; the engine writes it. */
+export const orthographic = signal(false);

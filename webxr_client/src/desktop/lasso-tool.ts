@@ -1,6 +1,6 @@
 /** The lasso tool at the desk: its outline, and the stroke that it makes. */
 import { state } from '../state';
-import type { AheadPreview } from '../tools/ahead';
+import type { AheadPreview } from '../tools/preview';
 import { brushFor, brushNow } from '../tools/brush';
 import { LassoOutline } from '../tools/lasso';
 import type { Strokes } from '../tools/strokes';

@@ -1,7 +1,7 @@
 /** Tells the others where the brush is: a few times a second, and only when it moved. */
 import type { Vector3 } from 'three';
 import type { Link } from '../net/link';
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { state } from '../state';
 
 const PERIOD_MS = 100;

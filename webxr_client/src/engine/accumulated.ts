@@ -5,9 +5,8 @@ import type { PlacedFrame } from '../cloud/layer';
 import type { Viewer } from '../cloud/viewer';
 import { api, ApiError } from '../net/rest';
 import type { SequenceInfo } from '../protocol/messages';
-import { peek } from '../peek';
+import { peek, watch } from '../watch';
 import { notify, state } from '../state';
-import { watch } from '../watch';
 import type { Playback } from './playback';
 
 /** Points of all frames together that one picture can hold. */

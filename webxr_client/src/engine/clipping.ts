@@ -7,7 +7,7 @@ import { whereIs } from '../cloud/whereabouts';
 import type { DeskCamera } from '../desktop/camera';
 import { state } from '../state';
 import { follow, watch } from '../watch';
-import type { Volume } from '../volume/volume';
+import type { Volume } from '../tools/volume';
 
 /** A box begins so many times as wide as the object's radius. */
 const ROUND_OBJECT = 3;

@@ -4,7 +4,7 @@ import type { Actions } from '../actions';
 import type { Vec } from '../cloud/pick';
 import { api } from '../net/rest';
 import { canEdit, notify, state } from '../state';
-import type { PointerSample } from '../tools/sample';
+import type { PointerSample } from '../tools/path';
 import { watch } from '../watch';
 import { attempt, sequencePath } from './recordings';
 

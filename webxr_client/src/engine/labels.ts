@@ -1,12 +1,20 @@
 /** The palette and the timeline: what the server says, and what the user asks for. */
-import type { Actions, LabelPatch } from '../actions';
+import { signal } from '@preact/signals';
+import { type Actions, actions, type LabelPatch } from '../actions';
+import { api } from '../net/rest';
 import { suggestColor, suggestName } from '../panels/colors';
 import { listed } from '../panels/palette-list';
-import { api } from '../net/rest';
 import type { Label, Labels, Timeline } from '../protocol/messages';
-import { CELL_STATES, isStroke, state, type HistoryEntry, type TimelineRow } from '../state';
-import { beginLabel } from './new-label';
-import { attempt } from './recordings';
+import {
+  canEdit,
+  CELL_STATES,
+  type HistoryEntry,
+  isStroke,
+  notify,
+  state,
+  type TimelineRow,
+} from '../state';
+import { attempt, sequencePath } from './recordings';
 
 type LabelActions = Pick<
   Actions,
@@ -155,4 +163,104 @@ export const labelActions: LabelActions = {
     state.solo.value = state.solo.peek() === id ? null : id;
   },
   loadHistory: () => attempt('The history did not load', history),
+};
+
+/** A label whose name is typed while the server makes it. */
+interface NewLabel {
+  readonly name: string;
+  readonly color: string;
+  /** 0 until the server has made it. */
+  readonly id: number;
+}
+
+/** The label that is being named, or null. */
+export const newLabel = signal<NewLabel | null>(null);
+
+type Create = (name: string, color: string) => Promise<number>;
+
+let made: Promise<number> = Promise.resolve(0);
+
+/** Show a name to type over, and ask the server for the label meanwhile. */
+async function beginLabel(create: Create): Promise<void> {
+  if (!canEdit.peek() || newLabel.peek()) return;
+  const palette = state.palette.peek();
+  const names = palette.map((label) => label.name);
+  const colors = palette.map((label) => label.color);
+  const draft: NewLabel = { name: suggestName('', names), color: suggestColor(colors), id: 0 };
+  newLabel.value = draft;
+  made = create(draft.name, draft.color);
+  const id = await made;
+  if (newLabel.peek() === draft) newLabel.value = id === 0 ? null : { ...draft, id };
+}
+
+/** Take the name that was typed; null gives the label up. */
+export async function finishLabel(name: string | null): Promise<void> {
+  const draft = newLabel.peek();
+  if (!draft) return;
+  newLabel.value = null;
+  const id = await made;
+  if (id === 0) return;
+  if (name === null) await actions.deleteLabel(id);
+  else if (name !== '' && name !== draft.name) await actions.renameLabel(id, name);
+}
+
+/** Whether an entry of the palette is the label that is being named: its row is the field's. */
+export function isNew(draft: NewLabel | null, label: NewLabel): boolean {
+  if (draft === null) return false;
+  if (draft.id !== 0) return label.id === draft.id;
+  return label.name === draft.name && label.color === draft.color;
+}
+
+/** Labels that become one, and one that becomes several. */
+function pathOf(label: number): string {
+  const sequence = encodeURIComponent(state.sequence.peek()?.id ?? '');
+  return `sequences/${sequence}/labels/${label}`;
+}
+
+function nameOf(id: number): string {
+  return state.palette.peek().find((label) => label.id === id)?.name ?? 'the label';
+}
+
+function merge(id: number, into: number): Promise<void> {
+  const [from, to] = [nameOf(id), nameOf(into)];
+  return attempt('The labels were not merged', async () => {
+    await api('POST', `${pathOf(into)}/merge`, { labels: [id] });
+    state.activeLabel.value = into;
+    notify('success', `“${from}” is part of “${to}” now`, 'In every frame. Undo brings it back.');
+  });
+}
+
+function split(id: number): Promise<void> {
+  const frame = state.frame.peek();
+  return attempt(`“${nameOf(id)}” was not split`, async () => {
+    const { labels } = await api<{ labels: number[] }>('POST', `${pathOf(id)}/split`, { frame });
+    notify(
+      'success',
+      `“${nameOf(id)}” is in ${labels.length + 1} parts now`,
+      'The largest keeps the name. Track the new ones on from this frame.',
+    );
+  });
+}
+
+export const partActions: Pick<Actions, 'mergeLabel' | 'splitLabel'> = {
+  mergeLabel: merge,
+  splitLabel: split,
+};
+
+/** Actions on labels in a stretch of frames, from the timeline. */
+function frames(frame: number): string {
+  return `${sequencePath(state.sequence.peek()?.id ?? '')}/frames/${frame}`;
+}
+
+export const stripActions: Pick<Actions, 'clearLabels' | 'copyLabels' | 'acceptLabels'> = {
+  clearLabels: (labels, from, to) =>
+    attempt('The labels were not cleared', () =>
+      api('POST', `${frames(from)}/clear`, { labels, stop: to }),
+    ),
+  copyLabels: (labels, source, frame) =>
+    attempt('The labels were not copied', () =>
+      api('POST', `${frames(frame)}/copy`, { labels, source }),
+    ),
+  acceptLabels: (labels, frame) =>
+    attempt('The frame was not accepted', () => api('POST', `${frames(frame)}/accept`, { labels })),
 };

@@ -9,7 +9,7 @@ import type { Link } from '../net/link';
 import type { Segment } from '../net/segment';
 import type { LabelUpdate, Pace } from '../net/wire';
 import type { SequenceInfo } from '../protocol/messages';
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { state } from '../state';
 
 /** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */

@@ -2,9 +2,8 @@
 import { clipInRoom } from '../clip';
 import type { CloudFrame } from '../cloud/frame';
 import type { Engine } from '../engine/engine';
-import { peek } from '../peek';
+import { peek, watch } from '../watch';
 import { state } from '../state';
-import { watch } from '../watch';
 import { Boxes } from './boxes';
 import { Ghost } from './ghost';
 import { Summaries, type Summary } from './summary';

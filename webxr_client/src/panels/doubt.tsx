@@ -1,7 +1,6 @@
 /** A doubtful frame and the stretch round it, or a run that stopped for doubt: what can be done. */
 import { actions } from '../actions';
-import { halted, namesOf, unsure } from '../engine/review';
-import { stretch, type Stretch } from '../engine/stretch';
+import { halted, namesOf, stretch, type Stretch, unsure } from '../engine/review';
 import { canEdit, canReview, state, trackingJob } from '../state';
 import { Button } from './controls';
 import { plural } from './format';

@@ -2,7 +2,7 @@
 import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';
-import { labelIn } from '../engine/travel';
+import { labelIn } from '../engine/time';
 import { state, type HistoryEntry } from '../state';
 import { plural } from './format';
 import { Popover } from './popover';

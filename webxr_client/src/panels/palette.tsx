@@ -1,7 +1,7 @@
 /** The labels, at the side. */
 import { computed } from '@preact/signals';
 import { actions } from '../actions';
-import { finishLabel, isNew, newLabel } from '../engine/new-label';
+import { finishLabel, isNew, newLabel } from '../engine/labels';
 import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
 import { Button, NameField } from './controls';

@@ -1,4 +1,4 @@
-/** List of the recordings on the start page: picture, date, length, progress, and a search. */
+/** Recordings on the start page: picture, date, length, progress, a search; rename and delete. */
 import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { actions } from '../actions';

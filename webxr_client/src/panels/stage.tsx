@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../actions';
 import { DELETED } from '../cloud/piece';
-import { orthographic } from '../desktop/views';
+import { orthographic } from '../desktop/framing';
 import { activeLabel, isStroke, state, type Unsent } from '../state';
 import { AccumulateSign } from './accumulate';
 import { CameraPanel } from './cameras';

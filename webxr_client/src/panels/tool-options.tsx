@@ -12,7 +12,7 @@ import {
   sparesLabels,
   state,
 } from '../state';
-import { boxDraft } from '../tools/box-draft';
+import { boxDraft } from '../tools/volume';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { Button, Check, Slider } from './controls';

@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import type { RefObject } from 'preact';
 import { useRef } from 'preact/hooks';
 import { actions, type ViewPreset } from '../actions';
-import { orthographic } from '../desktop/views';
+import { orthographic } from '../desktop/framing';
 import { type Bookmark, bookmarks, removeBookmark, renameBookmark } from '../engine/bookmarks';
 import { followsObject } from '../engine/going';
 import { Button } from './controls';

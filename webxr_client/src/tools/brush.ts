@@ -3,7 +3,7 @@ import { framesAround } from '../accumulation';
 import { actions } from '../actions';
 import { clipBox } from '../clip';
 import type { Brush } from '../protocol/messages';
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
 import { hiddenHere } from './seen';
 import type { Way } from './ways';

@@ -8,7 +8,7 @@ import { DELETED } from '../cloud/piece';
 import type { Vec } from '../cloud/pick';
 import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
 import { state } from '../state';
-import type { PointerSample } from './sample';
+import type { PointerSample } from './path';
 import type { Strokes } from './strokes';
 
 /** Overlay of what a click would take. */

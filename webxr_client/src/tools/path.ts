@@ -1,10 +1,17 @@
-/** Path of a stroke, so that it can be completed to an object; nothing is allocated meanwhile. */
-import type { PointerSample } from './sample';
+/** Samples of a pointing device, and the path of a stroke that they make. */
+import type { Vec } from '../cloud/pick';
+
+/** Where a mouse, a controller or a hand points, metres of the recording; `direction` of unit length. */
+export interface PointerSample {
+  readonly origin: Vec;
+  readonly direction: Vec;
+}
 
 /** Places that are kept; a longer stroke keeps every second one, and so on. */
 const MOST = 256;
 const NUMBERS = 6;
 
+/** A stroke's path, so that it can be completed to an object; nothing is allocated meanwhile. */
 export class Path {
   private readonly numbers = new Float64Array(MOST * NUMBERS);
   private count = 0;

@@ -1,13 +1,14 @@
 /** Preview of a stroke, found on the page's own points, shown until the server has answered. */
 import { Matrix4, Quaternion } from 'three';
-import { type CloudFrame } from '../cloud/frame';
+import { layers } from '../accumulation';
 import { cubeOf } from '../cloud/clipping';
-import { clipIn, directionIn, firstHitAmong, placeIn, type Layer } from '../cloud/layer';
-import { DELETED } from '../cloud/piece';
+import type { CloudFrame } from '../cloud/frame';
 import { insideOutline } from '../cloud/inside';
+import { clipIn, directionIn, firstHitAmong, type Layer, placeIn } from '../cloud/layer';
 import { alongRay, inBox, inCapsule, type Vec } from '../cloud/pick';
+import { DELETED } from '../cloud/piece';
 import type { Brush } from '../protocol/messages';
-import type { PointerSample } from './sample';
+import type { PointerSample } from './path';
 import type { Seen } from './seen';
 import { Touched } from './touched';
 
@@ -166,4 +167,45 @@ export class StrokePreview {
 
 function isDeleted(label: number): boolean {
   return label === DELETED;
+}
+
+/** Preview of a stroke that is still drawn or placed as one piece: shown until it is made. */
+const OVERLAY = 'ahead';
+
+interface AheadDeps {
+  readonly locked: Locked;
+  readonly seen: Seen;
+  /** Source minus local coordinates. */
+  readonly shift: () => Vec;
+  readonly changed: () => void;
+}
+
+export class AheadPreview {
+  /** Points that the stroke would change. */
+  points = 0;
+  private frame: CloudFrame | null = null;
+  private preview: StrokePreview | null = null;
+
+  constructor(private readonly deps: AheadDeps) {}
+
+  show(frame: CloudFrame, brush: Brush): void {
+    if (this.frame !== frame) this.hide();
+    const { locked, seen, shift, changed } = this.deps;
+    const preview = new StrokePreview(OVERLAY, frame, brush, locked, seen, shift(), layers.peek());
+    this.preview?.drop();
+    preview.show();
+    this.preview = preview;
+    this.points = preview.points;
+    this.frame = frame;
+    changed();
+  }
+
+  hide(): void {
+    if (this.preview) {
+      this.preview.drop();
+      this.deps.changed();
+    }
+    this.frame = this.preview = null;
+    this.points = 0;
+  }
 }

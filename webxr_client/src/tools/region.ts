@@ -5,7 +5,7 @@ import type { Vec } from '../cloud/pick';
 import { DELETED } from '../cloud/piece';
 import type { Brush, Candidates, ClientMessage } from '../protocol/messages';
 import { numbersOf, sourceSample } from './object';
-import type { PointerSample } from './sample';
+import type { PointerSample } from './path';
 
 const OVERLAY = 'region';
 

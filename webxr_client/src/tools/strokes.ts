@@ -13,8 +13,8 @@ import type {
   StrokeSamples,
 } from '../protocol/messages';
 import { Listeners } from '../listeners';
-import { StrokePreview, type Locked } from './preview';
-import type { PointerSample } from './sample';
+import { type Locked, StrokePreview } from './preview';
+import type { PointerSample } from './path';
 import type { Seen } from './seen';
 
 /** The preview stays at most this long after the answer, should the delta not come. */

@@ -2,7 +2,7 @@
  * The ways of taking points, one object each: tool bar, keys, pointer, controller and palette are
  * made from this table.
  */
-import { peek } from '../peek';
+import { peek } from '../watch';
 import type { IconName } from '../panels/icons';
 import type { Brush } from '../protocol/messages';
 import { state, type BrushShape } from '../state';

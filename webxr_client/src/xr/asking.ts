@@ -1,6 +1,6 @@
 /** Preview of what the hand would take, asked of the server before the trigger is pressed. */
 import type { Engine } from '../engine/engine';
-import type { PointerSample } from '../tools/sample';
+import type { PointerSample } from '../tools/path';
 import type { Way } from '../tools/ways';
 
 /** So often a question may be asked, milliseconds. */

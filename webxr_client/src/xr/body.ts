@@ -1,7 +1,7 @@
 /** Visible parts of a pointer: its model, its ray, its tips; and the panel that it is on. */
 import type { Matrix4, Object3D } from 'three';
 import { BUTTON_TICK } from './haptics';
-import type { Model } from './kinds/kind';
+import type { Model } from './kind';
 import { Ray } from './model';
 import { Switch } from './pad';
 import type { Painter } from './painter';

@@ -4,7 +4,7 @@ import { clipMatrix } from '../clip';
 import { firstHit, type Hit } from '../cloud/pick';
 import type { Engine } from '../engine/engine';
 import { FLOOR_SPOT } from '../engine/floor';
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { isStroke, state } from '../state';
 import { brushColor } from '../tools/brush';
 import type { Way } from '../tools/ways';

@@ -6,12 +6,11 @@ import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../listeners';
-import { peek } from '../peek';
+import { follow, peek } from '../watch';
 import { notify, state } from '../state';
 import { roomWay } from '../tools/ways';
-import { Buttons } from './buttons';
-import { Feelings } from './feelings';
-import type { Pulse as Haptic } from './haptics';
+import { Buttons, LabelSwitch } from './buttons';
+import { Feelings, type Pulse as Haptic } from './haptics';
 import { Hud } from './hud';
 import { ObjectSign } from './object-sign';
 import { Locomotion } from './locomotion';
@@ -26,10 +25,8 @@ import { Rig } from './rig';
 import { RoomPanels } from './room-panels';
 import { xrSettings } from './settings';
 import { standBefore } from './standing';
-import { LabelSwitch } from './label-switch';
 import { Lessons } from './lessons';
 import { placeModel, resetWorld, scaleAbout, WorldGrab } from './world';
-import { follow } from '../watch';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;

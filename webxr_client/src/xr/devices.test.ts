@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { deviceFor } from './devices';
-import { controller } from './kinds/controller';
+import { controller } from './kinds';
 import { Pointer } from './pointer';
 import { Poses } from './poses';
 

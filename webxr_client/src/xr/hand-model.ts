@@ -3,7 +3,7 @@
  * graphics processor from the joints' places and radii, in one draw call.  Nothing is fetched.
  */
 import { BufferGeometry, DoubleSide, Float32BufferAttribute, GLSL3, Mesh, RawShaderMaterial, type Object3D, type Vector3 } from 'three'; // prettier-ignore
-import type { Model } from './kinds/kind';
+import type { Model } from './kind';
 import { disposeModel, ORDER } from './model';
 
 const JOINTS = 25;

@@ -1,5 +1,7 @@
-/** Haptics of the hand: points that change, frames passing, work that ends, a lock. */
+/** Haptics of the hand: points that change, frames passing, work that ends, a lock; and the actuators that give them. */
+import { follow, peek } from '../watch';
 import type { StrokeResult } from '../protocol/messages';
+import { isActive, state } from '../state';
 
 /** Strength of a pulse for so many newly changed points: felt from one, full at a thousand. */
 export function strengthOf(points: number): number {
@@ -12,7 +14,7 @@ export interface Pulse {
 }
 
 /** A short dry tick, unlike the hum of painting. */
-export const FRAME_TICK: Pulse = { strength: 0.35, milliseconds: 6 };
+const FRAME_TICK: Pulse = { strength: 0.35, milliseconds: 6 };
 export const BUTTON_TICK: Pulse = { strength: 0.2, milliseconds: 8 };
 /** Another level of an object is shown. */
 export const LEVEL_TICK: Pulse = { strength: 0.5, milliseconds: 15 };
@@ -34,4 +36,93 @@ export class ChangeCounter {
     else this.seen.set(result.id, result.changed);
     return Math.max(0, result.changed - before);
   }
+}
+
+/** Haptics of the brush hand besides painting: a frame passed, a run ended, a label was locked. */
+export class Feelings {
+  private frame = -1;
+  private readonly unfollow: (() => void)[];
+
+  constructor(private readonly feel: (pulse: Pulse) => void) {
+    this.unfollow = [this.followJobs(), this.followLocks()];
+  }
+
+  /** Once per picture. */
+  update(): void {
+    const frame = peek(state.frame);
+    if (frame === this.frame) return;
+    // While it plays the hand would only buzz.
+    if (this.frame >= 0 && !peek(state.playing)) this.feel(FRAME_TICK);
+    this.frame = frame;
+  }
+
+  private followJobs(): () => void {
+    let running = new Set<string>();
+    return follow(() => {
+      const tracking = state.jobs.value.filter((job) => job.kind === 'tracking');
+      const active = new Set(tracking.filter(isActive).map((job) => job.id));
+      const ended = [...running].some((id) => !active.has(id));
+      running = active;
+      if (ended) this.feel(BUMP);
+    });
+  }
+
+  private followLocks(): () => void {
+    let before: ReadonlySet<number> | null = null;
+    return follow(() => {
+      const palette = state.palette.value;
+      const locked = new Set(palette.filter((label) => label.locked).map((label) => label.id));
+      const more = before !== null && [...locked].some((id) => !before!.has(id));
+      before = locked;
+      if (more) this.feel(BUMP);
+    });
+  }
+
+  dispose(): void {
+    for (const stop of this.unfollow) stop();
+  }
+}
+
+/**
+ * Pulses on what a controller has for them.  Quest Browser and Firefox have `hapticActuators`, whose
+ * entries pulse; Chromium has `vibrationActuator`, which plays effects; some have neither.
+ */
+interface Actuator {
+  readonly effects?: readonly string[];
+  pulse?: (strength: number, milliseconds: number) => unknown;
+  playEffect?: (effect: string, parameters: object) => unknown;
+}
+
+interface Vibrating {
+  readonly hapticActuators?: ArrayLike<Actuator | null | undefined> | null;
+  readonly vibrationActuator?: Actuator | null;
+}
+
+/** The effect that every vibrating gamepad of the specification knows. */
+const RUMBLE = 'dual-rumble';
+
+/** Let a gamepad pulse, strength 0..1; without an actuator, or with one that fails, nothing happens. */
+export function pulse(gamepad: unknown, strength: number, milliseconds: number): void {
+  try {
+    const answer = start(gamepad as Vibrating | null | undefined, strength, milliseconds);
+    if (answer instanceof Promise) answer.catch(ignore);
+  } catch {
+    // An actuator that cannot pulse (any more) has nothing to tell.
+  }
+}
+
+function start(gamepad: Vibrating | null | undefined, strength: number, duration: number): unknown {
+  const actuator = gamepad?.hapticActuators?.[0] ?? gamepad?.vibrationActuator;
+  const power = Math.min(1, Math.max(0, strength));
+  if (actuator?.pulse) return actuator.pulse(power, duration);
+  if (!actuator?.playEffect) return undefined;
+  const effect = actuator.effects?.includes(RUMBLE) === false ? actuator.effects[0] : RUMBLE;
+  if (effect === undefined) return undefined;
+  const triggers = { leftTrigger: power, rightTrigger: power };
+  const parameters = { startDelay: 0, duration, strongMagnitude: power, weakMagnitude: power };
+  return actuator.playEffect(effect, { ...parameters, ...triggers });
+}
+
+function ignore(): void {
+  return;
 }

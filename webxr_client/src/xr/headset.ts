@@ -2,12 +2,11 @@
 import { Matrix4 } from 'three';
 import { bindActions } from '../actions';
 import type { Engine } from '../engine/engine';
-import { peek } from '../peek';
+import { follow, peek } from '../watch';
 import { isStroke, notify, patch, state } from '../state';
 import { Cockpit } from './cockpit';
 import { Poses } from './poses';
 import { xrSettings } from './settings';
-import { follow } from '../watch';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 

@@ -3,7 +3,7 @@ import type { Vector3 } from 'three';
 import type { Engine } from '../engine/engine';
 import { halted, unsure } from '../engine/review';
 import type { Overlays } from '../overlays/index';
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { state } from '../state';
 import type { Headset } from './headset';
 import type { Panel } from './panel';

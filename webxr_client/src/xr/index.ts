@@ -1,10 +1,9 @@
 /** The headset: sessions on request, and the others in the room. */
 import type { Engine } from '../engine/engine';
 import type { Overlays } from '../overlays/index';
-import { followPeople } from './follow';
+import { followPeople, People } from './people';
 import { Headset } from './headset';
 import { installHeadsetHook } from './hook';
-import { People } from './people';
 
 /** Wire the headset to the engine. */
 export function installHeadset(engine: Engine, overlays: Overlays): Headset {

@@ -1,5 +1,5 @@
 /** Moving oneself: teleport by an arc, turn in steps, glide if one likes that better. */
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { BufferGeometry, DoubleSide, DynamicDrawUsage, Float32BufferAttribute, GLSL3, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
 import { Switch } from './pad';
 import type { Pointer } from './pointer';

@@ -1,13 +1,27 @@
 /** The others: heads, hands, brushes and names, where they are in the recording's room. */
-import { BoxGeometry, ConeGeometry, Group, Mesh, MeshBasicMaterial, SphereGeometry, Vector3, type BufferGeometry, type MeshBasicMaterialParameters, type Object3D } from 'three'; // prettier-ignore
+import {
+  BoxGeometry,
+  type BufferGeometry,
+  ConeGeometry,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  type MeshBasicMaterialParameters,
+  type Object3D,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
+} from 'three';
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import { state, type Person, type Pose } from '../state';
-import { disposeModel } from './model';
+import type { Engine } from '../engine/engine';
+import { following } from '../panels/people';
+import { type Person, type Pose, state } from '../state';
+import { follow } from '../watch';
 import { faceEyes } from './facing';
+import { disposeModel } from './model';
 import { Sign } from './sign';
 import { SIZES } from './sizes';
 import { tint } from './tint';
-import { follow } from '../watch';
 
 const FACING = { right: 0, up: 0, away: SIZES.name.away };
 /** Looks of bodies: opaque colours, and translucent ones. */
@@ -133,4 +147,28 @@ export class People {
     for (const avatar of this.avatars.values()) avatar.dispose();
     this.avatars.clear();
   }
+}
+
+/** At the desk: see what somebody in a headset sees. */
+const AHEAD = 1.5;
+
+/** Bring the desk's camera to the eyes of the person followed; the result stops it. */
+export function followPeople(engine: Engine): () => void {
+  const eye = new Vector3();
+  const target = new Vector3();
+  const turn = new Quaternion();
+  return state.people.subscribe((people) => {
+    const viewer = following.peek();
+    if (viewer === null) return;
+    const head = people.find((person) => person.viewer === viewer)?.head;
+    if (!head) {
+      following.value = null;
+      return;
+    }
+    eye.set(head[0], head[1], head[2]);
+    turn.set(head[3], head[4], head[5], head[6]);
+    target.set(0, 0, -AHEAD).applyQuaternion(turn).add(eye);
+    engine.camera.lookAt(eye, target, true);
+    engine.viewer.invalidate();
+  });
 }

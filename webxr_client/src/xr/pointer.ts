@@ -1,8 +1,8 @@
 /** One input source as it is at this moment: poses in the scene, buttons as switches. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
-import { pulse } from './actuators';
+import { pulse } from './haptics';
 import { chords, type Device, type PadPlace } from './devices';
-import { buttonValue, type Kind, type Reach } from './kinds/kind';
+import { buttonValue, type Kind, type Reach } from './kind';
 import { readPad, Repeat, Switch, takeChord, type Chord, type Pad } from './pad';
 import type { Poses } from './poses';
 import { Pressure } from './pressure';

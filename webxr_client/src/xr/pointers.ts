@@ -1,7 +1,7 @@
 /** All that points: who comes and goes, what each does, what their rays are on. */
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { Body } from './body';
-import { KINDS, kindOf, unknownInput } from './kinds';
+import { kindOf, KINDS, unknownInput } from './kinds';
 import type { Painter } from './painter';
 import type { Panel } from './panel';
 import { Pointer } from './pointer';

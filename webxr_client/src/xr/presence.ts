@@ -3,7 +3,7 @@ import { Matrix4, Vector3, type Object3D, type Quaternion } from 'three';
 import type { Afterwards } from '../cloud/afterwards';
 import type { Link } from '../net/link';
 import type { ClientPresence } from '../protocol/messages';
-import { peek } from '../peek';
+import { peek } from '../watch';
 import { state } from '../state';
 import type { Pointers } from './pointers';
 import type { Rig } from './rig';

@@ -1,6 +1,5 @@
 /** A run that stopped asks where one looks: accept what it found, or mend it, and go on. */
-import { halted, unsure } from '../engine/review';
-import { stretch } from '../engine/stretch';
+import { halted, stretch, unsure } from '../engine/review';
 import { canReview, state, trackingJob } from '../state';
 import { follow, watch } from '../watch';
 import { Panel } from './panel';

@@ -1,10 +1,9 @@
 /** The panel before one: time, strips, tracking. */
 import { Mesh, MeshBasicMaterial, PlaneGeometry } from 'three';
 import { actions } from '../actions';
-import { halted, unsure } from '../engine/review';
+import { halted, stretch, unsure } from '../engine/review';
 import { frameRange } from '../panels/range';
 import { state } from '../state';
-import { stretch } from '../engine/stretch';
 import { DARK_INK, drawTimeline } from '../panels/timeline-draw';
 import { doubtfulFrames, frameToX, xToFrame, type Span } from '../panels/timeline-layout';
 import { Panel } from './panel';

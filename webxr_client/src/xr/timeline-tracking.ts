@@ -1,8 +1,7 @@
 /** The row below the timeline: carry labels on, watch the run, judge what it is unsure of. */
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
-import { halted, namesOf, unsure } from '../engine/review';
-import { stretch } from '../engine/stretch';
+import { halted, namesOf, stretch, unsure } from '../engine/review';
 import { frameRange, ordered } from '../panels/range';
 import type { Job } from '../protocol/messages';
 import { canReview, state, trackingJob } from '../state';

@@ -1,6 +1,6 @@
 import { Group, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { AirLasso } from './lasso';
+import { AirLasso } from './air';
 import { resetWorld, scaleAbout, WorldGrab } from './world';
 import { Matrix4 } from 'three';
 

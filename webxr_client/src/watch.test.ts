@@ -1,6 +1,6 @@
 import { computed, effect, signal } from '@preact/signals';
 import { expect, it } from 'vitest';
-import { peek } from './peek';
+import { peek } from './watch';
 
 it('reads what is newest and depends on nothing', () => {
   const count = signal(1);

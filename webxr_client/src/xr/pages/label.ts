@@ -1,18 +1,45 @@
-/** The active label: another name, another colour, or gone. */
+/** Pages of one label: a new one, or the active one with another name, another colour, or gone. */
 import { actions } from '../../actions';
-import { LABEL_COLORS } from '../../panels/colors';
+import { LABEL_COLORS, suggestColor, suggestName } from '../../panels/colors';
 import { plural } from '../../panels/format';
 import type { Label } from '../../protocol/messages';
 import { state } from '../../state';
 import { INK, type Ui } from '../ui';
-import type { AskName } from './letters';
-import { drawNames } from './names';
+import type { AskName } from '../writing';
+
+/** Quick names, each with a colour unlike the others, or one that is typed. */
+export function drawNew(
+  ui: Ui,
+  x: number,
+  top: number,
+  inner: number,
+  ask: AskName,
+  back: () => void,
+): void {
+  const { em } = ui;
+  const color = suggestColor(state.palette.peek().map((label) => label.color));
+  const make = (name: string, category: string): void => {
+    void actions.createLabel(name, color, category);
+    actions.setTool('paint');
+    back();
+  };
+  ui.text('What is it?', x + em * 0.4, top + em * 0.8, { color: INK.quiet });
+  drawNames(ui, [x, top + em * 1.9, inner], 5, color, make);
+  const y = top + em * 14.4;
+  const h = em * 2.1;
+  ui.button(x, y, inner / 3, h, { text: 'Back', icon: 'previous' }, back);
+  const type = { text: 'Type a name', icon: 'pencil', strong: true } as const;
+  ui.button(x + inner / 2, y, inner / 2 - em * 0.25, h, type, () => {
+    ask('Name of the new label', (name) => make(name, ''));
+  });
+}
 
 /** Swatches in a line. */
 const SWATCHES = 8;
-/** Ems: a line of names or swatches, and where the colours and the last line begin. */
+/** Ems: from one line of names or swatches to the next, its height, and where the colours and the last line begin. */
 const [PITCH, HEIGHT, COLORS, END] = [2.4, 2.2, 12.4, 17.8];
 
+/** The active label: another name, another colour, or gone. */
 export class EditPage {
   /** The label that was asked to be deleted; 0: none. */
   private doomed = 0;
@@ -88,4 +115,31 @@ export class EditPage {
     this.doomed = label;
     this.touch();
   }
+}
+
+/** Names that need no keyboard: categories in use, then common ones; each counts on. */
+const QUICK = ['pin', 'hand', 'person', 'ball', 'head', 'object', 'vehicle', 'table'];
+
+type TakeName = (name: string, category: string) => void;
+
+/** Lay out names in so many lines of two, each with the colour that it is for. */
+function drawNames(
+  ui: Ui,
+  [x, y, inner]: readonly [x: number, y: number, inner: number],
+  lines: number,
+  color: string,
+  take: TakeName,
+): void {
+  const { em } = ui;
+  const palette = state.palette.peek();
+  const names = palette.map((label) => label.name);
+  const used = palette.map((label) => label.category).filter(Boolean);
+  const choices = [...new Set([...used, ...QUICK])].slice(0, 2 * lines);
+  const w = inner / 2;
+  choices.forEach((category, i) => {
+    const name = suggestName(category, names);
+    const [left, top] = [x + (i % 2) * w, y + em * PITCH * Math.floor(i / 2)];
+    const look = { swatch: color, text: name, strong: true, align: 'left' } as const;
+    ui.button(left, top, w - em * 0.25, em * 2.2, look, () => take(name, category));
+  });
 }

@@ -1,6 +1,6 @@
 import { Frustum, Matrix4, PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { nodeOf, worthwhile, type OctreeNode, type View } from './octree';
+import { nodeOf, type OctreeNode, type View, worthwhile } from './detail';
 
 /** A flat octree, 64 m wide: every node has 20,000 points and four children, on four levels. */
 function tree(): OctreeNode[] {

@@ -1,6 +1,6 @@
-/** Interface of a kind of WebXR input.  A kind is one file here and one row of the table. */
+/** Interface of a kind of WebXR input.  A kind is one object of the table in `kinds.ts`. */
 import type { Object3D, Vector3 } from 'three';
-import { deviceFor, type Device } from '../devices';
+import { type Device, deviceFor } from './devices';
 
 /** `near`: it paints at its place; `far`: where its ray first hits, and drags at that depth. */
 export type Reach = 'near' | 'far';

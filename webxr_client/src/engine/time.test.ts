@@ -2,7 +2,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../actions';
 import type { Label, SequenceInfo } from '../protocol/messages';
 import { state } from '../state';
-import { labelIn, showTravel } from './travel';
+import { labelIn, showTravel } from './time';
 
 const seek = vi.fn();
 const goToObject = vi.fn();

@@ -1,4 +1,5 @@
 /** An upright box in the room, to select by or to clip to: where it is, and how handles change it. */
+import { signal } from '@preact/signals';
 import { Matrix4, Quaternion, Ray, Vector3 } from 'three';
 import type { ClipBox } from '../protocol/messages';
 
@@ -16,7 +17,7 @@ export type Handle = { readonly axis: 0 | 1 | 2; readonly side: 1 | -1 } | 'move
 
 const UP = new Vector3(0, 1, 0);
 /** The shortest edge, metres. */
-export const SHORTEST = 0.01;
+const SHORTEST = 0.01;
 /** Wider than any recording, metres: the wire has no faces that are not there. */
 export const ENDLESS = 1e6;
 /** Rays flatter than this to the floor move a box across the picture, not along the floor. */
@@ -75,7 +76,7 @@ export function dragged(volume: Volume, handle: Handle, from: Ray, to: Ray): Vol
 }
 
 /** A face moves outward by metres; the one across from it stays. */
-export function stretched(volume: Volume, axis: 0 | 1 | 2, side: 1 | -1, by: number): Volume {
+function stretched(volume: Volume, axis: 0 | 1 | 2, side: 1 | -1, by: number): Volume {
   const size: [number, number, number] = [...volume.size];
   size[axis] = Math.max(SHORTEST, size[axis] + by);
   const half = (side * (size[axis] - volume.size[axis])) / 2;
@@ -148,3 +149,6 @@ export function spanned(
 export function standing(volume: Volume, bottom: number): Volume {
   return stretched(volume, 1, -1, volume.center[1] - volume.size[1] / 2 - bottom);
 }
+
+/** The box of the box tool, until Enter takes what is in it. */
+export const boxDraft = signal<Volume | null>(null);

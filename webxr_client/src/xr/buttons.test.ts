@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import type { Label } from '../protocol/messages';
-import { labelBeside, labelLean } from './label-switch';
+import { labelBeside, labelLean } from './buttons';
 
 const palette = [3, 7, 5].map((id) => ({ id }) as Label);
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { ALL_POINTS } from '../cloud/frame';
-import { FEWEST_POINTS, PointBudget } from './budget';
+import { FEWEST_POINTS, PointBudget } from './pacing';
 
 const TARGET = 1000 / 72;
 

@@ -2,8 +2,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../actions';
 import type { Label, Labels } from '../protocol/messages';
 import { state } from '../state';
-import { labelActions, takeLabels } from './labels';
-import { finishLabel, isNew, newLabel } from './new-label';
+import { finishLabel, isNew, labelActions, newLabel, takeLabels } from './labels';
 
 const pin = { id: 1, name: 'pin 1', color: '#ff5d5d', category: 'pin' } as Label;
 let asked: { url: string; method: string; body: Record<string, unknown> }[] = [];

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { CELL_STATES, type TimelineRow } from '../state';
-import { againOver, stretchAt } from './stretch';
+import { againOver, stretchAt } from './review';
 
 /** A label frame by frame: p painted, t tracked, d doubtful, l lost, . nothing. */
 function row(cells: string): TimelineRow {

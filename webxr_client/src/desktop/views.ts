@@ -1,5 +1,0 @@
-/** Views of the recording at the desk. */
-import { signal } from '@preact/signals';
-
-/** The picture is orthographic; the engine writes it. */
-export const orthographic = signal(false);

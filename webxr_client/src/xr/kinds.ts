@@ -1,0 +1,77 @@
+/** The kinds of WebXR input that are known, and the table in which an input source finds its own. */
+import { deviceFor } from './devices';
+import { HandModel } from './hand-model';
+import { buttonValue, type Kind, SELECTS } from './kind';
+import { controllerModel, disposeModel } from './model';
+
+/** A controller held in the hand: an analog trigger, buttons and a stick or pad. */
+export const controller: Kind = {
+  name: 'controller',
+  is: (source) => source.targetRayMode === 'tracked-pointer' && !source.hand,
+  reach: 'near',
+  momentary: false,
+  holds: true,
+  drawn: true,
+  fleeting: false,
+  device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, false),
+  // One without a gamepad says only that it selects.
+  press: (gamepad, device, selecting) =>
+    gamepad ? buttonValue(gamepad, device.trigger) : selecting ? 1 : 0,
+  model: (_source, device) => {
+    const object = controllerModel(device);
+    return { object, gripped: true, dispose: () => disposeModel(object) };
+  },
+};
+
+/** A bare hand: a pinch presses, a fingertip pokes panels. */
+const hand: Kind = {
+  name: 'hand',
+  is: (source) => source.targetRayMode === 'tracked-pointer' && Boolean(source.hand),
+  reach: 'near',
+  momentary: false,
+  holds: true,
+  drawn: true,
+  fleeting: true,
+  device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, true),
+  press: (gamepad, device, selecting) =>
+    Math.max(buttonValue(gamepad, device.trigger), selecting ? 1 : 0),
+  model: (source) => new HandModel(source.hand!),
+};
+
+/** Look and pinch: the eyes aim when a pinch begins, the hand drags from there. */
+const transient: Kind = {
+  ...SELECTS,
+  name: 'look and pinch',
+  is: (source) => source.targetRayMode === 'transient-pointer',
+  momentary: true,
+};
+
+/** The head aims, and a button or a word selects. */
+const gaze: Kind = {
+  ...SELECTS,
+  name: 'gaze',
+  is: (source) => source.targetRayMode === 'gaze',
+  momentary: false,
+};
+
+/** A finger on the screen of a phone that one holds up. */
+const screen: Kind = {
+  ...SELECTS,
+  name: 'touch',
+  is: (source) => source.targetRayMode === 'screen',
+  momentary: true,
+};
+
+/** A pinch that comes is meant, whatever else that hand is; a controller is more exact than a hand. */
+export const KINDS: readonly Kind[] = [transient, controller, hand, gaze, screen];
+
+/** The kind of an input source, or undefined. */
+export function kindOf(source: XRInputSource): Kind | undefined {
+  return KINDS.find((kind) => kind.is(source));
+}
+
+/** Notice about an input that no kind is for. */
+export function unknownInput({ targetRayMode, profiles }: XRInputSource): string {
+  const named = profiles[0] ? ` (${profiles[0]})` : '';
+  return `This kind of input is not known here:\n${targetRayMode}${named}`;
+}
