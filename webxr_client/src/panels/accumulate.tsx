@@ -1,40 +1,28 @@
 /** Frames laid over the one on screen: the switch, how many, and what a stroke then paints. */
 import { signal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
 import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../accumulation';
 import { canEdit, patch, state } from '../state';
 import { Button, Check, Slider } from './controls';
 import { plural } from './format';
-import { Popover } from './popover';
+import { PopoverButton } from './popover';
 
 const open = signal(false);
 
 /** In the tool bar's second row. */
 export function AccumulateButton() {
-  const anchor = useRef<HTMLButtonElement>(null);
   const info = state.sequence.value;
   if (!info || info.large || info.frames < 2) return null;
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="frames"
-        tip="Lay the frames around this one over it, and paint them together"
-        pressed={accumulation.value.on}
-        expanded={open.value}
-        onClick={() => (open.value = !open.value)}
-      />
-      {open.value && (
-        <Popover
-          anchor={anchor}
-          label="Frames around this one"
-          onClose={() => (open.value = false)}
-          class="overlays"
-        >
-          <Around frames={info.frames} />
-        </Popover>
-      )}
-    </>
+    <PopoverButton
+      open={open}
+      icon="frames"
+      tip="Lay the frames around this one over it, and paint them together"
+      pressed={accumulation.value.on}
+      label="Frames around this one"
+      class="overlays"
+    >
+      <Around frames={info.frames} />
+    </PopoverButton>
   );
 }
 

@@ -1,11 +1,10 @@
 /** The clip box: what is shown and can be painted, in the tool bar and over the picture. */
 import { signal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { clip } from '../clip';
 import { canEdit, state } from '../state';
 import { Button, Check } from './controls';
-import { Popover } from './popover';
+import { PopoverButton } from './popover';
 import { RadioGroup, type RadioOption } from './radio-group';
 
 const open = signal(false);
@@ -35,20 +34,12 @@ function choose(kind: Kind): void {
 
 /** In the tool bar's second row. */
 export function ClipButton() {
-  const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <>
-      <Button
-        buttonRef={anchor}
+    <PopoverButton open={open}
         icon="slice"
         tip="Clip: show and paint only what is in a box or a slab"
         keys="Y"
-        pressed={clip.value !== null}
-        expanded={open.value}
-        onClick={() => (open.value = !open.value)}
-      />
-      {open.value && (
-        <Popover anchor={anchor} label="Clip" onClose={() => (open.value = false)} class="overlays">
+        pressed={clip.value !== null} label="Clip" class="overlays">
           <RadioGroup label="Shown" class="kinds" options={KINDS} value={kindNow()} onChoose={choose} />
           {clip.value && (
             <Check
@@ -62,9 +53,7 @@ export function ClipButton() {
             Drag its faces. <span class="kbd">Alt</span> and the wheel, or{' '}
             <span class="kbd">Page ↑ ↓</span>, moves it along its thinnest side.
           </p>
-        </Popover>
-      )}
-    </>
+        </PopoverButton>
   ); // prettier-ignore
 }
 

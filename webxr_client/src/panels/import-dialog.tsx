@@ -220,7 +220,7 @@ function Topics({ found, options }: { found: ImportPreview; options: ImportOptio
 function Facts({ found }: { found: ImportPreview }) {
   const first = found.points[0];
   const extent = found.units.extent.map((wide) => wide.toFixed(1)).join(' × ');
-  const rows: readonly (readonly [string, string])[] = [
+  const rows: readonly Fact[] = [
     ['Format', found.title],
     ['Frames', `${found.frames?.toLocaleString('en') ?? 'unknown'}, ${found.order}`],
     ['Rate', `${found.fps} per second, ${found.fps_from}`],
@@ -232,16 +232,7 @@ function Facts({ found }: { found: ImportPreview }) {
   ];
   return (
     <>
-      <dl class="import-facts">
-        {rows
-          .filter(([, value]) => value)
-          .map(([name, value]) => (
-            <div key={name}>
-              <dt>{name}</dt>
-              <dd>{value}</dd>
-            </div>
-          ))}
-      </dl>
+      <FactList rows={rows} />
       {found.warnings.map((warning) => (
         <p key={warning} class="import-note">
           <Icon name="warning" /> <span>{warning}</span>
@@ -251,19 +242,10 @@ function Facts({ found }: { found: ImportPreview }) {
   );
 }
 
-function described({ name, meaning }: ImportPreview['columns'][number]): string {
-  if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
-  return `${name} (${meaning || 'left out'})`;
-}
+type Fact = readonly [name: string, value: string];
 
-function Labels({ found }: { found: LabelsFound }) {
-  const rows: readonly (readonly [string, string])[] = [
-    ['Points', `${found.labelled.toLocaleString('en')} with a label`],
-    ['Frames', `${found.matched} with labels, ${found.unmatched_frames.length} without`],
-    ['Labels', `${found.labels.length}, ${found.new_labels.length} of them new`],
-    ['Classes without a name', found.unknown_classes.slice(0, 12).join(', ')],
-    ['Files of no frame', found.unmatched_files.slice(0, 6).join(', ')],
-  ];
+/** What was found, by name; what has no value is left out. */
+function FactList({ rows }: { rows: readonly Fact[] }) {
   return (
     <dl class="import-facts">
       {rows
@@ -276,6 +258,22 @@ function Labels({ found }: { found: LabelsFound }) {
         ))}
     </dl>
   );
+}
+
+function described({ name, meaning }: ImportPreview['columns'][number]): string {
+  if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
+  return `${name} (${meaning || 'left out'})`;
+}
+
+function Labels({ found }: { found: LabelsFound }) {
+  const rows: readonly Fact[] = [
+    ['Points', `${found.labelled.toLocaleString('en')} with a label`],
+    ['Frames', `${found.matched} with labels, ${found.unmatched_frames.length} without`],
+    ['Labels', `${found.labels.length}, ${found.new_labels.length} of them new`],
+    ['Classes without a name', found.unknown_classes.slice(0, 12).join(', ')],
+    ['Files of no frame', found.unmatched_files.slice(0, 6).join(', ')],
+  ];
+  return <FactList rows={rows} />;
 }
 
 function Row({ label, children }: { label: string; children: ComponentChildren }) {

@@ -1,13 +1,12 @@
 /** The whole palette: labels of a template or a file, and the palette as a file. */
 import { signal } from '@preact/signals';
-import { useEffect, useRef } from 'preact/hooks';
+import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';
 import { canEdit, state } from '../state';
 import { templates } from '../engine/palette-files';
-import { Button } from './controls';
 import { plural } from './format';
 import { Icon } from './icons';
-import { Popover } from './popover';
+import { PopoverButton } from './popover';
 
 const open = signal(false);
 const close = (): void => {
@@ -15,23 +14,10 @@ const close = (): void => {
 };
 
 export function PaletteMenuButton() {
-  const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="more"
-        tip="Templates and palette files"
-        small
-        expanded={open.value}
-        onClick={() => (open.value = !open.value)}
-      />
-      {open.value && (
-        <Popover anchor={anchor} label="Palette" onClose={close}>
-          <Menu />
-        </Popover>
-      )}
-    </>
+    <PopoverButton open={open} icon="more" tip="Templates and palette files" small label="Palette">
+      <Menu />
+    </PopoverButton>
   );
 }
 

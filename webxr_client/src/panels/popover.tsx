@@ -1,8 +1,10 @@
 /** Something that opens beside a button: menus, the tracking form, the colour picker. */
-import { signal } from '@preact/signals';
+import { signal, type Signal } from '@preact/signals';
 import type { ComponentChildren, RefObject } from 'preact';
 import { createPortal } from 'preact/compat';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { Button } from './controls';
+import type { IconName } from './icons';
 
 const MARGIN = 8;
 
@@ -51,6 +53,50 @@ export function Popover({ anchor, label, onClose, class: extra = '', children }:
       {children}
     </div>,
     document.getElementById('dialogs')!,
+  );
+}
+
+interface PopoverButtonProps {
+  open: Signal<boolean>;
+  icon: IconName;
+  tip: string;
+  keys?: string;
+  pressed?: boolean;
+  small?: boolean;
+  /** Name of what opens. */
+  label: string;
+  class?: string;
+  children: ComponentChildren;
+}
+
+/** A button, and what it opens. */
+export function PopoverButton({
+  open,
+  label,
+  class: extra,
+  children,
+  ...look
+}: PopoverButtonProps) {
+  const anchor = useRef<HTMLButtonElement>(null);
+  return (
+    <>
+      <Button
+        {...look}
+        buttonRef={anchor}
+        expanded={open.value}
+        onClick={() => (open.value = !open.value)}
+      />
+      {open.value && (
+        <Popover
+          anchor={anchor}
+          label={label}
+          onClose={() => (open.value = false)}
+          {...(extra === undefined ? {} : { class: extra })}
+        >
+          {children}
+        </Popover>
+      )}
+    </>
   );
 }
 

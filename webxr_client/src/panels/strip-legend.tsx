@@ -1,17 +1,12 @@
 /** Legend of the strips' colours. */
 import { signal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
 import { activeLabel } from '../state';
-import { Button } from './controls';
-import { Popover } from './popover';
+import { PopoverButton } from './popover';
 import { drawSample } from './timeline-draw';
 import { inkNow } from './timeline-strips';
 import type { Run } from './timeline-layout';
 
 const open = signal(false);
-const close = (): void => {
-  open.value = false;
-};
 
 type Sample = Pick<Run, 'kind' | 'sure'>;
 
@@ -25,29 +20,17 @@ const LINES: readonly (readonly [Sample, string])[] = [
 ];
 
 export function StripLegend() {
-  const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="help"
-        tip="What the strips mean"
-        expanded={open.value}
-        onClick={() => (open.value = !open.value)}
-      />
-      {open.value && (
-        <Popover anchor={anchor} label="What the strips mean" onClose={close}>
-          <ul class="strip-legend">
-            {LINES.map(([sample, words]) => (
-              <li key={words}>
-                <canvas width={44} height={14} ref={(canvas) => draw(canvas, sample)} />
-                {words}
-              </li>
-            ))}
-          </ul>
-        </Popover>
-      )}
-    </>
+    <PopoverButton open={open} icon="help" tip="What the strips mean" label="What the strips mean">
+      <ul class="strip-legend">
+        {LINES.map(([sample, words]) => (
+          <li key={words}>
+            <canvas width={44} height={14} ref={(canvas) => draw(canvas, sample)} />
+            {words}
+          </li>
+        ))}
+      </ul>
+    </PopoverButton>
   );
 }
 

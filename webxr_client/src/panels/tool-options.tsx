@@ -1,6 +1,5 @@
 /** The second row: how the tool takes points; beside it, how the recording is shown. */
 import { signal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { floorPlaces } from '../engine/floor';
 import {
@@ -17,7 +16,7 @@ import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { Button, Check, Slider } from './controls';
 import { metres } from './format';
-import { Popover } from './popover';
+import { PopoverButton } from './popover';
 import { RadioGroup, type RadioOption } from './radio-group';
 import { ViewOptions } from './view-options';
 
@@ -170,41 +169,30 @@ const afterOpen = signal(false);
 
 /** Actions that follow a stroke by themselves. */
 function AfterStroke({ path }: { path: boolean }) {
-  const anchor = useRef<HTMLButtonElement>(null);
   const brush = state.brush.value;
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="more"
-        tip="After a stroke: offer its object, track it on"
-        expanded={afterOpen.value}
-        onClick={() => (afterOpen.value = !afterOpen.value)}
-      />
-      {afterOpen.value && (
-        <Popover
-          anchor={anchor}
-          label="After a stroke"
-          onClose={() => (afterOpen.value = false)}
-          class="overlays"
-        >
-          {path && (
-            <Check
-              label="Offer objects"
-              tip="Offer to complete a stroke to the object that it lies on"
-              checked={brush.complete}
-              onChange={(complete) => patch(state.brush, { complete })}
-            />
-          )}
-          <Check
-            label="Follow"
-            tip="Track what you paint on by itself, to the next painted frame or the end"
-            checked={brush.follow}
-            onChange={(follow) => patch(state.brush, { follow })}
-          />
-        </Popover>
+    <PopoverButton
+      open={afterOpen}
+      icon="more"
+      tip="After a stroke: offer its object, track it on"
+      label="After a stroke"
+      class="overlays"
+    >
+      {path && (
+        <Check
+          label="Offer objects"
+          tip="Offer to complete a stroke to the object that it lies on"
+          checked={brush.complete}
+          onChange={(complete) => patch(state.brush, { complete })}
+        />
       )}
-    </>
+      <Check
+        label="Follow"
+        tip="Track what you paint on by itself, to the next painted frame or the end"
+        checked={brush.follow}
+        onChange={(follow) => patch(state.brush, { follow })}
+      />
+    </PopoverButton>
   );
 }
 

@@ -53,7 +53,8 @@ function Card({ step, number, count }: CardProps) {
     next.current?.focus({ preventScroll: true });
   }, [step]);
   usePlace(box, step.at);
-  useEffect(() => {
+  // Before the card is seen: a key may follow it at once.
+  useLayoutEffect(() => {
     document.addEventListener('keydown', leaveByEscape);
     return () => document.removeEventListener('keydown', leaveByEscape);
   }, []);

@@ -1,6 +1,5 @@
 /** How the recording is shown: colours and their ramp, sizes, and what is drawn over it. */
 import { signal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
 import { actions } from '../actions';
 import { colorModeOf } from '../cloud/material';
 import { BETWEEN, PAINTED, SURE, TRACKED, UNKNOWN, UNSURE } from '../engine/colouring';
@@ -8,9 +7,9 @@ import { type ColorMode, type Ramp, state } from '../state';
 import { AccumulateButton } from './accumulate';
 import { CamerasButton } from './cameras';
 import { ClipButton } from './clip';
-import { Button, Check, Slider, Swatch } from './controls';
+import { Check, Slider, Swatch } from './controls';
 import { Icon } from './icons';
-import { Popover } from './popover';
+import { PopoverButton } from './popover';
 
 const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['rgb', 'Colour', 'rgb'],
@@ -89,36 +88,25 @@ const OVERLAYS: readonly (readonly [
 ];
 
 function OverlayOptions() {
-  const anchor = useRef<HTMLButtonElement>(null);
   const view = state.view.value;
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="layers"
-        tip="Drawn over the recording: boxes, trails, shading"
-        expanded={overlaysOpen.value}
-        onClick={() => (overlaysOpen.value = !overlaysOpen.value)}
-      />
-      {overlaysOpen.value && (
-        <Popover
-          anchor={anchor}
-          label="Drawn over the recording"
-          onClose={() => (overlaysOpen.value = false)}
-          class="overlays"
-        >
-          {OVERLAYS.map(([name, label, tip]) => (
-            <Check
-              key={name}
-              label={label}
-              tip={tip}
-              checked={view[name]}
-              onChange={(on) => actions.setView({ [name]: on })}
-            />
-          ))}
-        </Popover>
-      )}
-    </>
+    <PopoverButton
+      open={overlaysOpen}
+      icon="layers"
+      tip="Drawn over the recording: boxes, trails, shading"
+      label="Drawn over the recording"
+      class="overlays"
+    >
+      {OVERLAYS.map(([name, label, tip]) => (
+        <Check
+          key={name}
+          label={label}
+          tip={tip}
+          checked={view[name]}
+          onChange={(on) => actions.setView({ [name]: on })}
+        />
+      ))}
+    </PopoverButton>
   );
 }
 
@@ -149,30 +137,19 @@ const LEGENDS: Partial<Record<ColorMode, Legend>> = {
 const RAMPED: readonly ColorMode[] = ['intensity', 'height', 'distance'];
 
 function RampButton() {
-  const anchor = useRef<HTMLButtonElement>(null);
   const { color } = state.view.value;
   const legend = LEGENDS[color];
   if (!legend && !RAMPED.includes(color)) return null;
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="more"
-        tip={legend ? 'What the colours mean' : 'Ramp and range of the colours'}
-        expanded={rampOpen.value}
-        onClick={() => (rampOpen.value = !rampOpen.value)}
-      />
-      {rampOpen.value && (
-        <Popover
-          anchor={anchor}
-          label="Colours"
-          onClose={() => (rampOpen.value = false)}
-          class="overlays"
-        >
-          {legend ? <Meanings legend={legend} /> : <RampOptions />}
-        </Popover>
-      )}
-    </>
+    <PopoverButton
+      open={rampOpen}
+      icon="more"
+      tip={legend ? 'What the colours mean' : 'Ramp and range of the colours'}
+      label="Colours"
+      class="overlays"
+    >
+      {legend ? <Meanings legend={legend} /> : <RampOptions />}
+    </PopoverButton>
   );
 }
 

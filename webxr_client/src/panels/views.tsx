@@ -66,12 +66,12 @@ export function Views() {
   );
 }
 
-/** Views that were kept: go to one, rename it, drop it. */
 interface BookmarksProps {
   anchor: RefObject<HTMLElement | null>;
   onClose: () => void;
 }
 
+/** Views that were kept: go to one, rename it, drop it. */
 function Bookmarks({ anchor, onClose }: BookmarksProps) {
   return (
     <Popover anchor={anchor} label="Views to come back to" onClose={onClose} class="bookmarks">

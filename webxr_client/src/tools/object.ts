@@ -8,7 +8,7 @@ import { DELETED } from '../cloud/piece';
 import type { Vec } from '../cloud/pick';
 import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
 import { state } from '../state';
-import type { PointerSample } from './path';
+import { sourceSample, type PointerSample } from './path';
 import type { Strokes } from './strokes';
 
 /** Overlay of what a click would take. */
@@ -360,14 +360,6 @@ export class ObjectTool {
   private dropOverlay(): void {
     this.offer?.question.frame.dropOverlay(OVERLAY);
   }
-}
-
-/** A sample in the source's coordinates. */
-export function sourceSample({ origin, direction }: PointerSample, shift: Vec): Sample {
-  return {
-    origin: [origin[0] + shift[0], origin[1] + shift[1], origin[2] + shift[2]],
-    direction: [...direction],
-  };
 }
 
 function clamp(level: number, levels: number): number {

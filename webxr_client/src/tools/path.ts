@@ -1,10 +1,19 @@
 /** Samples of a pointing device, and the path of a stroke that they make. */
 import type { Vec } from '../cloud/pick';
+import type { Sample } from '../protocol/messages';
 
 /** Where a mouse, a controller or a hand points, metres of the recording; `direction` of unit length. */
 export interface PointerSample {
   readonly origin: Vec;
   readonly direction: Vec;
+}
+
+/** A sample in the source's coordinates. */
+export function sourceSample({ origin, direction }: PointerSample, shift: Vec): Sample {
+  return {
+    origin: [origin[0] + shift[0], origin[1] + shift[1], origin[2] + shift[2]],
+    direction: [...direction],
+  };
 }
 
 /** Places that are kept; a longer stroke keeps every second one, and so on. */

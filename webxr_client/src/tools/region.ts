@@ -4,8 +4,8 @@ import { PREVIEW } from '../cloud/palette';
 import type { Vec } from '../cloud/pick';
 import { DELETED } from '../cloud/piece';
 import type { Brush, Candidates, ClientMessage } from '../protocol/messages';
-import { numbersOf, sourceSample } from './object';
-import type { PointerSample } from './path';
+import { numbersOf } from './object';
+import { sourceSample, type PointerSample } from './path';
 
 const OVERLAY = 'region';
 
