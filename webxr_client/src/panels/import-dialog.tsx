@@ -244,7 +244,7 @@ function Facts({ found }: { found: ImportPreview }) {
 
 type Fact = readonly [name: string, value: string];
 
-/** What was found, by name; what has no value is left out. */
+/** List of facts by name, without those that have no value. */
 function FactList({ rows }: { rows: readonly Fact[] }) {
   return (
     <dl class="import-facts">

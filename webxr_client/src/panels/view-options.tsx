@@ -1,4 +1,4 @@
-/** How the recording is shown: colours and their ramp, sizes, and what is drawn over it. */
+/** Options of the view: colours and their ramp, sizes, and overlays. */
 import { signal } from '@preact/signals';
 import { actions } from '../actions';
 import { colorModeOf } from '../cloud/material';

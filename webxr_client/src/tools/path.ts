@@ -2,7 +2,7 @@
 import type { Vec } from '../cloud/pick';
 import type { Sample } from '../protocol/messages';
 
-/** Where a mouse, a controller or a hand points, metres of the recording; `direction` of unit length. */
+/** Ray of a mouse, a controller or a hand, metres of the recording; `direction` of unit length. */
 export interface PointerSample {
   readonly origin: Vec;
   readonly direction: Vec;
