@@ -109,8 +109,9 @@ class Recording(Part[L]):
     @steps
     def add_palette(self, template: str) -> Steps[list[str]]:
         """Add the classes of a well-known dataset; returns the names that were not there."""
-        answer = yield from self._palette_edit("POST", "/palette", {"template": template})
-        added: list[str] = answer["added"]
+        # Again, it finds them there: the call needs no id.
+        answer = yield from self._call("POST", "/palette", again=True, json={"template": template})
+        added: list[str] = answer.json()["added"]
         return added
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
