@@ -285,7 +285,7 @@ print(*[f"{r.frame}:{np.array_equal(r.assignments[4], np.arange(100))}" for r in
 
 
 def test_the_documented_tracking_method_can_be_added(tmp_path: Path) -> None:
-    example = documented("tracking.md", "Adding a method")
+    example = documented("howto/tracker.md", "Add a method")
     groups = tomllib.loads(example["toml"])["project"]["entry-points"]
     about = tmp_path / "my_package-1.dist-info"
     about.mkdir()

@@ -52,8 +52,9 @@ CHUNK = 500
 # FULL: every commit waits until the write-ahead log is on the disk (fsync), so that an answered
 # edit survives a power loss.  Checkpoints are made by the upkeep thread; the automatic one only
 # catches a log that has grown because that thread could not run.
+BUSY_PAUSE_SECONDS = 0.01
+WRITE_AHEAD = "PRAGMA journal_mode=WAL"
 SQLITE_PRAGMAS = (
-    "PRAGMA journal_mode=WAL",
     "PRAGMA synchronous=FULL",
     "PRAGMA fullfsync=ON",  # macOS: through the drive's own cache; elsewhere nothing
     "PRAGMA wal_autocheckpoint=16384",
@@ -286,6 +287,7 @@ def _sqlite_engine(url: URL) -> Engine:
     @event.listens_for(engine, "connect")
     def configure(connection: Any, _: Any) -> None:
         connection.isolation_level = None  # transactions are begun below, never by the driver
+        _write_ahead(connection)
         for pragma in SQLITE_PRAGMAS:
             connection.execute(pragma)
 
@@ -295,6 +297,21 @@ def _sqlite_engine(url: URL) -> Engine:
         connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
     return engine
+
+
+def _write_ahead(connection: sqlite3.Connection) -> None:
+    """Keep a log of writes, for which SQLite itself does not wait while another process asks it."""
+    end = time.monotonic() + BUSY_SECONDS
+    while True:
+        try:
+            connection.execute(WRITE_AHEAD)
+        except sqlite3.OperationalError as error:
+            busy = error.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
+            if not busy or time.monotonic() > end:
+                raise
+            time.sleep(BUSY_PAUSE_SECONDS)
+        else:
+            return
 
 
 def patience(url: URL, limits: Limits) -> dict[str, int]:
