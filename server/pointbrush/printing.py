@@ -104,10 +104,9 @@ def imported(result: Mapping[str, Any]) -> None:
     for warning in result["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
     dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
-    print(
-        f"imported {result['sequence']}: {result['frames']} frames, "
-        f"{result['points']:,} points{dropped}"
-    )
+    frames = "1 frame" if result["frames"] == 1 else f"{result['frames']} frames"
+    points = "1 point" if result["points"] == 1 else f"{result['points']:,} points"
+    print(f"imported {result['sequence']}: {frames}, {points}{dropped}")
 
 
 def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -> None:

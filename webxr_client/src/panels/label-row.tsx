@@ -46,7 +46,9 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
         ) : (
           <span class="name">{label.name}</span>
         )}
-        {!editing && label.category && <span class="category">{label.category}</span>}
+        {!editing && label.category && label.category !== label.name && (
+          <span class="category">{label.category}</span>
+        )}
       </div>
       {!editing && (
         <span class="label-state" role="gridcell">

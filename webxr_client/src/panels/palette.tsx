@@ -165,7 +165,7 @@ function PaletteSearch() {
           class="field"
           type="search"
           aria-label="Search labels"
-          placeholder={`Search ${listed.value.length} labels`}
+          placeholder={`Search ${plural(listed.value.length, 'label')}`}
           data-tip="Search by name or category"
           data-keys="/"
           spellcheck={false}

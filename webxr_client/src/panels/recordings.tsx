@@ -35,7 +35,7 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
             class="field"
             type="search"
             aria-label="Search the recordings"
-            placeholder={`Search ${sequences.length} recordings`}
+            placeholder={`Search ${plural(sequences.length, 'recording')}`}
             value={text}
             onInput={(event) => setText(event.currentTarget.value)}
           />
