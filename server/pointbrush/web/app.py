@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import threading
 from collections.abc import AsyncIterator
@@ -28,6 +29,8 @@ from pointbrush.web.routes.export import Exports
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import StaleCandidateError, Workspace
+
+log = logging.getLogger(__name__)
 
 ROUTERS = (
     *(resource.router for resource in RESOURCES), meta.sign_in_router, socket.router,
@@ -84,8 +87,11 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
 
 def _import_ahead() -> None:
     """Import what the first stroke needs while the page is opened."""
-    for name in ("scipy.spatial", "scipy.sparse.csgraph"):
-        import_module(name)
+    try:
+        for name in ("scipy.spatial", "scipy.sparse.csgraph"):
+            import_module(name)
+    except OSError as error:  # such as no descriptors left: the stroke imports it then
+        log.warning("not imported ahead of the first stroke: %s", error)
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
