@@ -24,6 +24,8 @@ from typing import Any
 import boto3
 import s3fs
 
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
 from pointbrush.sequences import Sequence, import_frames, open_sequence
 from pointbrush.sequences.bucket import Bucket, BucketFiles
 from pointbrush.sequences.file_cache import FileCache
@@ -79,9 +81,10 @@ def first_frame(recording: Sequence) -> float:
     return 1000 * (time.perf_counter() - started)
 
 
-def play(recording: Sequence) -> tuple[int, float]:
-    """Return the frames that came late, and the longest wait (ms), at ``FPS`` after the first."""
+def play(recording: Sequence) -> tuple[int, float, float]:
+    """Return how many frames came late at ``FPS``, the longest wait, CPU time a frame (both ms)."""
     first_frame(recording)
+    used = time.process_time()
     started, late, longest = time.perf_counter(), 0, 0.0
     for index in range(1, len(recording)):
         due = started + index / FPS
@@ -90,7 +93,8 @@ def play(recording: Sequence) -> tuple[int, float]:
         bytes(frame.wire(0, len(frame.chunks)))
         wait = 1000 * (time.perf_counter() - due)
         late, longest = late + (wait > 1000 / FPS), max(longest, wait)
-    return late, longest
+    used = time.process_time() - used
+    return late, longest, 1000 * used / (len(recording) - 1)
 
 
 def main() -> None:
@@ -120,8 +124,12 @@ def main() -> None:
         warm = [first_frame(opened("cold 0")) for _ in range(5)]
         print(f"bucket: first frame {median(cold):.0f} ms cold, {median(warm):.0f} ms warm")
         for cache in ("playing", "playing"):
-            late, longest = play(opened(cache))
-            print(f"playing: {late} of {FRAMES - 1} frames late, longest wait {longest:.0f} ms")
+            late, longest, used = play(opened(cache))
+            print(
+                f"playing: {late} of {FRAMES - 1} frames late, longest wait {longest:.0f} ms,",
+                end="",
+            )
+            print(f" {used:.2f} ms of processor time a frame")
 
 
 if __name__ == "__main__":
