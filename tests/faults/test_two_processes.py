@@ -67,6 +67,8 @@ def test_edits_cross_and_an_absent_database_is_no_end(
         SocketTalk(there.url, TOKEN, "viewer") as viewer,
     ):
         api.post(f"{ROOT}/labels", json={"name": "pin"}).raise_for_status()
+        # A frame comes with all edits until then: only who holds it is told of a single one.
+        viewer.until("annotation")
         first = stroke(0.0)
         answer = paint(api, first).raise_for_status().json()
         delta = delta_of(viewer, first["id"])
