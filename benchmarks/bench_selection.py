@@ -14,7 +14,7 @@ from timing import paired, table
 from pointbrush.frame import PointFrame
 from pointbrush.selection import Stroke, first_hits, select
 from pointbrush.sequences import import_frames, open_sequence
-from pointbrush.work.annotate.strokes import frame_points
+from pointbrush.work.annotate.painted_frame import frame_points
 
 
 def room(points: int) -> PointFrame:

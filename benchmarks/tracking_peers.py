@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions, TrackState
 from pointbrush.tracking.compute.rigid import transform
-from pointbrush.tracking.icp import REACH, _cut, _Object, _painted
+from pointbrush.tracking.icp import PaperTracker, _cut, _Object, _painted
 from pointbrush.tracking.interface import Frames, Known, TrackFrame
 
 F64 = NDArray[np.float64]
@@ -90,21 +90,23 @@ class Peer:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         first = frames(order[0])
-        tracks = {s.label: _cut(first, s.indices, np.eye(4)) for s in seeds}
+        objects = {s.label: _cut(first, s.indices, np.eye(4)) for s in seeds}
         yield FrameResult(
             order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         )
         for number in order[1:]:
             frame, found, tracks = frames(number), {}, {}
-            for label, track in tracks.items():
+            for label, track in objects.items():
                 T = self.register(track, frame)
-                near = frame.kdtree.query_ball_point(transform(T, track.xyz), REACH * track.spacing)
+                near = frame.kdtree.query_ball_point(
+                    transform(T, track.xyz), PaperTracker.reach * track.spacing
+                )
                 points = np.unique(np.concatenate([np.asarray(n, np.int64) for n in near]))
                 inliers = float(np.mean([len(n) > 0 for n in near]))
                 found[label] = points
                 tracks[label] = TrackState(T, 0.0, inliers, inliers, len(points), "tracked")
                 if len(points):
-                    tracks[label] = _cut(frame, points, T @ track.pose)
+                    objects[label] = _cut(frame, points, T @ track.pose)
             yield FrameResult(number, found, tracks)
 
 
