@@ -57,7 +57,7 @@ def make_private(folder: Path) -> None:
 
 
 def open_to_others(folder: Path) -> bool:
-    """Whether anybody but its owner may read, write or enter ``folder``."""
+    """Return whether anybody but its owner may read, write or enter ``folder``."""
     return os.name == "posix" and bool(folder.stat().st_mode & UMASK)
 
 

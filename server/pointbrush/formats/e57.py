@@ -24,7 +24,9 @@ from pointbrush.formats.columns import colors_of, frame_from_columns
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
 from pointbrush.frame import PointFrame
 
-PAGE, PAYLOAD = 1024, 1020
+PAGE = 1024
+PAYLOAD = 1020
+"""Bytes of a page, and of what it holds before its checksum."""
 HEADER = struct.Struct("<8sIIQQQQ")
 # Bits are unpacked to bytes: this many values at a time bound the memory.
 BLOCK = 1 << 18

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from pointbrush.formats.options import ReadOptions
 
 Array = NDArray[Any]
-UNIT, MOSTLY = 0.01, 0.99
-"""Greatest distance from 1 of a normal's length, and the share of rows that keep to it."""
+UNIT = 0.01
+"""Greatest distance from 1 of a normal's length."""
+MOSTLY = 0.99
+"""Share of rows that keep to it."""
 LIKER = 0.15
 """Difference in correlation that tells which columns are colours."""
 MANY_SHADES = 32
@@ -41,7 +43,7 @@ def plain_columns(table: Array, options: ReadOptions, *, intensity_first: bool) 
 
 
 def _ends_in_colors(table: Array) -> bool:
-    """Whether columns 5 to 7 are the colours where columns 4 to 6 could be.
+    """Return whether columns 5 to 7 are the colours where columns 4 to 6 could be.
 
     Red, green and blue go together more than an intensity goes with them.  Where that does not
     tell, a last column that runs over the range of a colour is one, and no class.
@@ -66,7 +68,7 @@ def _likeness(columns: NDArray[np.float64]) -> float:
 
 
 def _are_normals(values: NDArray[Any]) -> bool:
-    """Whether rows (N, 3) have length 1, as colours that are fractions hardly all have."""
+    """Return whether rows (N, 3) have length 1: colours that are fractions hardly all do."""
     length = np.linalg.norm(values.astype(np.float64), axis=1)
     return bool(np.mean(np.abs(length - 1) < UNIT) > MOSTLY)
 

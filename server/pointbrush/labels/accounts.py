@@ -116,7 +116,7 @@ class Token:
 
     @property
     def valid(self) -> bool:
-        """Whether it lets somebody in now."""
+        """Return whether it lets somebody in now."""
         return self.revoked is None and (self.expires is None or time.time() < self.expires)
 
 

@@ -200,7 +200,7 @@ def still_shadow(solids: Sequence[Solid], lamp: Lamp, points: Field) -> Field:
 
 
 def _blocked(solid: Solid, points: Field, target: Array) -> NDArray[np.bool_]:
-    """Whether the solid lies between the points and the target; rays start at the target."""
+    """Return whether the solid lies between the points and the target; rays start at the target."""
     inverse = (solid.pose[:3, :3].T / solid.scale[:, None]).astype(np.float32)
     o = inverse @ (target - solid.pose[:3, 3]).astype(np.float32)
     d = inverse @ (points - target.astype(np.float32)[:, None])

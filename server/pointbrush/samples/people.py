@@ -25,7 +25,11 @@ from pointbrush.samples.render import Solid, egg, rod
 from pointbrush.samples.shapes import Cylinder
 from pointbrush.samples.textures import Color, Material, cloth, face, linear, matte, noise, plain
 
-UPPER_ARM, FOREARM, THIGH, SHANK = 0.29, 0.325, 0.43, 0.42
+UPPER_ARM = 0.29
+FOREARM = 0.325
+THIGH = 0.43
+SHANK = 0.42
+"""Metres between the joints of somebody of scale 1."""
 
 
 def arm(

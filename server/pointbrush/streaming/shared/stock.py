@@ -17,7 +17,9 @@ from pointbrush.sequences.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.encoding import encode_depth, encode_frame
 from pointbrush.streaming.table import FrameTable, Piece
 
-MOST_FRAMES, LEAST_FRAMES = 4096, 16
+MOST_FRAMES = 4096
+LEAST_FRAMES = 16
+"""Mapped frames that are kept at most, and at least, whatever may be open."""
 FILES_SHARE = 8
 """Of the files that this process may open, one in so many is for mapped frames at most."""
 
