@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.e2e.desk import Desk
-from tests.e2e.recording import PERSON, Truth, name_person
+from tests.e2e.recording import PERSON, Truth, name_person, painted
 from tests.e2e.server import LiveServer
 
 
@@ -28,3 +28,29 @@ def test_lists_edits_and_goes_to_their_frame(desk: Desk, server: LiveServer, tru
     desk.press("Control+z")
     taken_back = panel.get_by_role("button").filter(has_text="taken back")
     taken_back.first.wait_for()
+
+
+def test_a_second_tab_of_one_browser_takes_back_the_strokes_of_the_first(
+    desk: Desk, server: LiveServer, truth: Truth
+) -> None:
+    name_person(desk, server)
+    x, y, z = truth(0, PERSON)
+    desk.paint([[x, y, z], [x, y + 0.1, z]])
+    desk.settled()
+    one = painted(server, 0)
+    assert one > 0
+    desk.paint([[x, y + 0.3, z], [x, y + 0.4, z]])
+    desk.settled()
+    assert painted(server, 0) > one
+    desk.press("Control+z")
+    desk.settled()
+    assert painted(server, 0) == one
+
+    # The printed URL again signs in anew.
+    tab = Desk(desk.context, server.page_url)
+    tab.ready()
+    tab.press("Control+z")
+    tab.until("pb.labels()[1] === undefined")
+    tab.settled()
+    assert painted(server, 0) == 0
+    assert tab.complaints == []

@@ -41,6 +41,12 @@ def signed_in(served: Served, token: str = TOKEN) -> Iterator[httpx.Client]:
         yield client
 
 
+def session_of(client: httpx.Client) -> tuple[str, str]:
+    """Name and value of the cookie that lets in."""
+    [found] = [item for item in client.cookies.items() if item[0].startswith("pointbrush_session")]
+    return found
+
+
 def paint(client: httpx.Client, x: float) -> None:
     stroke = {"label": 1, "radius": 0.4, "samples": [{"origin": [x, 0, 3]}]}
     answer = client.post("/sequences/wall/frames/0/strokes", json=stroke)
@@ -49,7 +55,7 @@ def paint(client: httpx.Client, x: float) -> None:
 
 def test_the_cookie_is_a_session_that_signing_out_ends(served: Served) -> None:
     with signed_in(served) as client:
-        [(name, session)] = client.cookies.items()
+        name, session = session_of(client)
         assert TOKEN not in session
         assert client.delete("/session").status_code == 204
         client.cookies.set(name, session)
@@ -67,7 +73,7 @@ def test_revoking_a_token_ends_its_sessions(served: Served) -> None:
 def test_sessions_of_the_servers_own_token_end_when_it_changes(tmp_path: Path) -> None:
     settings = settings_in(tmp_path)
     with serving(settings) as running, signed_in(running) as client:
-        [(_, session)] = client.cookies.items()
+        _, session = session_of(client)
     with serving(settings_in(tmp_path, token="another token of the owner")) as running:
         name = f"pointbrush_session_{running.url.rpartition(':')[2]}"
         with httpx.Client(base_url=f"{running.url}/api/v1", cookies={name: session}) as client:

@@ -1,8 +1,9 @@
 """Accounts, the tokens that open them, and sign-ins of the page.
 
 An account's id is what undo goes by; its name is what is shown.  The account of a token has the
-token's name as its id, and needs no row.  Of those who share the server's own token each
-signed-in session has one, ``session:…``, with the name that was chosen.
+token's name as its id, and needs no row.  Of those who share the server's own token each browser
+has one, ``browser:…`` (``session:…`` where it was made before browsers kept theirs), with the name
+that was chosen.
 
 A token is a random secret and a role; of it, and of the random id in a sign-in's cookie, only the
 SHA-256 is stored.  A slow password hash would add nothing: the secret is 256 random bits, which
@@ -30,7 +31,7 @@ from pointbrush.roles import ROLES, Role
 
 LONGEST_NAME = 128
 OWNER = "owner"
-"""The account of the server's own token, where no session and no name tells more."""
+"""The account of scripts that send the server's own token."""
 RESERVED = frozenset({OWNER, "command line", "import"})
 """Names that are accounts of pointbrush's own; no token has one."""
 CONTROL = frozenset({"Cc", "Zl", "Zp"})

@@ -10,12 +10,20 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Select, Table, func, insert, select, text
+from sqlalchemy import Connection, Select, Table, delete, func, insert, select, text
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels.database import Database
 from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY
-from pointbrush.labels.schema import LIVE, PER_SEQUENCE, metadata, migrate, sequences, tokens
+from pointbrush.labels.schema import (
+    LIVE,
+    PER_SEQUENCE,
+    metadata,
+    migrate,
+    sequences,
+    signing_keys,
+    tokens,
+)
 
 ROWS = 256
 """Rows copied at once: they hold up to a few hundred kilobytes each."""
@@ -171,6 +179,8 @@ def _copy_rows(reader: Connection, writer: Connection) -> None:
     for table in (sequences, tokens):
         if writer.execute(select(func.count()).select_from(table)).scalar():
             raise ConflictError(f"restore: expected an empty database, it has {table.name}")
+    # A server that ran here may have made a key; the source's are those that its browsers know.
+    writer.execute(delete(signing_keys))
     for table in metadata.sorted_tables:
         _copy_table(reader, writer, table, select(table), {})
 

@@ -31,7 +31,7 @@ from sqlalchemy import (
 from pointbrush.errors import BadInputError
 from pointbrush.labels.database import Database
 
-HEAD = "0010"
+HEAD = "0011"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -243,6 +243,13 @@ sign_ins = Table(
     Column("account", String(256), nullable=False),
     Column("created", Double, nullable=False),
     Column("expires", Double, nullable=False),
+)
+
+signing_keys = Table(
+    "signing_keys",
+    metadata,
+    Column("purpose", String(32), primary_key=True),
+    Column("key", LargeBinary, nullable=False),
 )
 
 works = Table(

@@ -20,6 +20,7 @@ from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
 from pointbrush.labels.schema import migrate
 from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.signing_keys import SigningKeys
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
@@ -51,6 +52,7 @@ class LabelStore:
         self.tokens = Tokens(self._database)
         self.accounts = Accounts(self._database)
         self.sign_ins = SignIns(self._database)
+        self.signing_keys = SigningKeys(self._database)
         self.taxonomy = Taxonomy(self._database)
         self.recordings = Recordings(self._database, self._sessions)
         self.reviews = Reviews(self._database)

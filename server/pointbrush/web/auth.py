@@ -19,10 +19,12 @@ from pointbrush.labels import Token
 from pointbrush.labels.accounts import OWNER, digest_of
 from pointbrush.roles import Role, require
 from pointbrush.settings import Settings
+from pointbrush.web.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.context import known_query
+from pointbrush.web.cookies import Cookie
 from pointbrush.web.roles import PREFIX, ROUTES, call_of
-from pointbrush.web.sessions import WebSessions
+from pointbrush.web.sessions import SESSION_DAYS, WebSessions
 from pointbrush.workspace import Workspace
 
 COOKIE = "pointbrush_session"
@@ -55,6 +57,7 @@ class Gate:
         self._local = is_loopback(settings.host)
         self.clients = Clients(settings.trusted_proxies)
         self.sessions = WebSessions(workspace.store, token)
+        self._browsers = BrowserAccounts(workspace.store.signing_keys)
         self._right: dict[str, None] = {}
         self._tries = settings.wrong_tokens_per_minute
         self._wrong = RateLimit(self._tries / 60, burst=self._tries)
@@ -90,17 +93,32 @@ class Gate:
         if len(self._right) > KNOWN_CLIENTS:
             self._right.pop(next(iter(self._right)), None)
 
-    def sign_in(self, secret: str, connection: HTTPConnection) -> tuple[Principal, str]:
-        """Begin a session for who holds ``secret``; returns its id for the cookie.
+    def sign_in(self, secret: str, connection: HTTPConnection) -> tuple[Principal, list[Cookie]]:
+        """Begin a session for who holds ``secret``; returns the cookies to be set.
 
         Raises UnauthorizedError.
         """
         principal = self.check(secret, connection)
-        token = None if principal.shared else self._workspace.store.tokens.check(secret)
-        return principal, self.sessions.begin(token, secret)
+        if principal.shared:
+            account = self._account_of_browser(connection)
+            session = self.sessions.begin(account, None, secret)
+            kept = [self._browsers.cookie(connection, account)]
+            return self._sharer(account), [_session_cookie(connection, session), *kept]
+        token = self._workspace.store.tokens.check(secret)
+        session = self.sessions.begin(principal.author, token, secret)
+        return principal, [_session_cookie(connection, session)]
+
+    def _account_of_browser(self, connection: HTTPConnection) -> str:
+        """Return the account that a browser keeps, or a new one.
+
+        A session tells it where the browser signed in before accounts were kept.
+        """
+        session = connection.cookies.get(cookie_name(connection), "")
+        known = self._browsers.read(connection) or self.sessions.earlier_account(session)
+        return known or new_account()
 
     def sign_out(self, connection: HTTPConnection) -> None:
-        """End the session of the cookie, if there is one."""
+        """End the session of the cookie, if there is one; the browser keeps its account."""
         session = connection.cookies.get(cookie_name(connection))
         if session:
             self.sessions.end(session)
@@ -114,8 +132,11 @@ class Gate:
             raise self._refusal(connection)
         if found.token is not None:
             return replace(_person(found.token), session=True)
-        name = self._workspace.store.accounts.name(found.account)
-        return Principal(found.account, name, "admin", shared=True, session=True)
+        return self._sharer(found.account)
+
+    def _sharer(self, account: str) -> Principal:
+        name = self._workspace.store.accounts.name(account)
+        return Principal(account, name, "admin", shared=True, session=True)
 
     def _refusal(self, connection: HTTPConnection) -> UnauthorizedError | TooManyRequestsError:
         """Refuse a wrong token; a right one is never refused for others' wrong ones."""
@@ -195,6 +216,10 @@ def bearer_of(headers: Mapping[str, str]) -> str:
 def cookie_name(connection: HTTPConnection) -> str:
     """Cookies ignore ports, so that two servers on one machine need names of their own."""
     return f"{COOKIE}_{connection.url.port or connection.url.scheme}".replace("ws", "http")
+
+
+def _session_cookie(connection: HTTPConnection, session: str) -> Cookie:
+    return Cookie(cookie_name(connection), session, SESSION_DAYS)
 
 
 def require_same_origin(connection: HTTPConnection) -> None:

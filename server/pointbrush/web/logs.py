@@ -19,7 +19,7 @@ from pointbrush.labels import Commit
 from pointbrush.workspace import Event, Workspace
 
 FORMATS = ("text", "json")
-SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush[_-]?session=)[^\s&\"';,]+")
+SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush_(?:session|account)\w*=)[^\s&\"';,]+")
 HIDDEN = "[hidden]"
 REQUEST_ID = re.compile(r"[\w.-]{1,64}", re.ASCII)
 MORE = ("method", "path", "status", "milliseconds", "edit", "job", "sequence", "revision", "state")

@@ -15,8 +15,8 @@ from starlette.datastructures import URL
 from pointbrush.errors import NotFoundError, TooManyRequestsError, UnauthorizedError
 from pointbrush.streaming.shared.status import status_of
 from pointbrush.web.auth import Gate
+from pointbrush.web.cookies import set_cookie
 from pointbrush.web.problems import EXTRA_HEADERS, problem
-from pointbrush.web.routes.meta import set_cookie
 
 router = APIRouter(include_in_schema=False)
 PAGE = Path(__file__).parent / "page"
@@ -70,13 +70,14 @@ def wants_html(request: Request) -> bool:
 
 
 def exchange(request: Request, token: str) -> Response:
-    """Check the token, set the cookie, and redirect to the same URL without it."""
+    """Check the token, set the cookies, and redirect to the same URL without it."""
     gate: Gate = request.app.state.gate
-    _, session = gate.sign_in(token, request)
+    _, cookies = gate.sign_in(token, request)
     clean = URL(str(request.url)).remove_query_params("token")
     target = "/" + (f"?{clean.query}" if clean.query else "")
     response = RedirectResponse(target, status_code=303)
-    set_cookie(request, response, session)
+    for cookie in cookies:
+        set_cookie(request, response, cookie)
     return response
 
 

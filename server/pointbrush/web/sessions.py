@@ -33,9 +33,8 @@ class WebSessions:
         self._own = digest_of(own_token)
         self._kept: dict[str, _Kept] = {}
 
-    def begin(self, token: Token | None, secret: str) -> str:
+    def begin(self, account: str, token: Token | None, secret: str) -> str:
         """Begin a session of a person's token, or of the server's own (None); return its id."""
-        account = f"session:{secrets.token_hex(8)}" if token is None else token.account
         expires = time.time() + SESSION_DAYS * 86_400
         if token is not None and token.expires is not None:
             expires = min(expires, token.expires)
@@ -57,6 +56,11 @@ class WebSessions:
         if found is not None and found.token is None and found.owner != self._own:
             return None
         return found
+
+    def earlier_account(self, session: str) -> str | None:
+        """Return the account of a session of the server's own token, now or before it changed."""
+        found = self._store.sign_ins.check(session)
+        return found.account if found is not None and found.token is None else None
 
     def _check_kept(self, kept: _Kept) -> SignIn | None:
         if kept.expires < time.time():

@@ -13,11 +13,11 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.schema import schema_hash
 from pointbrush.web import auth
 from pointbrush.web.auth import Caller, Gate, Principal, resource
+from pointbrush.web.cookies import set_cookie
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
 from pointbrush.web.schemas import Health, MeOut, Ready, SessionBody, SessionOut
-from pointbrush.web.sessions import SESSION_DAYS
 
 router = resource("server")
 sign_in_router = APIRouter(prefix=PREFIX, tags=["server"])
@@ -26,29 +26,18 @@ DOCS = Path(__file__).parents[1] / "docs"
 DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}
 
 
-def set_cookie(request: Request, response: Response, session: str) -> None:
-    """Keep a session's id where no script can read it."""
-    response.set_cookie(
-        auth.cookie_name(request),
-        session,
-        max_age=SESSION_DAYS * 86_400,
-        httponly=True,
-        samesite="strict",
-        secure=request.url.scheme == "https",
-    )
-
-
 def _out(principal: Principal) -> SessionOut:
     return SessionOut(author=principal.name, role=principal.role)
 
 
 @sign_in_router.post("/session", responses=responses(413))
 def sign_in(body: SessionBody, request: Request, response: Response) -> SessionOut:
-    """Exchange a token for the page's cookie."""
+    """Exchange a token for the page's cookies."""
     auth.require_same_origin(request)
     gate: Gate = request.app.state.gate
-    principal, session = gate.sign_in(body.token, request)
-    set_cookie(request, response, session)
+    principal, cookies = gate.sign_in(body.token, request)
+    for cookie in cookies:
+        set_cookie(request, response, cookie)
     return _out(principal)
 
 
@@ -66,7 +55,7 @@ def me(who: Caller) -> MeOut:
 
 @router.delete("/session", status_code=204, responses=responses())
 def sign_out(request: Request, response: Response) -> None:
-    """End the page's session, and forget its cookie."""
+    """End the page's session; the browser keeps its account."""
     gate: Gate = request.app.state.gate
     gate.sign_out(request)
     response.delete_cookie(auth.cookie_name(request), httponly=True, samesite="strict")

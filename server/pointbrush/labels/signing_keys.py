@@ -1,0 +1,53 @@
+"""Secret keys that sign what clients keep, shared by all servers on one database."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+
+from sqlalchemy import select
+
+from pointbrush.errors import ReadOnlyError
+from pointbrush.labels.database import Database
+from pointbrush.labels.schema import signing_keys
+from pointbrush.labels.statements import insert
+
+KEY_BYTES = 32
+
+
+class SigningKeys:
+    """The keys of one database, each made at its first use; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._known: dict[str, bytes] = {}
+        self._lock = threading.Lock()
+
+    def get(self, purpose: str) -> bytes:
+        """Return the key (32 random bytes) of ``purpose``, the same to every server.
+
+        A database that has none and may not be written gives one that lasts as long as this
+        object.  Raises UnavailableError.
+        """
+        with self._lock:
+            key = self._known.get(purpose)
+            if key is None:
+                key = self._known[purpose] = self._stored(purpose) or self._made(purpose)
+            return key
+
+    def _stored(self, purpose: str) -> bytes | None:
+        wanted = select(signing_keys.c.key).where(signing_keys.c.purpose == purpose)
+        with self._database.read() as connection:
+            found = connection.execute(wanted).scalar()
+        return None if found is None else bytes(found)
+
+    def _made(self, purpose: str) -> bytes:
+        key = secrets.token_bytes(KEY_BYTES)
+        new = insert(signing_keys, sqlite=self._database.sqlite).on_conflict_do_nothing()
+        try:
+            with self._database.write() as connection:
+                connection.execute(new, {"purpose": purpose, "key": key})
+        except ReadOnlyError:
+            return key
+        # Another server may have been first: its key is in the table then.
+        return self._stored(purpose) or key

@@ -1,0 +1,32 @@
+"""The page's two cookies: one lets in, the other keeps a browser's account."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from starlette.requests import HTTPConnection
+from starlette.responses import Response
+
+DAY_SECONDS = 86_400
+
+
+@dataclass(frozen=True, slots=True)
+class Cookie:
+    """A cookie to be set."""
+
+    name: str
+    value: str
+    days: int
+    """How long the browser keeps it."""
+
+
+def set_cookie(connection: HTTPConnection, response: Response, cookie: Cookie) -> None:
+    """Add a cookie to ``response`` that no script can read and no other site sends."""
+    response.set_cookie(
+        cookie.name,
+        cookie.value,
+        max_age=cookie.days * DAY_SECONDS,
+        httponly=True,
+        samesite="strict",
+        secure=connection.url.is_secure,
+    )
