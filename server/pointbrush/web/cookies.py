@@ -17,7 +17,7 @@ class Cookie:
     name: str
     value: str
     days: int
-    """How long the browser keeps it."""
+    """For which the browser keeps it."""
 
 
 def set_cookie(connection: HTTPConnection, response: Response, cookie: Cookie) -> None:
