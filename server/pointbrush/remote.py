@@ -7,11 +7,13 @@ import shutil
 import tempfile
 import zipfile
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
+from typing import Any
 from urllib.parse import parse_qs, urlsplit, urlunsplit
 
 from pointbrush import printing
-from pointbrush.client import Client, Recording
+from pointbrush.client import PATIENCE, Client, Job, Recording
 from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.printing import follow
@@ -34,6 +36,11 @@ def client_of(settings: Settings) -> Client:
     return Client(urlunsplit((parts.scheme, parts.netloc, parts.path, "", "")), token)
 
 
+def _followed(client: Client, job: Job) -> dict[str, Any]:
+    """Show a job until it has ended, also while the server is restarted; returns its result."""
+    return follow(partial(client.job, patience=PATIENCE), job)
+
+
 def import_(given: argparse.Namespace, settings: Settings) -> None:
     """Upload files, import them as one recording, and print its id or what would be imported."""
     options = {field.name: getattr(given, field.name) for field in fields(Corrections)}
@@ -42,7 +49,7 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
         if given.dry_run:
             printing.preview(client.preview(given.paths, **options))
         else:
-            printing.imported(follow(client.job, client.start_import(given.paths, **options)))
+            printing.imported(_followed(client, client.start_import(given.paths, **options)))
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> None:
@@ -57,7 +64,7 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             no_ground=given.no_ground,
             dry_run=given.dry_run,
         )
-        result = follow(client.job, job)
+        result = _followed(client, job)
         printing.labels_imported(result, len(recording.frames), dry_run=given.dry_run)
 
 
@@ -86,7 +93,7 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             until_painted=given.until_painted,
             stop_unsure=given.stop_unsure,
         )
-        printing.tracked(follow(client.job, job))
+        printing.tracked(_followed(client, job))
 
 
 def export(given: argparse.Namespace, settings: Settings) -> None:

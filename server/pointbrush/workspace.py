@@ -233,12 +233,13 @@ class Workspace(Importing, Labelling):
         found = self.recording(sequence).manifest.T_found_room_local
         return self.update_sequence(sequence, room=found)
 
-    def delete_sequence(self, sequence: str) -> None:
+    def delete_sequence(self, sequence: str, identity: str | None = None) -> None:
         """Delete a recording with its labels; it can be restored for 30 days.
 
+        ``identity``: of the recording that is meant; nothing is done when it is deleted already.
         Raises ConflictError while somebody, on whichever server, imports or tracks it.
         """
-        self._deletion.delete(sequence)
+        self._deletion.delete(sequence, identity)
         self._publish(SequencesChanged(sequence))
 
     def deleted_sequences(self) -> list[Deleted]:

@@ -21,12 +21,22 @@ PLENTY = {"POINTBRUSH_REQUESTS_PER_SECOND": "100000", "POINTBRUSH_WORKERS": "1"}
 class ServerProcess:
     """A running server; what it said on stderr is kept."""
 
-    def __init__(self, workspace: Path, *, prefix: Sequence[str] = (), **environment: str) -> None:
-        """``prefix``: the command that runs the server's command, as another user say."""
+    def __init__(
+        self,
+        workspace: Path,
+        *,
+        prefix: Sequence[str] = (),
+        port: int = 0,
+        **environment: str,
+    ) -> None:
+        """``prefix``: the command that runs the server's command, as another user say.
+
+        ``port``: 0 for a free one.
+        """
         self.workspace = workspace
         self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 – closed with the process
         self.process = subprocess.Popen(
-            [*prefix, sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"],
+            [*prefix, sys.executable, "-m", "pointbrush.cli", "serve", "--port", str(port)],
             stdout=subprocess.PIPE,
             stderr=self._stderr,
             text=True,
@@ -42,6 +52,11 @@ class ServerProcess:
         line = self.process.stdout.readline()
         assert line.startswith("pointbrush ready at "), self.stderr
         self.url = line.split()[-1].split("/?token=")[0]
+
+    @property
+    def port(self) -> int:
+        """The port that it listens on."""
+        return int(self.url.rpartition(":")[2])
 
     @property
     def stderr(self) -> str:

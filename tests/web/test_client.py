@@ -136,8 +136,12 @@ def test_a_lost_answer_is_asked_for_again_where_that_is_safe(served: Served) -> 
         assert (wall.frames[0].annotation() == label.id).sum() == edit.changed > 0
         assert wall.undo().changed == edit.changed
         assert [each.undone for each in wall.edits() if each.id == edit.edit] == [True]
+        wall.delete()
+        assert [each.id for each in client.deleted()] == ["wall"]
+        wall.delete()
+        assert client.restore("wall").id == "wall"
         with pytest.raises(UnavailableError, match="lost on the way"):
-            wall.delete()
+            client.call("DELETE", "/sequences/wall")
 
 
 def test_an_annotation_is_replaced_only_as_it_was_read(served: Served) -> None:

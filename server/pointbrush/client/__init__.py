@@ -27,6 +27,7 @@ from pointbrush.client.review import (
     Review,
     Standing,
 )
+from pointbrush.client.steps import PATIENCE
 from pointbrush.client.values import (
     Annotation,
     Bounds,
@@ -43,6 +44,7 @@ from pointbrush.client.values import (
 )
 
 __all__ = [
+    "PATIENCE",
     "Agreement",
     "Annotation",
     "AsyncClient",

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from pathlib import Path
+import uuid
 from types import TracebackType
 from typing import Any, Self
 
@@ -12,6 +11,7 @@ import httpx
 
 from pointbrush.client.recording import Recording
 from pointbrush.client.steps import (
+    PATIENCE,
     AsyncLink,
     L,
     Part,
@@ -21,9 +21,12 @@ from pointbrush.client.steps import (
     finished,
     job_now,
     send,
+    started,
     steps,
 )
-from pointbrush.client.values import Category, Job, Manifest, parts_of, read
+from pointbrush.client.uploads import AnyPath, Files, upload
+from pointbrush.client.values import Category, Job, Manifest, read
+from pointbrush.errors import ConflictError
 
 TIMEOUT = 60.0
 """Seconds of one call without a byte; jobs are waited for as long as they take."""
@@ -74,47 +77,75 @@ class Server(Part[L]):
     @steps
     def restore(self, sequence: str) -> Steps[Recording[L]]:
         """Bring a deleted recording back by its id or identity; its id may be another one now."""
-        answer = yield from send(Request("POST", f"/sequences/{sequence}/restore"))
+        deleted = yield from self._manifests("?deleted=true")
+        # By its identity the call can be repeated: an id may be that of several.
+        known = (each.identity for each in deleted if sequence in (each.id, each.identity))
+        key = next(known, None)
+        path = f"/sequences/{key or sequence}/restore"
+        answer = yield from send(Request("POST", path, again=key is not None))
         return Recording(self._link, read(Manifest, answer.json()))
 
     # ── imports ──────────────────────────────────────────────────────────────────────────
 
     @steps
-    def start_import(self, /, files: Sequence[Path] | str, **options: Any) -> Steps[Job]:
-        """Start what ``import_path`` and ``import_files`` wait for; returns the job."""
-        return read(Job, (yield from _import("/sequences", files, options)).json())
+    def start_import(
+        self, /, files: Files, *, patience: float = PATIENCE, **options: Any
+    ) -> Steps[Job]:
+        """Start what ``import_path`` and ``import_files`` wait for; returns the job.
+
+        ``files``: a text is a path of the server, anything else is uploaded.
+        """
+        return (yield from _start_import(files, options, patience))
 
     @steps
     def import_path(
-        self, /, path: str, *, progress: bool = False, **options: Any
+        self,
+        /,
+        path: AnyPath,
+        *,
+        progress: bool = False,
+        patience: float = PATIENCE,
+        **options: Any,
     ) -> Steps[Recording[L]]:
         """Import a path that the server can read, and wait; ``progress`` shows a bar.
 
         ``options``: name, fps, format, columns, delimiter, scale, up, topic, poses, drop_invalid.
+        ``patience``: seconds for which the server may be away meanwhile.
         """
-        return (yield from self._imported(path, options, progress=progress))
+        job = yield from _start_import(str(path), options, patience)
+        return (yield from self._imported(job, progress, patience))
 
     @steps
     def import_files(
-        self, /, files: Sequence[Path], *, progress: bool = False, **options: Any
+        self,
+        /,
+        files: Files,
+        *,
+        progress: bool = False,
+        patience: float = PATIENCE,
+        **options: Any,
     ) -> Steps[Recording[L]]:
-        """Upload files and folders, import them as one recording, and wait."""
-        return (yield from self._imported(files, options, progress=progress))
+        """Upload files and folders, import them as one recording, and wait.
 
-    def _imported(
-        self, files: Sequence[Path] | str, options: dict[str, Any], *, progress: bool
-    ) -> Steps[Recording[L]]:
-        job = read(Job, (yield from _import("/sequences", files, options)).json())
-        result = yield from finished(job, progress=progress)
+        Options as of ``import_path``.
+        """
+        given = [files] if isinstance(files, str) else files
+        job = yield from _start_import(given, options, patience)
+        return (yield from self._imported(job, progress, patience))
+
+    def _imported(self, job: Job, progress: bool, patience: float) -> Steps[Recording[L]]:
+        result = yield from finished(job, progress=progress, patience=patience)
         return (yield from self._open(result["sequence"]))
 
     @steps
-    def preview(self, /, files: Sequence[Path] | str, **options: Any) -> Steps[dict[str, Any]]:
+    def preview(self, /, files: Files, **options: Any) -> Steps[dict[str, Any]]:
         """Return what an import would do: format, frames, fps, columns, warnings, ….
 
-        Uploaded files wait an hour for an import that names them as ``upload``.
+        ``files`` as of ``start_import``.  Uploaded files wait an hour for an import that names
+        them as ``upload``.
         """
-        found: dict[str, Any] = (yield from _import("/imports/preview", files, options)).json()
+        asked = upload("/imports/preview", files, options)
+        found: dict[str, Any] = (yield from send(asked)).json()
         return found
 
     # ── the workspace ────────────────────────────────────────────────────────────────────
@@ -139,24 +170,36 @@ class Server(Part[L]):
         return [read(Job, entry) for entry in answer.json()]
 
     @steps
-    def job(self, job: str) -> Steps[Job]:
-        """Return a job as it is now, by its id."""
-        return (yield from job_now(job))
+    def job(self, job: str, *, patience: float = 0.0) -> Steps[Job]:
+        """Return a job as it is now, by its id.
+
+        ``patience``: seconds for which the server may be away.
+        """
+        return (yield from job_now(job, patience))
 
     @steps
     def cancel(self, job: str, *, keep: bool = False) -> Steps[Job]:
         """Ask a job to stop; ``keep`` commits what a tracking run has found."""
         query = {"keep": json.dumps(keep)}
-        answer = yield from send(Request("DELETE", f"/jobs/{job}", {"params": query}))
-        return read(Job, answer.json())
+        try:
+            asked = Request("DELETE", f"/jobs/{job}", {"params": query}, again=True)
+            return read(Job, (yield from send(asked)).json())
+        except ConflictError:
+            ended = yield from job_now(job)
+            if ended.state != "cancelled":  # by an earlier call, whose answer was lost
+                raise
+            return ended
 
     @steps
-    def wait(self, job: Job, *, progress: bool = False) -> Steps[dict[str, Any]]:
+    def wait(
+        self, job: Job, *, progress: bool = False, patience: float = PATIENCE
+    ) -> Steps[dict[str, Any]]:
         """Wait for a job; returns its result.  ``progress`` shows a bar.
 
-        Raises PointbrushError with the job's sentence, CancelledError.
+        ``patience``: seconds for which the server may be away, as when it is restarted.  Raises
+        PointbrushError with the job's sentence, CancelledError, UnavailableError.
         """
-        return (yield from finished(job, progress=progress))
+        return (yield from finished(job, progress=progress, patience=patience))
 
 
 class Client(Server[SyncLink]):
@@ -213,18 +256,7 @@ def _address(url: str, token: str) -> dict[str, Any]:
     }
 
 
-def _import(
-    path: str, files: Sequence[Path] | str, options: dict[str, Any]
-) -> Steps[httpx.Response]:
-    given = {name: value for name, value in options.items() if value is not None}
-    if isinstance(files, str):
-        return send(Request("POST", path, {"json": {"path": files, **given}}))
-    texts = {name: _text(value) for name, value in given.items()}
-    return send(Request("POST", path, {"files": parts_of(files), "data": texts}))
-
-
-def _text(value: Any) -> str:
-    """Return an option as a form has it."""
-    if isinstance(value, str):
-        return value
-    return ",".join(value) if isinstance(value, list | tuple) else json.dumps(value)
+def _start_import(files: Files, options: dict[str, Any], patience: float) -> Steps[Job]:
+    job = str(uuid.uuid4())
+    asked = upload("/sequences", files, {"id": job, **options}, patience=patience)
+    return started(job, asked)

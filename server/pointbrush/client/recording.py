@@ -12,7 +12,18 @@ import httpx
 
 from pointbrush.client.frame import Frames
 from pointbrush.client.review import Review
-from pointbrush.client.steps import L, Part, Request, Steps, finished, send, steps
+from pointbrush.client.steps import (
+    PATIENCE,
+    L,
+    Part,
+    Request,
+    Steps,
+    finished,
+    send,
+    started,
+    steps,
+)
+from pointbrush.client.uploads import AnyPath, Files, upload
 from pointbrush.client.values import (
     Edit,
     Job,
@@ -21,7 +32,6 @@ from pointbrush.client.values import (
     PastEdit,
     Run,
     Track,
-    parts_of,
     read,
 )
 from pointbrush.errors import NotFoundError
@@ -160,10 +170,12 @@ class Recording(Part[L]):
         *,
         method: str = "auto",
         overwrite: Literal["never", "tracked", "all"] = "tracked",
+        patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Job]:
         """Start what ``track`` waits for; returns the job."""
-        return (yield from self._tracking(labels, start, stop, method, overwrite, options))
+        chosen = {"method": method, "overwrite": overwrite, **options}
+        return (yield from self._tracking(labels, start, stop, chosen, patience))
 
     @steps
     def track(
@@ -176,30 +188,33 @@ class Recording(Part[L]):
         method: str = "auto",
         overwrite: Literal["never", "tracked", "all"] = "tracked",
         progress: bool = True,
+        patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Run]:
         """Carry labels from frame ``start`` to ``stop``, and wait; ``progress`` shows a bar.
 
         ``labels`` None: all in frame ``start``.  ``options``: continue_lost, until_painted,
-        stop_unsure.  Raises PointbrushError with the job's sentence, CancelledError.
+        stop_unsure.  ``patience``: seconds for which the server may be away meanwhile, as when it
+        is restarted.  Raises PointbrushError with the job's sentence, CancelledError,
+        UnavailableError.
         """
-        job = yield from self._tracking(labels, start, stop, method, overwrite, options)
-        return read(Run, (yield from finished(job, progress=progress)))
+        chosen = {"method": method, "overwrite": overwrite, **options}
+        job = yield from self._tracking(labels, start, stop, chosen, patience)
+        return read(Run, (yield from finished(job, progress=progress, patience=patience)))
 
     def _tracking(
         self,
         labels: Sequence[int] | None,
         start: int,
         stop: int,
-        method: str,
-        overwrite: str,
         options: dict[str, Any],
+        patience: float,
     ) -> Steps[Job]:
+        job = str(uuid.uuid4())
         wanted = None if labels is None else list(labels)
-        body = {"labels": wanted, "start": start, "stop": stop, "method": method}
-        body |= {"overwrite": overwrite, "id": str(uuid.uuid4()), **options}
-        answer = yield from self._call("POST", "/tracking", json=body)
-        return read(Job, answer.json())
+        body = {"id": job, "labels": wanted, "start": start, "stop": stop, **options}
+        place = f"/sequences/{self.id}/tracking"
+        return started(job, Request("POST", place, {"json": body}, patience=patience))
 
     @steps
     def tracks(self) -> Steps[list[Track]]:
@@ -212,25 +227,23 @@ class Recording(Part[L]):
     @steps
     def start_label_import(
         self,
-        files: Sequence[Path] | str,
+        files: Files,
         *,
         format: str | None = None,
         map: str | None = None,
         field: str | None = None,
         no_ground: bool = False,
         dry_run: bool = False,
+        patience: float = PATIENCE,
     ) -> Steps[Job]:
         """Start what ``import_labels`` waits for; returns the job."""
-        return (
-            yield from self._label_import(
-                files, format, map, field, no_ground=no_ground, dry_run=dry_run
-            )
-        )
+        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
+        return (yield from self._label_import(files, given, dry_run, patience))
 
     @steps
     def import_labels(
         self,
-        files: Sequence[Path] | str,
+        files: Files,
         *,
         format: str | None = None,
         map: str | None = None,
@@ -238,51 +251,38 @@ class Recording(Part[L]):
         no_ground: bool = False,
         dry_run: bool = False,
         progress: bool = False,
+        patience: float = PATIENCE,
     ) -> Steps[dict[str, Any]]:
-        """Import labels made elsewhere, from files and folders here or a path on the server.
+        """Import labels made elsewhere, and wait; returns the report.
 
-        ``map`` names classes: JSON, or lines ``number name``; ``field`` is that of the points that
-        is labels; ``no_ground`` leaves the ground out of boxes.  Returns the report.
+        ``files``: a text is a path of the server, anything else is uploaded.  ``map`` names
+        classes: JSON, or lines ``number name``; ``field`` is that of the points that is labels;
+        ``no_ground`` leaves the ground out of boxes.  ``patience``: as of ``track``.
         """
-        job = yield from self._label_import(
-            files, format, map, field, no_ground=no_ground, dry_run=dry_run
-        )
-        return (yield from finished(job, progress=progress))
+        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
+        job = yield from self._label_import(files, given, dry_run, patience)
+        return (yield from finished(job, progress=progress, patience=patience))
 
     def _label_import(
-        self,
-        files: Sequence[Path] | str,
-        format: str | None,
-        map: str | None,
-        field: str | None,
-        *,
-        no_ground: bool,
-        dry_run: bool,
+        self, files: Files, given: dict[str, Any], dry_run: bool, patience: float
     ) -> Steps[Job]:
-        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
-        fields = {name: value for name, value in given.items() if value is not None}
-        query = {"dry_run": json.dumps(dry_run)}
-        body: dict[str, Any]
-        if isinstance(files, str):
-            body = {"json": {"path": files, **fields}}
-        else:
-            texts = {name: v if isinstance(v, str) else json.dumps(v) for name, v in fields.items()}
-            body = {"files": parts_of(files), "data": texts}
-        answer = yield from self._call("POST", "/annotations", params=query, **body)
-        return read(Job, answer.json())
+        job, query = str(uuid.uuid4()), {"dry_run": json.dumps(dry_run)}
+        place, options = f"/sequences/{self.id}/annotations", {"id": job, **given}
+        return started(job, upload(place, files, options, query=query, patience=patience))
 
     @steps
-    def export(self, format: str, out: Path, frames: str | None = None) -> Steps[Path]:
+    def export(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:
         """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path."""
         query = {"format": format} | ({} if frames is None else {"frames": frames})
-        partial = out.with_name(f".{out.name}-{uuid.uuid4().hex}")
+        target = Path(out)
+        partial = target.with_name(f".{target.name}-{uuid.uuid4().hex}")
         try:
             place = f"/sequences/{self.id}/export"
             yield from send(Request("GET", place, {"params": query}, into=partial, again=True))
-            partial.replace(out)
+            partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
-        return out
+        return target
 
     # ── the recording itself ─────────────────────────────────────────────────────────────
 
@@ -299,4 +299,6 @@ class Recording(Part[L]):
     @steps
     def delete(self) -> Steps[None]:
         """Delete the recording with its labels; ``Client.restore`` brings it back for 30 days."""
-        yield from self._call("DELETE", "")
+        identity = self.manifest.identity
+        query = {} if identity is None else {"identity": identity}
+        yield from self._call("DELETE", "", again=identity is not None, params=query)

@@ -10,6 +10,7 @@ from typing import Any
 import httpx
 
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.uploads import AnyPath
 from pointbrush.client.values import Vector, read
 
 
@@ -141,7 +142,8 @@ class Review(Part[L]):
             "assignee": assignee,
         }
         body = {name: value for name, value in given.items() if value is not None}
-        yield from send(Request("PUT", f"/sequences/{self._sequence}/review", {"json": body}))
+        path = f"/sequences/{self._sequence}/review"
+        yield from send(Request("PUT", path, {"json": body}, again=True))
 
     @steps
     def history(self, limit: int = 100) -> Steps[list[dict[str, Any]]]:
@@ -179,12 +181,13 @@ class Review(Part[L]):
         return (yield from self._get(f"/frames/{frame}/agreement", **query)).content
 
     @steps
-    def report(self, out: Path, table: str = "frames") -> Steps[Path]:
+    def report(self, out: AnyPath, table: str = "frames") -> Steps[Path]:
         """Write the report to a file, .html or .csv; returns its path.
 
         ``table`` of a .csv: "frames", "labels" or "people".
         """
-        csv = out.suffix.lower() == ".csv"
+        target = Path(out)
+        csv = target.suffix.lower() == ".csv"
         query = {"format": "csv", "table": table} if csv else {"format": "html"}
-        out.write_bytes((yield from self._get("/report", **query)).content)
-        return out
+        target.write_bytes((yield from self._get("/report", **query)).content)
+        return target

@@ -8,11 +8,13 @@ waited for so, too.
 from __future__ import annotations
 
 import asyncio
+import itertools
+import logging
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Generator
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial, wraps
 from pathlib import Path
 from typing import Any, Concatenate, Generic, ParamSpec, TypeAlias, cast, overload
@@ -24,14 +26,20 @@ from typing_extensions import TypeVar
 from pointbrush import errors
 from pointbrush.client.values import Job, raise_for, read
 
+log = logging.getLogger(__name__)
+
 ATTEMPTS = 4
 """Of a call that the server did not answer, or answered with "later"."""
+PATIENCE = 300.0
+"""Seconds that a job is waited for while its server does not answer, as when it is restarted."""
 FIRST_WAIT = 0.2
 """Seconds before the second attempt; doubled before each further one."""
 LONGEST_WAIT = 5.0
 """Seconds between two attempts, whatever the server asks for."""
 LATER = (429, 503)
 """Statuses of an answer that nothing was done for, and that another attempt may change."""
+AWAY = (502, 504)
+"""Statuses of a proxy whose server is away: it may have done what was asked, or not."""
 POLL_SECONDS = 0.2
 """Between two looks at a job."""
 ENDED = ("done", "failed", "cancelled")
@@ -42,7 +50,8 @@ class Request:
     """A call; ``into``: a file that a good answer's body is written to.
 
     ``again``: done twice it has the same effect as once, so that it is sent again when the
-    connection is lost before the answer.
+    connection is lost before the answer.  ``patience``: seconds for which it is sent again at
+    least, however often.
     """
 
     method: str
@@ -50,6 +59,7 @@ class Request:
     options: dict[str, Any] = field(default_factory=dict)
     into: Path | None = None
     again: bool = False
+    patience: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +67,10 @@ class Pause:
     """Seconds in which nothing is done."""
 
     seconds: float
+
+
+class LostError(errors.UnavailableError):
+    """No answer came: the server may have done what was asked, or not."""
 
 
 T = TypeVar("T")
@@ -69,23 +83,27 @@ Steps: TypeAlias = Generator[Step, httpx.Response | None, T]
 def send(request: Request) -> Steps[httpx.Response]:
     """Make a call, again where that is safe; returns the answer.
 
-    Raises the errors of ``pointbrush.errors``; UnavailableError when nothing answers.
+    Raises the errors of ``pointbrush.errors``; LostError when nothing answers.
     """
-    wait = FIRST_WAIT
-    for attempt in range(1, ATTEMPTS + 1):
+    wait, again = FIRST_WAIT, (*LATER, *AWAY) if request.again else LATER
+    deadline = time.monotonic() + request.patience
+    for attempt in itertools.count(1):
+        last = attempt >= ATTEMPTS and time.monotonic() >= deadline
         try:
             answer = yield request
         except httpx.HTTPError as error:
-            if not request.again or attempt == ATTEMPTS:
-                raise errors.UnavailableError(
-                    f"url: expected a server that answers: {str(error) or type(error).__name__}"
-                ) from None
+            said = str(error) or type(error).__name__
+            if not request.again or last:
+                raise LostError(f"url: expected a server that answers: {said}") from None
         else:
             assert answer is not None  # noqa: S101 – links answer requests
-            if answer.status_code not in LATER or attempt == ATTEMPTS:
+            if answer.status_code not in again or last:
                 raise_for(answer)
                 return answer
+            said = f"{answer.status_code} {answer.reason_phrase}"
             wait = max(wait, _seconds(answer.headers.get("Retry-After", "")))
+        if attempt == ATTEMPTS:
+            log.warning("the server does not answer, it is asked again: %s", said)
         yield Pause(min(wait, LONGEST_WAIT))
         wait *= 2
     raise AssertionError("the last attempt returns or raises")
@@ -212,21 +230,37 @@ class steps(Generic[P, T]):  # noqa: N801 – a decorator
         return method
 
 
-def job_now(job: str) -> Steps[Job]:
-    """Return a job as it is now."""
-    answer = yield from send(Request("GET", f"/jobs/{job}", again=True))
+def job_now(job: str, patience: float = 0.0) -> Steps[Job]:
+    """Return a job as it is now; see ``Request`` for ``patience``."""
+    answer = yield from send(Request("GET", f"/jobs/{job}", again=True, patience=patience))
     return read(Job, answer.json())
 
 
-def finished(job: Job, *, progress: bool) -> Steps[dict[str, Any]]:
+def started(job: str, request: Request) -> Steps[Job]:
+    """Start the job of an id by a call that names the id; returns it as it is then.
+
+    When the connection is lost before the answer, the server is asked for the job, and only where
+    it has none is the call repeated, once.  So files are uploaded twice at most.
+    """
+    try:
+        return read(Job, (yield from send(replace(request, again=False))).json())
+    except LostError:
+        try:
+            return (yield from job_now(job, request.patience))
+        except errors.NotFoundError:
+            return read(Job, (yield from send(replace(request, again=False))).json())
+
+
+def finished(job: Job, *, progress: bool, patience: float) -> Steps[dict[str, Any]]:
     """Wait for a job; returns its result.  ``progress`` shows a bar.
 
-    Raises PointbrushError with the job's sentence, CancelledError.
+    ``patience``: seconds for which the server may be away.  Raises PointbrushError with the job's
+    sentence, CancelledError, UnavailableError.
     """
     with tqdm(total=100, disable=not progress, unit="%", desc=job.kind) as bar:
         while job.state not in ENDED:
             yield Pause(POLL_SECONDS)
-            job = yield from job_now(job.id)
+            job = yield from job_now(job.id, patience)
             bar.update(round(100 * job.progress) - bar.n)
     if job.state == "failed":
         raise errors.PointbrushError(job.error or "the job failed")

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import io
-import os
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cache
-from pathlib import Path
-from typing import Annotated, Any, BinaryIO, Literal, TypeVar, cast
+from typing import Annotated, Any, Literal, TypeVar, cast
 
 import httpx
 import numpy as np
@@ -17,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, PlainValidator, TypeAdapter
 
 from pointbrush import errors
-from pointbrush.errors import BadInputError, NotFoundError
 
 BY_TITLE = {
     kind.title: kind
@@ -263,67 +260,3 @@ def rays(origins: ArrayLike, directions: ArrayLike | None = None) -> list[dict[s
     ways = np.asarray(AHEAD if directions is None else directions, np.float64)
     pairs = zip(places.tolist(), np.broadcast_to(ways, places.shape).tolist(), strict=True)
     return [{"origin": origin, "direction": way} for origin, way in pairs]
-
-
-class UploadFile:
-    """A file that is open only while it is sent: a folder has more than a process may open."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._file: BinaryIO | None = None
-
-    def tell(self) -> int:
-        """Return the place in the file."""
-        return 0 if self._file is None else self._file.tell()
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; the end is told without opening the file."""
-        if whence == os.SEEK_END:
-            return self._path.stat().st_size + offset
-        self._close()
-        if offset:
-            self._file = self._path.open("rb")
-            self._file.seek(offset)
-        return offset
-
-    def read(self, size: int = -1) -> bytes:
-        """Read on; the file is closed at its end."""
-        if self._file is None:
-            self._file = self._path.open("rb")
-        block = self._file.read(size)
-        if not block:
-            self._close()
-        return block
-
-    def _close(self) -> None:
-        if self._file is not None:
-            self._file.close()
-            self._file = None
-
-
-Parts = list[tuple[str, tuple[str, Any]]]
-
-
-def parts_of(paths: Sequence[Path]) -> Parts:
-    """Return files, and those in folders with their place there, as parts of an upload.
-
-    Hidden files stay behind.  Raises NotFoundError, BadInputError for a folder without files.
-    """
-    found: Parts = []
-    for path in paths:
-        if not path.exists():
-            raise NotFoundError(f"files: expected a file or folder, got {path}")
-        if path.is_file():
-            files = {path.name: path}
-        else:
-            top = path.resolve().name
-            inside = [(file.relative_to(path), file) for file in sorted(path.rglob("*"))]
-            files = {
-                f"{top}/{place.as_posix()}": file
-                for place, file in inside
-                if file.is_file() and not any(part.startswith(".") for part in place.parts)
-            }
-        if not files:
-            raise BadInputError(f"files: expected files in the folder, got none in {path}")
-        found += [("files", (name, UploadFile(file))) for name, file in files.items()]
-    return found

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from sqlalchemy import Row, delete, func, insert, select, update
 
+from pointbrush.errors import ConflictError
 from pointbrush.labels.database import Database
 from pointbrush.labels.guards import given_up, host
 from pointbrush.labels.schema import jobs, works
@@ -57,8 +58,13 @@ class JobRecords:
         self._database, self.owner = database, owner
 
     def add(self, record: JobRecord) -> None:
-        """Write a new job down, as this process's; raises UnavailableError."""
+        """Write a new job down, as this process's.
+
+        Raises ConflictError when there is a job of its id, UnavailableError.
+        """
         with self._database.write() as connection:
+            if connection.scalar(select(jobs.c.id).where(jobs.c.id == record.id)) is not None:
+                raise ConflictError(f"id: expected one of no job yet, got {record.id}")
             row = _row(record) | self._mine(self._database.now(connection))
             connection.execute(insert(jobs), row)
             ended = (

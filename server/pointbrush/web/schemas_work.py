@@ -25,6 +25,7 @@ from pointbrush.workspace import Preview
 ColumnName = Annotated[str, Field(min_length=1, max_length=200)]
 
 
+JobId = Annotated[Uuid, Field(description="of the job: a repeated call does not begin another")]
 Text = Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
 
 
@@ -42,6 +43,7 @@ class ImportOptions(Body):
     topic: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
     poses: Text | None = None
     drop_invalid: bool = False
+    id: JobId | None = None
 
     @model_validator(mode="before")
     @classmethod

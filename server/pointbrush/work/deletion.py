@@ -34,18 +34,32 @@ class Deletion:
         self._library, self._store = library, store
         self._trash = library.store.deleted
 
-    def delete(self, sequence: str) -> None:
+    def delete(self, sequence: str, identity: str | None = None) -> None:
         """Delete a recording with its labels; it can be restored for ``KEPT_SECONDS``.
 
+        ``identity``: of the recording that is meant; nothing is done when it is deleted already.
         Raises NotFoundError, ConflictError while somebody works on it, UnavailableError.
         """
         self._library.require_writable()
+        if identity is not None and self._is_deleted(identity):
+            return
         if self._library.has(sequence):
+            self._require(sequence, identity)
             self._register(sequence)
         self._store.recordings.delete(sequence)
         # From here on it is deleted.
         self._library.hidden |= {sequence}
         self._tidy_later()
+
+    def _is_deleted(self, identity: str) -> bool:
+        return any(known.identity == identity for known in self._store.recordings.deleted())
+
+    def _require(self, sequence: str, identity: str | None) -> None:
+        manifest = self._library.look(sequence).manifest
+        if identity is not None and manifest is not None and manifest.identity != identity:
+            raise NotFoundError(
+                f"identity: expected that of {sequence}, got {identity!r}: it is another recording"
+            )
 
     def _register(self, sequence: str) -> None:
         """Make sure that a recording has a row, also when its import was interrupted."""
@@ -68,7 +82,8 @@ class Deletion:
     def restore(self, key: str) -> str:
         """Bring back the last deleted recording whose id or identity is ``key``; returns its id.
 
-        It is another one when its own is taken meanwhile.  Raises NotFoundError.
+        It is another one when its own is taken meanwhile.  By its identity it may have been brought
+        back already.  Raises NotFoundError.
         """
         self._library.require_writable()
         self.tidy()
@@ -76,6 +91,9 @@ class Deletion:
             if key in (known.id, known.identity):
                 break
         else:
+            for live in self._store.recordings.live():
+                if key == live.identity:
+                    return live.id
             raise NotFoundError(f"sequence: expected a deleted recording, got {key!r}")
         guards = self._store.guards
         room = partial(self._trash.has_room, known)

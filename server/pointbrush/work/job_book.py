@@ -14,6 +14,7 @@ from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, Una
 from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
+from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.imports.submitting import UPLOAD
 
 log = logging.getLogger(__name__)
@@ -83,7 +84,10 @@ class JobBook:
     # ── for the runner ───────────────────────────────────────────────────────────────────
 
     def begun(self, job: Job) -> None:
-        """Note a job before it is handed out; raises UnavailableError."""
+        """Note a job before it is handed out.
+
+        Raises ConflictError when there is another one of its id, UnavailableError.
+        """
         if job.id not in self._waiting:
             self._records.add(_record(job))
 
@@ -112,6 +116,34 @@ class JobBook:
             if record is None:
                 raise
             return job_of(record)
+
+    def begin_once(self, job_id: str | None, owner: str | None, begin: Callable[[str], Job]) -> Job:
+        """Begin a job by ``begin(id)``, unless ``owner`` has begun one of this id before.
+
+        That one is returned then, whatever became of it, so that a call whose answer was lost can
+        be repeated.  Raises BadInputError for an id that is no UUID, ConflictError for the id of
+        somebody else's job, and what ``begin`` raises.
+        """
+        wanted = edit_id(job_id)
+        known = None if job_id is None else self._own(wanted, owner)
+        if known is not None:
+            return known
+        try:
+            return begin(wanted)
+        except ConflictError:
+            known = self._own(wanted, owner)  # the same call came twice at once
+            if known is None:
+                raise
+            return known
+
+    def _own(self, job_id: str, owner: str | None) -> Job | None:
+        try:
+            job = self.job(job_id)
+        except NotFoundError:
+            return None
+        if job.owner != owner:
+            raise ConflictError("id: expected one of your own, a job of somebody else has it")
+        return job
 
     def uploads(self) -> set[Path]:
         """Return the folders of uploaded files that jobs under way need, of whichever server."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from pointbrush.work.annotate.placing import Placement, placements, require_over
 from pointbrush.work.annotate.splitting import Split, split_label
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
 from pointbrush.work.events import Event
+from pointbrush.work.job_book import JobBook
 from pointbrush.work.objects import Answer, Level, Objects, ObjectStroke
 from pointbrush.work.palettes import NamedLabel
 
@@ -41,6 +43,7 @@ class Labelling(ABC):
     store: LabelStore
     runner: JobRunner
     _objects: Objects
+    _job_book: JobBook
 
     @abstractmethod
     def recording(self, sequence: str) -> Recording:
@@ -291,7 +294,8 @@ class Labelling(ABC):
 
         A label ends at its first lost frame unless ``continue_lost``, and at the next frame where
         it is painted with ``until_painted``.  ``stop_unsure`` ends the run at the first frame that
-        a person should look at.
+        a person should look at.  ``edit``: the id of its edit and of its job; of a run that
+        ``author`` has begun before, that job is returned.
         """
         from pointbrush.tracking import TrackOptions
         from pointbrush.work.tracking.runs import TrackRequest
@@ -302,7 +306,8 @@ class Labelling(ABC):
             until_painted=until_painted,
         )
         request = TrackRequest(start, stop, labels, method, options, stop_unsure)
-        return self._runs.start(self.recording(sequence), request, author, edit_id(edit))
+        begin = partial(self._runs.start, self.recording(sequence), request, author)
+        return self._job_book.begin_once(edit, author, begin)
 
     def accept(
         self,

@@ -22,7 +22,7 @@ from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
-from pointbrush.web.schemas_work import JobOut
+from pointbrush.web.schemas_work import JobId, JobOut
 from pointbrush.web.upload_files import described, parse_json, save
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
@@ -41,6 +41,7 @@ class LabelImportBody(Body):
     map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
     no_ground: bool = False
     field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    id: JobId | None = None
 
 
 IMPORT_BODY = described(
@@ -49,6 +50,7 @@ IMPORT_BODY = described(
         "format": {"type": "string", "enum": list(LABEL_FORMATS)},
         "no_ground": {"type": "string", "enum": ["true", "false"]},
         "field": {"type": "string", "maxLength": 200},
+        "id": {"type": "string", "format": "uuid"},
     },
 )
 
@@ -90,6 +92,7 @@ async def import_labels(
             no_ground=body.no_ground,
             field=body.field,
             roots=roots,
+            job_id=body.id,
         )
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
@@ -110,7 +113,7 @@ async def _uploaded(
         ) as form:
             label_format, names = _fields(form)
             no_ground = form.get("no_ground") == "true"
-            field = form.get("field")
+            field, job_id = form.get("field"), form.get("id")
             await run_in_threadpool(_save, form, folder)
         return await run_in_threadpool(
             workspace.import_labels,
@@ -123,6 +126,7 @@ async def _uploaded(
             no_ground=no_ground,
             field=field[:200] if isinstance(field, str) and field else None,
             cleanup=folder,
+            job_id=job_id if isinstance(job_id, str) and job_id else None,
         )
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)

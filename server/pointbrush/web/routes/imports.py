@@ -51,6 +51,7 @@ IMPORT_BODY = described(
         "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
         "scale": {"type": "string", "pattern": r"^[1-9](\.[0-9]{1,6})?$"},
         "format": {"type": "string", "enum": format_names()},
+        "id": {"type": "string", "format": "uuid"},
         "poses": {"type": "string", "enum": ["auto", "none"]},
         **{word: {"type": "string", "enum": ["true", "false"]} for word in WORDS},
         **{name: {"type": "string", "enum": [example]} for name, example in TEXTS.items()},
@@ -97,6 +98,7 @@ async def import_sequence(
             wanted.paths,
             cleanup=upload.folder if upload else None,
             owner=who.author,
+            job_id=wanted.options.id,
             **wanted.of_workspace,
         )
         if upload is not None:

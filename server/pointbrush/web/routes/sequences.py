@@ -19,6 +19,10 @@ from pointbrush.workspace import Workspace
 
 DeletedQuery = Annotated[bool, Query(description="those that can be restored, newest first")]
 
+IdentityQuery = Annotated[
+    str | None, Query(max_length=100, description="of the recording that is meant")
+]
+
 router = resource("sequences")
 
 
@@ -68,9 +72,12 @@ def reset_floor(seq: SequenceId, workspace: Ws) -> SequenceOut:
 
 
 @router.delete("/sequences/{seq}", status_code=204, responses=responses(404, 409))
-def delete_sequence(seq: SequenceId, workspace: Ws) -> None:
-    """Delete a recording with everything painted on it; it can be restored for 30 days."""
-    workspace.delete_sequence(seq)
+def delete_sequence(seq: SequenceId, workspace: Ws, identity: IdentityQuery = None) -> None:
+    """Delete a recording with everything painted on it; it can be restored for 30 days.
+
+    With the ``identity`` of its manifest the call can be repeated, and deletes no other one.
+    """
+    workspace.delete_sequence(seq, identity)
 
 
 @router.post("/sequences/{seq}/restore", responses=responses(404, 409))
@@ -78,5 +85,6 @@ def restore_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
     """Bring a deleted recording back with all its labels, by its id or its ``identity``.
 
     Of several with this id the last one deleted.  If the id is taken meanwhile, it gets another.
+    By its ``identity`` the call can be repeated.
     """
     return SequenceOut.listed(workspace.entry(workspace.restore_sequence(seq)))

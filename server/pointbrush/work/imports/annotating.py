@@ -216,10 +216,10 @@ class LabelImports:
     def __init__(self, store: LabelStore, runner: JobRunner, max_points: int) -> None:
         self._store, self._runner, self._max_points = store, runner, max_points
 
-    def start(self, recording: Recording, request: LabelRequest, author: str) -> Job:
+    def start(self, recording: Recording, request: LabelRequest, author: str, job_id: str) -> Job:
         """Start a job; its result is the report."""
         kept, edit = request.as_json(), str(uuid.uuid4())
-        job = Job("import", recording.manifest.id, owner=author, edit=edit, request=kept)
+        job = Job("import", recording.manifest.id, job_id, owner=author, edit=edit, request=kept)
         return self._begin(recording, request, job)
 
     def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,8 @@ from pointbrush.labels import LabelStore
 from pointbrush.lazy import once
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.settings import Settings
-from pointbrush.work.imports.submitting import ImportRequest, Imports
+from pointbrush.work.imports.submitting import ImportRequest, Imports, drop_repeated
+from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ class Importing(ABC):
     store: LabelStore
     runner: JobRunner
     _imports: Imports
+    _job_book: JobBook
 
     @abstractmethod
     def recording(self, sequence: str) -> Recording:
@@ -50,15 +53,21 @@ class Importing(ABC):
         cleanup: Path | None = None,
         roots: Sequence[Path] = (),
         owner: str | None = None,
+        job_id: str | None = None,
     ) -> Job:
         """Import files as one sequence in a job; ``cleanup`` is removed when it has ended.
 
         ``chosen`` is what a person says of the files.  With ``roots``, nothing that lies or leads
-        outside them is read.  ``owner``: who asks.
+        outside them is read.  ``owner``: who asks.  With the ``job_id`` of a job that they have
+        begun before, that job is returned and nothing is begun; raises ConflictError for another
+        person's.
         """
         absolute = tuple(path.absolute() for path in paths)
         request = ImportRequest(absolute, name, fps, chosen or Corrections(), tuple(roots), cleanup)
-        return self._imports.of_paths(request, owner)
+        begin = partial(self._imports.of_paths, request, owner)
+        job = self._job_book.begin_once(job_id, owner, begin)
+        drop_repeated(cleanup, job)
+        return job
 
     def preview(
         self,
@@ -91,12 +100,13 @@ class Importing(ABC):
         field: str | None = None,
         roots: Sequence[Path] = (),
         cleanup: Path | None = None,
+        job_id: str | None = None,
     ) -> Job:
         """Import labels made elsewhere as one edit, in a job whose result reports what was found.
 
         ``names`` are class names by number; ``dry_run`` writes nothing; ``no_ground`` leaves the
         ground out of boxes; ``field`` names the field of points that is labels; ``cleanup`` is
-        removed when the job has ended.  Raises NotFoundError.
+        removed when the job has ended; ``job_id`` as of ``import_paths``.  Raises NotFoundError.
         """
         from pointbrush.work.imports.annotating import LabelRequest
 
@@ -110,7 +120,10 @@ class Importing(ABC):
             tuple(roots),
             cleanup,
         )
-        return self._label_imports.start(self.recording(sequence), request, author)
+        begin = partial(self._label_imports.start, self.recording(sequence), request, author)
+        job = self._job_book.begin_once(job_id, author, begin)
+        drop_repeated(cleanup, job)
+        return job
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""

@@ -81,6 +81,12 @@ def drop_upload(upload: Path | None, job: Job) -> None:
         shutil.rmtree(upload, ignore_errors=True)
 
 
+def drop_repeated(upload: Path | None, job: Job) -> None:
+    """Remove uploaded files that ``job`` does not read, as it was begun with the first upload."""
+    if upload is not None and (job.request or {}).get(UPLOAD) != str(upload):
+        shutil.rmtree(upload, ignore_errors=True)
+
+
 class Imports:
     """Starts imports into a library, and makes what they bring known."""
 
@@ -120,12 +126,13 @@ class Imports:
             recording = self._library.recording(manifest.id)
             importing.import_source_labels(self._store, recording)
 
-    def of_paths(self, request: ImportRequest, owner: str | None) -> Job:
+    def of_paths(self, request: ImportRequest, owner: str | None, job_id: str) -> Job:
         """See ``Workspace.import_paths``."""
         for path in request.paths:
             if not any(mark in str(path) for mark in "*?[") and not path.exists():
                 raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        return self._begin(request, Job("import", None, owner=owner, request=request.as_json()))
+        kept = request.as_json()
+        return self._begin(request, Job("import", None, job_id, owner=owner, request=kept))
 
     def of_sample(self, frames: int, seed: int) -> Job:
         """See ``Workspace.import_sample``."""

@@ -70,10 +70,10 @@ class Runs:
         """The findings of a run are to be committed also when it is cancelled."""
         self._kept.add(job_id)
 
-    def start(self, recording: Recording, request: TrackRequest, author: str, edit: str) -> Job:
-        """See ``Workspace.track``; ``edit`` is the id of the run's edit."""
-        sequence = recording.manifest.id
-        job = Job("tracking", sequence, owner=author, edit=edit, request=request.as_json())
+    def start(self, recording: Recording, request: TrackRequest, author: str, job_id: str) -> Job:
+        """See ``Workspace.track``; ``job_id`` is that of the run's edit too."""
+        sequence, kept = recording.manifest.id, request.as_json()
+        job = Job("tracking", sequence, job_id, owner=author, edit=job_id, request=kept)
         return self._begin(recording, request, job)
 
     def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:

@@ -1,0 +1,109 @@
+"""Calls that send files of this machine, or name a path of the server's."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from pointbrush.client.steps import Request
+from pointbrush.errors import BadInputError, NotFoundError
+
+
+class UploadFile:
+    """A file that is open only while it is sent: a folder has more than a process may open."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file: BinaryIO | None = None
+
+    def tell(self) -> int:
+        """Return the place in the file."""
+        return 0 if self._file is None else self._file.tell()
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Go to a place; the end is told without opening the file."""
+        if whence == os.SEEK_END:
+            return self._path.stat().st_size + offset
+        self._close()
+        if offset:
+            self._file = self._path.open("rb")
+            self._file.seek(offset)
+        return offset
+
+    def read(self, size: int = -1) -> bytes:
+        """Read on; the file is closed at its end."""
+        if self._file is None:
+            self._file = self._path.open("rb")
+        block = self._file.read(size)
+        if not block:
+            self._close()
+        return block
+
+    def _close(self) -> None:
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+
+Parts = list[tuple[str, tuple[str, Any]]]
+AnyPath = str | os.PathLike[str]
+"""A path of this machine."""
+Files = AnyPath | Sequence[AnyPath]
+"""Files and folders of this machine, or one."""
+
+
+def parts_of(given: Files) -> Parts:
+    """Return files, and those in folders with their place there, as parts of an upload.
+
+    Hidden files stay behind.  Raises NotFoundError, BadInputError for a folder without files.
+    """
+    found: Parts = []
+    for each in [given] if isinstance(given, str | os.PathLike) else given:
+        path = Path(each)
+        if not path.exists():
+            raise NotFoundError(f"files: expected a file or folder, got {path}")
+        if path.is_file():
+            files = {path.name: path}
+        else:
+            top = path.resolve().name
+            inside = [(file.relative_to(path), file) for file in sorted(path.rglob("*"))]
+            files = {
+                f"{top}/{place.as_posix()}": file
+                for place, file in inside
+                if file.is_file() and not any(part.startswith(".") for part in place.parts)
+            }
+        if not files:
+            raise BadInputError(f"files: expected files in the folder, got none in {path}")
+        found += [("files", (name, UploadFile(file))) for name, file in files.items()]
+    return found
+
+
+def upload(
+    path: str,
+    files: Files,
+    options: dict[str, Any],
+    *,
+    query: dict[str, str] | None = None,
+    patience: float = 0.0,
+) -> Request:
+    """Make a call that sends ``files``, or names a path of the server where they are a text.
+
+    ``options`` go along as JSON or in the form; those that are None stay out.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    if isinstance(files, str):
+        body: dict[str, Any] = {"json": {"path": files, **given}}
+    else:
+        texts = {name: _text(value) for name, value in given.items()}
+        body = {"files": parts_of(files), "data": texts}
+    return Request("POST", path, {**body, "params": query or {}}, patience=patience)
+
+
+def _text(value: Any) -> str:
+    """Return an option as a form has it."""
+    if isinstance(value, str):
+        return value
+    return ",".join(value) if isinstance(value, list | tuple) else json.dumps(value)
