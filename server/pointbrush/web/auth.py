@@ -76,7 +76,10 @@ class Gate:
     def owner(self, connection: HTTPConnection) -> Principal | None:
         """Whoever holds the server's own token, which no database need be asked for."""
         bearer = bearer_of(connection.headers)
-        return self.check(bearer, connection) if bearer and self._is_own(bearer) else None
+        if not bearer or not self._is_own(bearer):
+            return None
+        connection.state.known = True
+        return self.check(bearer, connection)
 
     def bucket_of(self, bearer: str, connection: HTTPConnection) -> str:
         """Return the key under which a request is counted: a proven token's, or an address's.
@@ -161,6 +164,7 @@ class Gate:
         unsafe = connection.scope.get("method", "GET") not in SAFE_METHODS
         if connection.scope["type"] == "websocket" or (unsafe and not bearer):
             require_same_origin(connection)
+        connection.state.known = True  # the log tells such callers from strangers
         return principal
 
     def is_own(self, connection: HTTPConnection, principal: Principal) -> bool:

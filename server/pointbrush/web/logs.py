@@ -16,10 +16,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit
+from pointbrush.web.problems import LONGEST_PATH
 from pointbrush.workspace import Event, Workspace
 
 FORMATS = ("text", "json")
 SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush_(?:session|account)\w*=)[^\s&\"';,]+")
+LONGEST_METHOD = 20
+"""Characters of a request's method that are logged."""
 HIDDEN = "[hidden]"
 REQUEST_ID = re.compile(r"[\w.-]{1,64}", re.ASCII)
 MORE = ("method", "path", "status", "milliseconds", "edit", "job", "sequence", "revision", "state")
@@ -78,7 +81,7 @@ class RequestLog:
 
         async def with_id(message: Message) -> None:
             nonlocal status
-            if message["type"] == "http.response.start":
+            if message["type"] in ("http.response.start", "websocket.http.response.start"):
                 status = message["status"]
                 headers: MutableMapping[str, Any] = message
                 headers["headers"] = [*message["headers"], (b"x-request-id", known.encode())]
@@ -88,8 +91,9 @@ class RequestLog:
             await self.app(scope, receive, with_id)
         finally:
             said = {
-                "method": scope.get("method", "WEBSOCKET"),
-                "path": scope["path"],
+                "method": scope.get("method", "WEBSOCKET")[:LONGEST_METHOD],
+                "path": scope["path"][:LONGEST_PATH],
+                "known": scope.get("state", {}).get("known", False),
                 "milliseconds": round(1000 * (time.monotonic() - begun), 1),
             }
             log.info("answered", extra=said | ({"status": status} if status else {}))

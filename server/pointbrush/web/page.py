@@ -22,6 +22,8 @@ router = APIRouter(include_in_schema=False)
 PAGE = Path(__file__).parent / "page"
 HASHED = "assets"
 """Vite puts a hash of the content into these files' names."""
+LONGEST_NAME = 200
+"""Characters of a file's path: of more than 255 a system may not even look."""
 ENCODINGS = {"br": ".br", "gzip": ".gz"}
 """Forms of a text file that the build lays beside it, best first."""
 mimetypes.add_type("text/javascript", ".js")
@@ -93,7 +95,8 @@ register_url_convertor("asset", Asset())
 @router.get("/{path:asset}")
 def static(request: Request, path: str) -> Response:
     """A file of the built page; nothing outside its folder."""
-    file = (PAGE / path).resolve() if "\x00" not in path else PAGE
+    known = "\x00" not in path and len(path) <= LONGEST_NAME
+    file = (PAGE / path).resolve() if known else PAGE
     if not file.is_relative_to(PAGE.resolve()) or not file.is_file():
         raise NotFoundError(f"path: expected a page or an API route, got /{path[:100]}")
     forever = path.startswith(f"{HASHED}/")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
 from typing import Any
 
@@ -22,6 +22,9 @@ from pointbrush.system import shortage
 
 logger = logging.getLogger(__name__)
 
+Handler = Callable[[Request, Exception], Awaitable[JSONResponse]]
+LONGEST_PATH = 200
+"""Characters of a path that are logged, or repeated in an answer."""
 MEDIA_TYPE = "application/problem+json"
 EXTRA_HEADERS = {
     401: {"WWW-Authenticate": 'Bearer realm="pointbrush"'},
@@ -65,19 +68,39 @@ def problem_of(
 
 def install(app: FastAPI) -> None:
     """Map every error that can leave a handler."""
-    app.add_exception_handler(errors.PointbrushError, _ours)
-    app.add_exception_handler(RequestValidationError, _invalid)
-    app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(OSError, _system)
-    app.add_exception_handler(Exception, _unexpected)
+    handlers: Mapping[type[Exception], Handler] = {
+        errors.PointbrushError: _ours,
+        RequestValidationError: _invalid,
+        HTTPException: _http,
+        OSError: _system,
+        Exception: _unexpected,
+    }
+    for kind, handler in handlers.items():
+        app.add_exception_handler(kind, _for_requests(handler))
+
+
+def _for_requests(handler: Handler) -> Handler:
+    """Answer requests only: a socket answers by messages of its own, and its errors go on."""
+
+    async def handle(connection: Request, error: Exception) -> JSONResponse:
+        if connection.scope["type"] != "http":
+            raise error
+        return await handler(connection, error)
+
+    return handle
+
+
+def _shown(request: Request) -> str:
+    """Return a request's path for the log, whose lines it must not fill."""
+    return request.url.path[:LONGEST_PATH]
 
 
 async def _ours(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, errors.PointbrushError)  # noqa: S101 – registered for this class
     if isinstance(error, errors.DamagedError):
-        logger.error("%s: %s", request.url.path, error)
+        logger.error("%s: %s", _shown(request), error)
     if error.private:
-        logger.warning("%s %s: %s", request.method, request.url.path, error.whole)
+        logger.warning("%s %s: %s", request.method, _shown(request), error.whole)
     detail = request.app.state.workspace.paths.hide(str(error))
     return problem(status_of(error), detail, error.title)
 
@@ -99,7 +122,7 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 
 def _said(request: Request, error: HTTPException, headers: Mapping[str, str]) -> str:
     """Words for what the router itself says in a phrase only."""
-    path = request.url.path[:200]
+    path = _shown(request)
     if error.status_code == 405:
         return f"method: expected {headers['Allow']} for {path}, got {request.method}"
     if error.status_code == 404 and error.detail == HTTPStatus.NOT_FOUND.phrase:
@@ -126,7 +149,7 @@ async def _system(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
-    logger.error("%s %s failed", request.method, request.url.path, exc_info=error)
+    logger.error("%s %s failed", request.method, _shown(request), exc_info=error)
     return problem(500, "the server failed to do this; its log says why")
 
 

@@ -20,6 +20,7 @@ from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.web.clients import is_loopback
+from pointbrush.web.log_limits import limit_lines
 from pointbrush.web.logs import FORMATS, log_events, write_json
 from pointbrush.web.patience import patient_protocol
 from pointbrush.web.tls import Certificate, certificate, fingerprint
@@ -55,6 +56,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
             f"log_format: expected {' or '.join(FORMATS)}, got {settings.log_format[:20]!r}"
         )
     app = create_app(workspace, settings)
+    limit_lines()
     if settings.log_format == "json":
         write_json(app.state.token)
         log_events(workspace)

@@ -13,6 +13,7 @@ from pointbrush.roles import require
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
+from pointbrush.system import shortage
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
 from pointbrush.web.roles import PREFIX, ROUTES
@@ -28,12 +29,19 @@ RECHECK_SECONDS = 15.0
 
 @router.websocket("/stream")
 async def stream(socket: WebSocket) -> None:
-    """One viewer, from its handshake to its end."""
+    """Serve one viewer, from its handshake to its end.
+
+    A client that goes away during the handshake raises ClientDisconnected, of which uvicorn says
+    nothing.
+    """
     hub: Hub = socket.app.state.hub
     try:
         principal = await hub.read(admit, socket)
-    except PointbrushError as error:
-        await socket.send_denial_response(problem_of(error))
+    except (PointbrushError, OSError) as error:
+        refusal = error if isinstance(error, PointbrushError) else shortage(error)
+        if refusal is None:
+            raise
+        await socket.send_denial_response(problem_of(refusal))
         return
     await socket.accept(subprotocol=subprotocol())
     await serve(socket, hub, principal)

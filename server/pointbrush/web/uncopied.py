@@ -110,6 +110,9 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
         data = message.get("bytes")
         if data is None or self.conn.state is not State.OPEN or self.conn.extensions:
             await super().send(message)  # type: ignore[arg-type]
+            if self.initial_response is not None and self.close_sent:
+                # The handshake was refused, in order: uvicorn would log an error of the app's.
+                self.handshake_complete = True
             return
         await self.deliver(data)
 
