@@ -198,3 +198,32 @@ def test_a_real_kinect_recording(shared):
     frames = list(read(shared / "realdata" / "pcl_kinect3"))
     assert [len(frame) + frame.dropped for frame in frames] == [640 * 480] * 3
     assert all(frame.rgb.std() > 20 for frame in frames)
+
+
+@pytest.mark.parametrize("layout", ["ascii", "binary", "binary_compressed"])
+def test_padding_fields_also_of_no_values_are_passed_over(tmp_path: Path, layout: str) -> None:
+    rows = np.zeros(5, [("xyz", "<f4", 3), ("pad", "u1", 4), ("ring", "<u2"), ("_", "<f4")])
+    rows["xyz"], rows["ring"] = np.arange(15).reshape(5, 3), np.arange(5)
+    body = {
+        "binary": rows.tobytes(),
+        "ascii": "".join(f"{r['xyz']} 1 2 3 4 {r['ring']} 9\n" for r in rows).encode(),
+    }
+    body["ascii"] = body["ascii"].replace(b"[", b"").replace(b"]", b"")
+    columns = [rows["xyz"].T, rows["pad"], rows["ring"], rows["_"]]
+    raw = b"".join(np.ascontiguousarray(column).tobytes() for column in columns)
+    packed = stored(raw)
+    body["binary_compressed"] = struct.pack("<II", len(packed), len(raw)) + packed
+    head = header(
+        layout,
+        5,
+        "x y z _ _ ring _ _",
+        "F F F U F U F F",
+        SIZE="4 4 4 1 4 2 4 4",
+        COUNT="1 1 1 4 0 1 1 0",
+    )
+    (tmp_path / "a.pcd").write_bytes(head + body[layout])
+    frame = one(tmp_path / "a.pcd")
+    assert frame.xyz.tolist() == rows["xyz"].tolist()
+    assert {name: values.tolist() for name, values in frame.other.items()} == {
+        "ring": [0, 1, 2, 3, 4]
+    }

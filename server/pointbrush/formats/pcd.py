@@ -28,17 +28,25 @@ KEYS = (
 )
 KINDS = {"F": "f", "U": "u", "I": "i"}
 MAX_HEADER = 1 << 16
+MAX_COUNT = 1 << 20
+PADDING = "_"
+"""Name of fields that PCL writes between others; of COUNT 0 they have no bytes."""
 # liblzf packs at most 264 bytes into 3.
 MAX_RATIO = 90
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field: ``count`` values of NumPy type ``kind`` ("" where the file gives an unknown one)."""
+    """A field: ``count`` values of NumPy type ``kind``."""
 
     name: str
     kind: str
     count: int
+
+    @property
+    def is_read(self) -> bool:
+        """Whether it has one value a point, and is no padding."""
+        return self.count == 1 and self.name != PADDING
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,8 +164,10 @@ def _fields(name: str, entries: dict[str, list[str]]) -> list[Field]:
                 f"{name}: expected field '{field}' as F 4, F 8 or U or I of 1, 2, 4 or 8 bytes, "
                 f"got {kind} {size}"
             )
-        if not (count.isascii() and count.isdigit()) or not 1 <= int(count[:18]) <= 1 << 20:
-            raise BadInputError(f"{name}: expected COUNT 1 or more for '{field}', got {count}")
+        if not (count.isascii() and count.isdigit()) or int(count[:18]) > MAX_COUNT:
+            raise BadInputError(
+                f"{name}: expected COUNT 0 to {MAX_COUNT} for '{field}', got {count[:40]}"
+            )
         fields.append(Field(field, dtype, int(count)))
     return fields
 
@@ -174,7 +184,7 @@ def _ascii_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
     columns: dict[str, Array] = {}
     at = 0
     for field in header.fields:
-        if field.count == 1:
+        if field.is_read:
             columns[field.name] = _typed(field, table[:, at])
         at += field.count
     return columns
@@ -201,14 +211,14 @@ def _binary_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
     kinds = [(f"f{i}", f"<{f.kind}", (f.count,)) for i, f in enumerate(header.fields)]
     rows = np.frombuffer(body, np.dtype(kinds), header.points)
     return {
-        field.name: rows[f"f{i}"][:, 0] for i, field in enumerate(header.fields) if field.count == 1
+        field.name: rows[f"f{i}"][:, 0] for i, field in enumerate(header.fields) if field.is_read
     }
 
 
 def _compressed_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
     """Compressed data holds each field as one array, one after the other."""
     if header.points == 0:
-        return {field.name: np.empty(0, field.kind) for field in header.fields}
+        return {field.name: np.empty(0, field.kind) for field in header.fields if field.is_read}
     if len(body) < 8:
         raise BadInputError(f"{name}: expected compressed data, got {len(body)} bytes")
     packed, size = struct.unpack_from("<II", body)
@@ -232,7 +242,7 @@ def _compressed_columns(name: str, body: bytes, header: Header) -> dict[str, Arr
     at = 0
     for field in header.fields:
         count = header.points * field.count
-        if field.count == 1:
+        if field.is_read:
             columns[field.name] = np.frombuffer(raw, f"<{field.kind}", count, at)
         at += count * np.dtype(field.kind).itemsize
     return columns
