@@ -51,6 +51,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "instance": (
         *("instance", "scalar_instance", "instance_id", "instance_label", "ins_label"),
         *("object_id", "scalar_scalar_instance", "objidx", "obj_idx", "object_index"),
+        *("treeid", "tree_id"),
     ),
 }
 LIKE_LABELS = re.compile(
@@ -59,6 +60,9 @@ LIKE_LABELS = re.compile(
 """Names of fields that look like labels."""
 NO_LABEL = (-1, -100, 65535, 4294967295)
 """Numbers that mark "none" in labels and instances."""
+GREATEST_INSTANCE = 65535
+TOLD = 8
+"""Numbers that a warning lists."""
 
 
 def roles(names: Iterable[str]) -> dict[str, str]:
@@ -125,9 +129,11 @@ def frame_from_columns(
     rgb = _rgb(name, columns, found, keep, options.colors)
     name_left_out(name, columns, found)
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}
-    instance = _instances(name, _take(parts["instance"], keep)) if "instance" in parts else None
+    instance, whole_instance = None, False
+    if "instance" in parts:
+        instance, whole_instance = _instances(name, _take(parts["instance"], keep))
     extras, known = extras or Extras(), options.known
-    other = _other(columns, found, keep, instance is not None)
+    other = _other(columns, found, keep, whole_instance)
     if options.columns_found is not None:
         options.columns_found(_described(columns, found, other, rgb is not None))
     return PointFrame(
@@ -185,10 +191,10 @@ def _other(
     columns: Mapping[str, Array],
     found: Mapping[str, str],
     keep: NDArray[np.int64] | None,
-    has_instance: bool,
+    whole_instance: bool,
 ) -> dict[str, Array]:
     """Fields of numbers that a PointFrame has no place for, in the source's order."""
-    used = {name for role, name in found.items() if role != "instance" or has_instance} | {"xyz"}
+    used = {name for role, name in found.items() if role != "instance" or whole_instance} | {"xyz"}
     if all(role in found for role in ("red", "green", "blue")):
         used -= {found["rgb"]} if "rgb" in found else set()
     return {
@@ -273,6 +279,8 @@ def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.
     Raises BadInputError for fractions and for numbers outside 0..greatest.
     """
     if values.dtype.kind == "f":
+        # Of half precision, whose numbers end before 65535.
+        values = values.astype(np.promote_types(values.dtype, np.float32), copy=False)
         values = np.where(np.isnan(values), 0, values)
         fractions = np.flatnonzero((values != np.rint(values)) | np.isinf(values))
         if fractions.size:
@@ -295,14 +303,28 @@ def without_marks(values: Array) -> Array:
     return np.where(marked, 0, values) if marked.any() else values
 
 
-def _instances(name: str, values: Array) -> NDArray[np.uint16] | None:
-    """Instance numbers; None, with a warning, where they do not fit 16 bits."""
+def _instances(name: str, values: Array) -> tuple[NDArray[np.uint16] | None, bool]:
+    """Instance numbers as uint16, None where no point has one, and whether all are kept.
+
+    Numbers that 16 bits do not hold (a no-data value, the id of a database) become 0, with a
+    warning that lists them.
+    """
     if values.dtype.kind in "fiu":
-        values = without_marks(values)
-    if len(values) and values.dtype.kind in "fiu" and values.max() > 65535:
-        log.warning("%s: instance numbers up to %s are left out, 65535 is most", name, values.max())
-        return None
-    return number_of(name, "instance", values, 65535)
+        values = without_marks(np.where(np.isnan(values), 0, values))
+        outside = (values < 0) | (values > GREATEST_INSTANCE)
+        if outside.any():
+            numbers = np.unique(values[outside])
+            listed = ", ".join(f"{number:.0f}" for number in numbers[:TOLD])
+            log.warning(
+                "%s: expected instance numbers 0 to %d; %d points of %d other numbers (%s%s) have "
+                "no instance", name, GREATEST_INSTANCE, np.count_nonzero(outside), len(numbers),
+                listed, ", …" * (len(numbers) > TOLD),
+            )  # fmt: skip
+            values = np.where(outside, 0, values)
+            if not values.any():
+                return None, False
+            return number_of(name, "instance", values, GREATEST_INSTANCE), False
+    return number_of(name, "instance", values, GREATEST_INSTANCE), True
 
 
 def intensity_of(values: Array) -> NDArray[np.float32]:
