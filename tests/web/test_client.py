@@ -155,6 +155,21 @@ def test_an_annotation_is_replaced_only_as_it_was_read(served: Served) -> None:
         assert (frame.annotation() == label.id).all()
 
 
+def test_labels_of_any_type_that_fits_are_taken(served: Served) -> None:
+    with Client(served.url, TOKEN) as client:
+        frame = client["wall"].frames[1]
+        label = client["wall"].create_label("brick")
+        count = len(frame.annotation())
+        for kind in (np.int64, np.float32, np.uint8):
+            frame.annotate(np.full(count, label.id, kind))
+            assert (frame.annotation() == label.id).all()
+            frame.annotate(np.zeros(count, kind))
+        for wrong in (-1, 70_000, 0.5, np.nan):
+            with pytest.raises(BadInputError, match=f"fit uint16, got {wrong}"):
+                frame.annotate(np.full(count, wrong))
+        assert not frame.annotation().any()
+
+
 def test_refusals_are_the_named_errors(served: Served) -> None:
     with Client(served.url, TOKEN) as client:
         with pytest.raises(NotFoundError, match="nothing"):

@@ -19,6 +19,7 @@ from pointbrush.client.values import (
     Candidate,
     Edit,
     array_of,
+    layer_of,
     npy_of,
     rays,
     read,
@@ -86,6 +87,8 @@ class Frame(Part[L]):
     ) -> Steps[Edit]:
         """Replace a layer, as one edit.
 
+        ``values`` (N,) may be of any type that holds whole numbers; BadInputError for those that
+        the layer cannot hold (label 0 to 65535, provenance 0 to 255, deleted 0 or 1).
         ``if_match``: the ``etag`` of what it was made from; ConflictError when the frame has
         changed since.
         """
@@ -96,7 +99,7 @@ class Frame(Part[L]):
             "PUT",
             "/annotation",
             again=True,
-            content=npy_of(np.asarray(values)),
+            content=npy_of(layer_of(values, layer)),
             headers=headers,
             params={"layer": layer, "id": str(uuid.uuid4())},
         )

@@ -256,8 +256,9 @@ class Recording(Part[L]):
         """Import labels made elsewhere, and wait; returns the report.
 
         ``files``: a text is a path of the server, anything else is uploaded.  ``map`` names
-        classes: JSON, or lines ``number name``; ``field`` is that of the points that is labels;
-        ``no_ground`` leaves the ground out of boxes.  ``patience``: as of ``track``.
+        classes: JSON, YAML, XML of point_labeler, or lines ``number name``; ``field`` is that of
+        the points that is labels; ``no_ground`` leaves the ground out of boxes.  ``patience``: as
+        of ``track``.
         """
         given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
         job = yield from self._label_import(files, given, dry_run, patience)

@@ -34,6 +34,8 @@ BY_STATUS: dict[int, type[errors.PointbrushError]] = {
 }
 AHEAD = (0.0, 0.0, -1.0)
 """Direction of a sample that is a place alone."""
+LAYER_TYPES = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
+"""Types of a frame's layers, which the server takes and gives."""
 
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
@@ -245,6 +247,24 @@ def array_of(answer: httpx.Response) -> NDArray[Any]:
     """Return the array of an ``.npy`` answer."""
     array: NDArray[Any] = np.load(io.BytesIO(answer.content), allow_pickle=False)
     return array
+
+
+def layer_of(values: ArrayLike, layer: str) -> NDArray[Any]:
+    """Return values in the type of a layer; raises BadInputError for values that do not fit it.
+
+    Values of a layer that is not known here stay as they are: the server says what is wrong.
+    """
+    array, dtype = np.asarray(values), LAYER_TYPES.get(layer)
+    if dtype is None or array.dtype == dtype or array.dtype.kind not in "biuf":
+        return array
+    with np.errstate(invalid="ignore"):
+        made: NDArray[Any] = array.astype(dtype)
+    wrong = array[made != array]
+    if wrong.size:
+        raise errors.BadInputError(
+            f"values: expected whole numbers that fit {np.dtype(dtype)}, got {wrong[0]}"
+        )
+    return made
 
 
 def npy_of(values: NDArray[Any]) -> bytes:
