@@ -85,7 +85,10 @@ def parser() -> argparse.ArgumentParser:
     labels_.add_argument("path", type=Path, metavar="PATH", help="a file or folder of labels")
     labels_.add_argument("--format", help=f"of the labels: {', '.join(LABEL_FORMATS)}")
     labels_.add_argument(
-        "--map", type=Path, metavar="FILE", help="names of classes: JSON, or lines 'number name'"
+        "--map",
+        type=Path,
+        metavar="FILE",
+        help="names of classes: JSON, YAML, XML, or lines 'number name'",
     )
     labels_.add_argument(
         "--no-ground", action="store_true", help="leave the ground out of each box"

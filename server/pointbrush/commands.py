@@ -72,7 +72,7 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> None:
     """Import labels made elsewhere and print what was found."""
-    from pointbrush.formats.annotation import read_map
+    from pointbrush.formats.class_maps import read_map
 
     with closing(Workspace(settings)) as workspace:
         job = workspace.import_labels(

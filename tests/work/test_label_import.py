@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import tempfile
 import time
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pointbrush.formats.annotation import parse_map
+from pointbrush.formats.class_maps import parse_map
 from pointbrush.formats.datasets import ClassName
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
@@ -89,6 +91,23 @@ def test_semantickitti_comes_in_as_one_edit(workspace: Workspace, tmp_path: Path
     assert car.category == "car"
     workspace.undo("drive", "me")
     assert set(labels(workspace, 0)) == {""}
+
+
+def test_labels_in_an_archive_alone_or_uploaded(workspace: Workspace, tmp_path: Path) -> None:
+    made = kitti(tmp_path / "made")
+    packed = tmp_path / "uploaded" / "labels.zip"
+    packed.parent.mkdir()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for path in sorted(made.rglob("*.label")):
+            archive.write(path, f"sequences/04/labels/{path.name}")
+    temporary = set(Path(tempfile.gettempdir()).glob("pointbrush-*"))
+    for place in (packed, packed.parent):
+        job = run(workspace, place)
+        assert job.state == "done", job.error
+        assert job.result["matched"] == 3
+        assert labels(workspace, 1)[:3] == ["car 7", "road", ""]
+        workspace.undo("drive", "me")
+    assert set(Path(tempfile.gettempdir()).glob("pointbrush-*")) <= temporary
 
 
 def test_a_dry_run_tells_and_writes_nothing(workspace: Workspace, tmp_path: Path) -> None:
@@ -216,8 +235,8 @@ def test_maps_are_json_or_lines(tmp_path: Path) -> None:
 
 
 def test_every_format_of_labels_has_a_reader_and_a_name() -> None:
-    from pointbrush.formats.annotation import READERS
     from pointbrush.formats.box_labels import BOX_READERS
     from pointbrush.formats.names import LABEL_FORMATS
+    from pointbrush.formats.point_labels import READERS
 
     assert set(LABEL_FORMATS) == {*READERS, *BOX_READERS}

@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import IO
@@ -46,6 +47,23 @@ def unpack(path: Path, limits: Limits) -> Path:
         shutil.rmtree(target, ignore_errors=True)
         raise
     return target
+
+
+@contextmanager
+def unpacked(place: Path, limits: Limits) -> Iterator[Path]:
+    """Unpack an archive, or the only file of a folder that is one, while it is used.
+
+    Yields a folder, or ``place`` itself where it is neither.  Raises as ``unpack``.
+    """
+    inner = list(place.iterdir()) if place.is_dir() else [place]
+    if len(inner) != 1 or not inner[0].is_file() or not is_archive(inner[0]):
+        yield place
+        return
+    folder = unpack(inner[0], limits)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _unpack_into(path: Path, target: Path, limits: Limits) -> None:

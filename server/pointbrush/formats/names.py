@@ -9,7 +9,7 @@ DELIMITERS: Mapping[str, str] = {
 }  # fmt: skip
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
-    *("semantickitti", "lidarseg", "panoptic", "npy", "las"),
+    *("semantickitti", "lidarseg", "panoptic", "npy", "lines", "las"),
     *("labelcloud", "sustechpoints", "supervisely", "kitti-tracking", "kitti-tracklets"),
     "points",
 )

@@ -13,7 +13,7 @@ from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.annotation import parse_map
+from pointbrush.formats.class_maps import parse_map
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.names import LABEL_FORMATS

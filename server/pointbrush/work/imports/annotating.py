@@ -16,14 +16,15 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits, ReadOptions
 from pointbrush.formats.annotation import (
     LabelFiles,
-    PointLabels,
     find_label_files,
     frames_of,
 )
+from pointbrush.formats.archive import unpacked
 from pointbrush.formats.box_labels import BOX_READERS, points_of, read_boxes
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
+from pointbrush.formats.point_labels import PointLabels
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
@@ -113,11 +114,15 @@ class ReadLabelsWork:
 
         Raises BadInputError naming file and frame.
         """
+        if self.request.roots:
+            require_inside([self.request.place], self.request.roots)
+        with unpacked(self.request.place, self.limits) as place:
+            self._read(channel, place)
+
+    def _read(self, channel: Channel, place: Path) -> None:
         request = self.request
-        if request.roots:
-            require_inside([request.place], request.roots)
         wanted = request.format or ("points" if request.field else None)
-        files = find_label_files(request.place, wanted, request.names, self.limits)
+        files = find_label_files(place, wanted, request.names, self.limits)
         recording = open_sequence(self.recording)
         if files.format in BOX_READERS:
             self._boxes(channel, files, recording)

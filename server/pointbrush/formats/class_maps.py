@@ -1,0 +1,151 @@
+"""Class names by number, from the files in which tools and data sets state them.
+
+YAML: ``labels`` and ``color_map`` (blue, green, red) of PRBonn/semantic-kitti-api, config/*.yaml.
+XML: ``label`` elements of jbehley/point_labeler, assets/labels.xml.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.options import read_bytes
+
+GREATEST_CLASS = 65535
+MAP_BYTES = 4 << 20
+YAML_BYTES = 1 << 18
+"""Bytes of a YAML file, whose parser is slow."""
+LONGEST_NAME = 200
+NO_CLASS = ("unlabeled", "unlabelled", "unclassified", "undefined", "void", "none", "ignore")
+"""Names that files of data sets and tools give to number 0 where it is no class."""
+_LINE = re.compile(r"\s*(\d+)\s*[:,;\s]\s*(\S.*?)\s*", re.ASCII)
+_YAML_KEY = re.compile(r"^[A-Za-z_]\w*\s*:", re.MULTILINE)
+_RGB_STATED = re.compile(r"^color_map\s*:.*\brgb\b", re.MULTILINE | re.IGNORECASE)
+
+
+def read_map(path: Path) -> dict[int, ClassName]:
+    """Read class names from a file; see ``parse_map``.  Raises NotFoundError, BadInputError."""
+    if path.exists() and path.stat().st_size > MAP_BYTES:
+        raise BadInputError(f"{path.name}: expected at most {MAP_BYTES} bytes")
+    return parse_map(path.name, read_bytes(path).decode("utf-8-sig", "replace"))
+
+
+def parse_map(name: str, text: str) -> dict[int, ClassName]:
+    """Parse class names from JSON ``{"10": "car"}`` or ``{"10": {"name": …, "color": …}}``, YAML
+    with ``labels``, XML of point_labeler, or lines ``10 car`` or ``10: car``.
+
+    Raises BadInputError naming ``name`` for other content.
+    """
+    start = text.lstrip()[:1]
+    if start == "{":
+        return _of_json(name, text)
+    if start == "<":
+        return _of_xml(name, text)
+    if _YAML_KEY.search(text):
+        return _of_yaml(name, text)
+    return _of_lines(name, text)
+
+
+def _of_json(name: str, text: str) -> dict[int, ClassName]:
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise BadInputError(f"{name}: expected JSON of numbers and names: {error}") from None
+    return dict(_entry(name, key, value) for key, value in content.items())
+
+
+def _of_lines(name: str, text: str) -> dict[int, ClassName]:
+    found = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = _LINE.fullmatch(line)
+        if words is not None:
+            key, value = _entry(name, words.group(1), words.group(2).strip("\"'"))
+            found[key] = value
+        elif line.strip() and not line.lstrip().startswith("#"):
+            raise BadInputError(f"{name} line {number}: expected 'number name', got another line")
+    return found
+
+
+def _of_yaml(name: str, text: str) -> dict[int, ClassName]:
+    import yaml
+
+    if len(text) > YAML_BYTES:
+        raise BadInputError(f"{name}: expected at most {YAML_BYTES} characters of YAML")
+    try:
+        content = yaml.safe_load(text)
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        reason = " ".join(str(error).split())[:120]
+        raise BadInputError(f"{name}: expected YAML of class names: {reason}") from None
+    labels = content.get("labels") if isinstance(content, dict) else None
+    if not isinstance(labels, dict):
+        raise BadInputError(f"{name}: expected YAML with 'labels', numbers and names, got none")
+    colors = content.get("color_map")
+    order = 1 if _RGB_STATED.search(text) else -1
+    return _classes(
+        _entry(name, str(key), {"name": value, "color": _hex(name, colors, key, order)})
+        for key, value in labels.items()
+    )
+
+
+def _classes(entries: Iterable[tuple[int, ClassName]]) -> dict[int, ClassName]:
+    """Classes by number, without a number 0 whose name says that it is none."""
+    found = dict(entries)
+    if 0 in found and found[0].name.lower() in NO_CLASS:
+        del found[0]
+    return found
+
+
+def _hex(name: str, colors: object, key: object, order: int) -> str:
+    """Colour of a class as #rrggbb from its three numbers in a color_map, "" without one."""
+    color = colors.get(key) if isinstance(colors, Mapping) else None
+    if color is None:
+        return ""
+    if not isinstance(color, list) or len(color) != 3 or not all(_is_byte(c) for c in color):
+        raise BadInputError(f"{name}: expected three numbers 0 to 255 as colour of {key}")
+    return "#{:02x}{:02x}{:02x}".format(*color[::order])
+
+
+def _is_byte(value: object) -> bool:
+    return isinstance(value, int) and 0 <= value <= 255
+
+
+def _of_xml(name: str, text: str) -> dict[int, ClassName]:
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise BadInputError(f"{name}: expected XML without entities")
+    try:
+        root = ElementTree.fromstring(text)  # noqa: S314 – without entities
+    except (ElementTree.ParseError, ValueError) as error:
+        raise BadInputError(f"{name}: expected XML of class names: {error}") from None
+    found = _classes(_of_element(name, label) for label in root.iter("label"))
+    if not found:
+        raise BadInputError(f"{name}: expected XML with 'label' elements, got {root.tag!r}")
+    return found
+
+
+def _of_element(name: str, label: ElementTree.Element) -> tuple[int, ClassName]:
+    key, called = (str(label.findtext(tag) or "").strip() for tag in ("id", "name"))
+    words = (label.findtext("color") or "").split()
+    try:
+        color = _hex(name, {key: [int(word) for word in words]} if words else None, key, 1)
+    except ValueError:
+        raise BadInputError(f"{name}: expected three numbers as colour of {key}") from None
+    return _entry(name, key, {"name": called, "color": color})
+
+
+def _entry(name: str, key: str, value: object) -> tuple[int, ClassName]:
+    text, color = value, ""
+    if isinstance(value, dict):
+        text, color = value.get("name"), str(value.get("color") or "")
+    whole = key.isascii() and key.isdigit() and int(key[:9]) <= GREATEST_CLASS
+    right = isinstance(text, str) and 0 < len(text.strip()) <= LONGEST_NAME
+    if not whole or not right or not re.fullmatch("(#[0-9a-fA-F]{6})?", color):
+        raise BadInputError(
+            f"{name}: expected class numbers 0 to {GREATEST_CLASS} with names, got "
+            f"{key[:40]!r}: {str(value)[:80]!r}"
+        )
+    return int(key), ClassName(str(text).strip(), color)

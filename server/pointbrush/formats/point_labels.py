@@ -1,0 +1,169 @@
+"""Readers of labels a point: files of labels beside the points they are of.
+
+Rows are in the order of the points' own file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.class_maps import GREATEST_CLASS
+from pointbrush.formats.columns import number_of
+from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.npy import require_array_header
+from pointbrush.formats.numbers import is_number, parse_numbers
+from pointbrush.formats.options import ReadOptions, read_bytes, require_count
+from pointbrush.formats.palette import labels_of_packed, own_palette
+from pointbrush.formats.registry import format_by_name
+
+Numbers = NDArray[np.int64]
+PANOPTIC = 1000
+"""nuScenes panoptic: a category's number times this, plus the instance's."""
+CLASSIFICATION = "classification=label"
+LINE_ENDINGS = (".labels", ".seg")
+"""Of text with a label a line: Semantic3D's and ShapeNet's."""
+HEAD = 4096
+"""Bytes of a text that tell whether it has a number a line."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointLabels:
+    """Labels of one file's points: ``category`` (N,) class numbers, 0 for none unless the map names
+    it; ``instance`` (N,) numbers or None."""
+
+    file: str
+    category: Numbers
+    instance: Numbers | None
+
+
+def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
+    data = read_bytes(path)
+    if len(data) % 4:
+        raise BadInputError(f"{path.name}: expected labels of 4 bytes, got {len(data)} bytes")
+    require_count(path.name, len(data) // 4, options.limits)
+    raw = np.frombuffer(data, "<u4")
+    own = own_palette(path)
+    if own is not None:
+        return PointLabels(path.name, labels_of_packed(path.name, raw, own).astype(np.int64), None)
+    packed = raw.astype(np.int64)
+    instance = packed >> 16
+    return PointLabels(path.name, packed & 0xFFFF, instance if instance.any() else None)
+
+
+def _read_lidarseg(path: Path, options: ReadOptions) -> PointLabels:
+    data = read_bytes(path)
+    require_count(path.name, len(data), options.limits)
+    return PointLabels(path.name, np.frombuffer(data, np.uint8).astype(np.int64), None)
+
+
+def _read_panoptic(path: Path, options: ReadOptions) -> PointLabels:
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            keys = stored.files
+            packed = stored["data"] if "data" in keys else stored[keys[0]]
+    except Exception as error:
+        raise BadInputError(f"{path.name}: expected an array 'data': {error}") from None
+    require_count(path.name, packed.size, options.limits)
+    if packed.ndim != 1 or packed.dtype.kind not in "ui":
+        raise BadInputError(
+            f"{path.name}: expected (N,) whole numbers, got {packed.shape} {packed.dtype}"
+        )
+    numbers = packed.astype(np.int64)
+    return PointLabels(path.name, numbers // PANOPTIC, numbers % PANOPTIC)
+
+
+def _read_npy(path: Path, options: ReadOptions) -> PointLabels:
+    require_array_header(path, options)
+    array = np.load(path, allow_pickle=False, max_header_size=1 << 20)
+    if array.ndim == 2 and 1 in array.shape:
+        array = array.reshape(-1)
+    if array.ndim != 1 or array.dtype.kind not in "uifb":
+        raise BadInputError(
+            f"{path.name}: expected labels as (N,) whole numbers, got {array.shape} {array.dtype}"
+        )
+    return _of_numbers(path.name, array)
+
+
+def _of_numbers(name: str, values: NDArray[np.generic]) -> PointLabels:
+    numbers = number_of(name, "label", values, GREATEST_CLASS)
+    return PointLabels(name, numbers.astype(np.int64), None)
+
+
+def _read_lines(path: Path, options: ReadOptions) -> PointLabels:
+    """Read a label a line in the order of the points, after a line of words if there is one."""
+    head, _, rest = read_bytes(path).partition(b"\n")
+    text = rest if not is_number(_line(head)) else head + b"\n" + rest
+    require_count(path.name, text.count(b"\n"), options.limits)
+    return _of_numbers(path.name, parse_numbers(path.name, text))
+
+
+def has_label_lines(path: Path) -> bool:
+    """Whether a text begins with lines of one whole number, after at most one line of words."""
+    with path.open("rb") as file:
+        lines = file.read(HEAD).splitlines(keepends=True)
+    if len(lines) > 1 and not lines[-1].endswith((b"\n", b"\r")):
+        lines = lines[:-1]
+    words = [word for line in lines if (word := _line(line))]
+    if words and not is_number(words[0]):
+        words = words[1:]
+    return bool(words) and all(is_number(w) and not float(w) % 1 for w in words)
+
+
+def _line(line: bytes) -> str:
+    return line.decode("utf-8", "replace").strip()
+
+
+def _read_points(path: Path, options: ReadOptions) -> PointLabels:
+    entry = format_by_name(path)
+    if entry is None:
+        raise BadInputError(f"{path.name}: expected a file of points with labels, got another")
+    frame = next(iter(entry.read(path, options)), None)
+    if frame is None or frame.label is None:
+        raise BadInputError(f"{path.name}: expected a field of labels, got none")
+    if frame.dropped and frame.rows is None:
+        raise BadInputError(
+            f"{path.name}: expected all {len(frame) + frame.dropped} points to be valid, "
+            f"{frame.dropped} are not, so that their order is not known"
+        )
+    instance = None if frame.instance is None else frame.instance.astype(np.int64)
+    if own_palette(path) is not None:
+        instance = None  # a label of ours is an instance
+    labels = PointLabels(path.name, frame.label.astype(np.int64), instance)
+    return labels if frame.rows is None else _of_rows(labels, frame.rows, frame.dropped)
+
+
+def _of_rows(labels: PointLabels, rows: Numbers, dropped: int) -> PointLabels:
+    """Spread labels over all rows of a file, 0 for those that are no points."""
+
+    def spread(values: Numbers) -> Numbers:
+        of_row = np.zeros(len(rows) + dropped, np.int64)
+        of_row[rows] = values
+        return of_row
+
+    instance = None if labels.instance is None else spread(labels.instance)
+    return replace(labels, category=spread(labels.category), instance=instance)
+
+
+def _read_classification(path: Path, options: ReadOptions) -> PointLabels:
+    """Read the classification of LAS and LAZ; 0 and 1 are points that nobody classified."""
+    labels = _read_points(path, replace(options, chosen=Corrections(columns=(CLASSIFICATION,))))
+    return replace(labels, category=np.where(labels.category == 1, 0, labels.category))
+
+
+READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxyType({
+    "semantickitti": _read_semantic_kitti,
+    "lidarseg": _read_lidarseg,
+    "panoptic": _read_panoptic,
+    "npy": _read_npy,
+    "lines": _read_lines,
+    "las": _read_classification,
+    "points": _read_points,
+})  # fmt: skip
+"""Formats of labels a point."""
