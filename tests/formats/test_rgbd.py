@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import open_source, read
+from pointbrush.formats import open_source, read, reported
 
 
 def image(path, array):
@@ -75,7 +75,10 @@ def test_tum_layout_pairs_by_time_and_has_poses(tmp_path):
     frames = list(source.frames)
     assert [frame.timestamp for frame in frames] == times
     assert source.fps == pytest.approx(29.5, abs=1)
-    assert [frame.pose[0, 3] for frame in frames] == [0, 1, 2]
+    # Between the poses 2 ms after each image, whose steps are 36 and 32 ms.
+    assert [frame.pose[0, 3] for frame in frames] == pytest.approx(
+        [0, 1 - 2 / 36.04, 2 - 2 / 31.999], abs=1e-3
+    )
     assert frames[0].pose[:3, :3].tolist() == [[-1, 0, 0], [0, -1, 0], [0, 0, 1]]
     assert frames[0].camera.fx == 517.3
     assert frames[0].xyz[0, 2] == 1.0
@@ -106,8 +109,6 @@ def test_what_does_not_fit_says_so(tmp_path):
     image(tmp_path / "b" / "depth" / "0.png", depths())
     image(tmp_path / "b" / "depth" / "1.png", depths())
     image(tmp_path / "b" / "rgb" / "0.png", colors())
-    with pytest.raises(BadInputError, match="each of 2 depth images, got 1"):
-        open_source([tmp_path / "b"])
     image(tmp_path / "b" / "rgb" / "1.png", colors(640, 100))
     with pytest.raises(BadInputError, match=r"1\.png: .*512x424 .*got 640x100"):
         list(read(tmp_path / "b"))
@@ -115,7 +116,7 @@ def test_what_does_not_fit_says_so(tmp_path):
     with pytest.raises(BadInputError, match=r"512x424 as the first, got 640x480|shape 640x480"):
         list(read(tmp_path / "b"))
     image(tmp_path / "c" / "depth" / "0.png", depths().astype(np.uint8))
-    with pytest.raises(BadInputError, match="16 bits, got mode L"):
+    with pytest.raises(BadInputError, match="16 bits or floats, got mode L"):
         list(read(tmp_path / "c"))
     (tmp_path / "c" / "camera.json").write_text('{"fx": -1, "fy": 1, "cx": 1, "cy": 1}')
     with pytest.raises(BadInputError, match="positive fx"):
@@ -138,3 +139,128 @@ def test_lists_that_lead_outside_are_refused(tmp_path):
     (tmp_path / "secret.png").write_bytes(b"x")
     with pytest.raises(BadInputError, match="file within run"):
         open_source([tmp_path / "run"])
+
+
+CAMERA = {"fx": 8, "fy": 8, "cx": 4, "cy": 3}
+
+
+def test_marks_of_no_depth_are_no_points(tmp_path):
+    depth = np.full((6, 8), 1000, np.uint16)
+    depth[:, 0], depth[:, 1] = 65535, 0
+    image(tmp_path / "depth" / "0.png", depth)
+    metres = np.full((6, 8), 1.0, np.float32)
+    metres[0, :6] = [np.nan, np.inf, -1, 0, 65535, 1e10]
+    image(tmp_path / "depth" / "1.tiff", metres)
+    (tmp_path / "camera.json").write_text(json.dumps(CAMERA))
+    whole, real = read(tmp_path)
+    assert (len(whole), whole.dropped) == (36, 12)
+    assert (len(real), real.dropped) == (42, 6)
+    # Floats are metres where no scale is stated, whole numbers are millimetres.
+    assert whole.xyz[:, 2].tolist() == [1.0] * 36
+    assert real.xyz[:, 2].tolist() == [1.0] * 42
+
+
+@pytest.mark.parametrize(
+    ("scale", "value", "said"),
+    [
+        (0.001, 1500, r"got 1,500,000 by 0\.001 values per metre; camera\.json: depth_scale is"),
+        (1, 1500, "got 1,500 by 1 values per metre"),
+    ],
+)
+def test_a_scale_that_gives_kilometres_is_refused(tmp_path, scale, value, said):
+    image(tmp_path / "depth" / "0.png", depths(8, 6, value))
+    (tmp_path / "camera.json").write_text(json.dumps({**CAMERA, "depth_scale": scale}))
+    with pytest.raises(BadInputError, match=f"0\\.png: expected depths of .* metres, {said}"):
+        list(read(tmp_path))
+
+
+def shades(folder):
+    with reported() as warnings:
+        frames = list(open_source([folder]).frames)
+    found = [None if frame.rgb is None else int(frame.rgb[0, 0]) for frame in frames]
+    return found, " ".join(warnings)
+
+
+@pytest.mark.parametrize(
+    ("depth_name", "color_name"),
+    [
+        ("depth/{:06d}.png", "color/{:06d}.png"),
+        ("depth/depth_{:04d}.png", "rgb/rgb_{:04d}.png"),
+        ("frame-{:06d}.depth.png", "frame-{:06d}.color.png"),
+        ("depth/{:06d}.png", "color/scene{}.png"),
+        ("depth/161643123{}.5.png", "color/161643123{}.508.png"),
+    ],
+)
+def test_lost_images_shift_no_colour(tmp_path, depth_name, color_name):
+    for k in (0, 1, 3, 4):
+        image(tmp_path / depth_name.format(k), depths(8, 6))
+    for k in (0, 2, 3, 4):
+        image(tmp_path / color_name.format(k), np.full((6, 8, 3), 20 + 40 * k, np.uint8))
+    (tmp_path / "camera.json").write_text(json.dumps(CAMERA))
+    found, said = shades(tmp_path)
+    assert found == [20, None, 140, 180]
+    assert f"1 of 4 depth images have no colour: {depth_name.format(1).split('/')[-1]}" in said
+    assert f"have no depth image and are left out: {color_name.format(2).split('/')[-1]}" in said
+
+
+def test_names_that_tell_no_pairs_are_an_error(tmp_path):
+    (tmp_path / "camera.json").write_text(json.dumps(CAMERA))
+    for k in range(2):
+        image(tmp_path / "depth" / f"{k}.png", depths(8, 6))
+        image(tmp_path / "rgb" / f"{k + 7}.png", colors(8, 6))
+    with pytest.raises(BadInputError, match=r"got 0\.png, 1\.png and 7\.png, 8\.png"):
+        open_source([tmp_path])
+    image(tmp_path / "rgb" / "0.png", colors(8, 6))
+    image(tmp_path / "rgb" / "rgb_0.png", colors(8, 6))
+    with pytest.raises(BadInputError, match=r"one colour image a moment, got .*0\.png"):
+        open_source([tmp_path])
+
+
+def seven_scenes(folder):
+    """Names, matrices and sizes of microsoft's 7-Scenes."""
+    for k in range(3):
+        image(folder / f"frame-{k:06d}.depth.png", depths(640, 480, 1000))
+        image(folder / f"frame-{k:06d}.color.png", colors(640, 480))
+        pose = np.eye(4)
+        pose[0, 3] = k
+        np.savetxt(folder / f"frame-{k:06d}.pose.txt", pose, delimiter="\t ")
+
+
+def test_7_scenes_has_poses_and_its_own_camera(tmp_path):
+    seven_scenes(tmp_path / "seq-01")
+    frames = list(read(tmp_path / "seq-01"))
+    assert [frame.pose[0, 3] for frame in frames] == [0, 1, 2]
+    assert (frames[0].camera.fx, frames[0].camera.cx) == (585.0, 320.0)
+
+
+def test_a_lost_camera_has_no_pose(tmp_path):
+    seven_scenes(tmp_path / "seq-01")
+    lost = tmp_path / "seq-01" / "frame-000001.pose.txt"
+    lost.write_text("-inf " * 16)
+    with reported() as warnings:
+        frames = list(read(tmp_path / "seq-01"))
+    assert [None if frame.pose is None else frame.pose[0, 3] for frame in frames] == [0, None, 2]
+    assert "1 of 3 frames have no pose" in " ".join(warnings)
+
+
+def test_scannet_has_colours_of_another_camera(tmp_path):
+    image(tmp_path / "depth" / "0.png", depths(64, 48, 2000))
+    # Columns of the colour image tell themselves; its camera looks at twice the angle a pixel.
+    image(tmp_path / "color" / "0.jpg", np.full((97, 130, 3), 90, np.uint8))
+    (tmp_path / "intrinsic").mkdir()
+    depth_camera, color_camera = np.diag([50.0, 50, 1, 1]), np.diag([100.0, 100, 1, 1])
+    depth_camera[:2, 2], color_camera[:2, 2] = (32, 24), (130, 48)
+    np.savetxt(tmp_path / "intrinsic" / "intrinsic_depth.txt", depth_camera)
+    np.savetxt(tmp_path / "intrinsic" / "intrinsic_color.txt", color_camera)
+    (tmp_path / "pose").mkdir()
+    np.savetxt(tmp_path / "pose" / "0.txt", np.eye(4))
+    (frame,) = read(tmp_path)
+    assert (frame.camera.fx, frame.camera.cx) == (50, 32)
+    assert frame.pose.tolist() == np.eye(4).tolist()
+    u = frame.pixel % 64
+    # The right half of what depth sees is outside of the picture.
+    assert (frame.rgb[u > 32] == 0).all()
+    assert (frame.rgb[(u < 30) & (frame.pixel // 64 < 40)] > 80).all()
+    (tmp_path / "intrinsic" / "intrinsic_color.txt").unlink()
+    (frame,) = read(tmp_path)
+    assert (frame.rgb > 80).all(), "a shape that is nearly the same is taken pixel by pixel"

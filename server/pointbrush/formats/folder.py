@@ -74,7 +74,7 @@ def _directly(
     chosen = _point_files(folder, _files(folder, options), format, weakly, options)
     if chosen:
         return list_files(chosen, format, folder, options)
-    return _images(folder, format)
+    return _images(folder, format, options)
 
 
 def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
@@ -86,9 +86,9 @@ def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
     ]
 
 
-def _images(folder: Path, format: str | None) -> Listing | None:
+def _images(folder: Path, format: str | None, options: ReadOptions) -> Listing | None:
     wanted = format is None or format_named(format).name == "rgbd"
-    return list_rgbd(folder) if wanted else None
+    return list_rgbd(folder, _named_file(options)) if wanted else None
 
 
 def _files(folder: Path, options: ReadOptions) -> list[Path]:
@@ -168,7 +168,7 @@ def _has_points(
 ) -> bool:
     if _point_files(folder, _files(folder, options), format, weakly, options):
         return True
-    if _images(folder, format) is not None:
+    if _images(folder, format, options) is not None:
         return True
     inner = (path for path in folder.iterdir() if path.is_dir() and not path.is_symlink())
     return depth > 0 and any(
@@ -311,8 +311,9 @@ def _poses(
     if options.chosen.poses == "none":
         return None
     names = [path.name for path in files]
-    if options.chosen.poses_file is not None:
-        return _named_poses(options.chosen.poses_file, names, times, options)
+    named = _named_file(options)
+    if named is not None:
+        return read_poses(named, names, times)
     kitti = entry.name in ("kitti", "bin")
     try:
         if entry.name == "feather":
@@ -328,11 +329,11 @@ def _poses(
         return None
 
 
-def _named_poses(
-    path: Path, names: Sequence[str], times: list[float] | None, options: ReadOptions
-) -> Poses:
-    if options.limits.roots:
+def _named_file(options: ReadOptions) -> Path | None:
+    """The file of poses that a person names; raises NotFoundError, ForbiddenError."""
+    path = options.chosen.poses_file
+    if path is not None and options.limits.roots:
         require_inside([path], options.limits.roots)
-    if not path.is_file():
+    if path is not None and not path.is_file():
         raise NotFoundError(f"poses: expected 'auto', 'none' or a file, there is no {path.name}")
-    return read_poses(path, names, times)
+    return path

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.interpolation import Pose
 from pointbrush.formats.options import Limits
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
-from pointbrush.formats.poses import Pose, Poses, of_quaternion
+from pointbrush.formats.poses import Poses, of_quaternion
 
 TOKEN = re.compile(r"([0-9a-f]{32})_(lidarseg\.bin|panoptic\.npz)")
 """Names of label files, which tell only by a table what they are of."""

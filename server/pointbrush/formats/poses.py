@@ -16,22 +16,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.timing import lines_of, natural_key, read_times
+from pointbrush.formats.interpolation import Pose, interpolated
+from pointbrush.formats.numbers import is_number
+from pointbrush.formats.timing import lines_of, natural_key, read_times, seconds_of
 
 log = logging.getLogger(__name__)
-Pose = NDArray[np.float64]
 CAMERA_KEYS = ("Tr", "Tr_velo_to_cam", "Tr_velo_cam")
 EARTH_RADIUS = 6_378_137.0
 """Metres; of the projection in KITTI's development kit."""
-MOST_APART = 0.2
-"""Seconds between a frame and the pose that is taken for it."""
+MOST_OFF = 0.05
+"""Difference of a rotation's determinant from 1, as rounded files have it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Poses:
-    """``T_world_frame`` (4, 4) of each frame, and the file they come from."""
+    """``T_world_frame`` (4, 4) of each frame, None where there is none, and their file."""
 
-    matrices: list[Pose]
+    matrices: Sequence[Pose | None]
     source: str
 
 
@@ -69,14 +70,17 @@ def read_poses(
     """A file of poses, one for each of the files ``names``; the world is the first frame's sensor
     where they are a camera's.
 
-    ``times`` of the frames pair them with lines that begin with one.  ``calibration`` is the
-    folder of ``calib.txt``, the file's own unless given.  Raises BadInputError for other lines.
+    Lines that begin with a time or a name belong to frames by it; poses at another rate than the
+    frames are interpolated at ``times``, seconds.  ``calibration`` is the folder of ``calib.txt``,
+    the file's own unless given.  Raises BadInputError for other lines.
     """
     rows = [
         (f"{path.name} line {number}", words)
         for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1)
         if (words := line.split("#")[0].replace(",", " ").split())
     ]
+    if rows and not any(is_number(word) for word in rows[0][1]):
+        rows = rows[1:]  # a header
     if not rows:
         raise BadInputError(f"{path.name}: expected lines of poses, got none")
     if {len(words) for _, words in rows} <= {7, 8}:
@@ -90,7 +94,7 @@ def read_poses(
         )
         T_cam_velo = np.eye(4)
     T_velo_cam = np.linalg.inv(T_cam_velo)
-    poses = [T_velo_cam @ _matrix(where, words) @ T_cam_velo for where, words in rows]
+    poses = [T_velo_cam @ pose_of(where, words) @ T_cam_velo for where, words in rows]
     fitting = lines_of(path.name, "poses", len(poses), names)
     return Poses([poses[line] for line in fitting], path.name)
 
@@ -100,17 +104,26 @@ def _timed(
     rows: list[tuple[str, list[str]]],
     names: Sequence[str],
     times: Sequence[float] | None,
-) -> list[Pose]:
-    """Poses of lines ``[time] x y z qx qy qz qw``, by time, else in their order."""
-    table = np.array([_floats(where, words) for where, words in rows if len(words) == 8])
-    if len(table) == len(rows) and times is not None:
-        nearest = np.abs(table[:, :1] - np.asarray(times)).argmin(axis=0)
-        apart = np.abs(table[nearest, 0] - np.asarray(times))
-        if (apart <= MOST_APART).all():
-            return [of_quaternion(rows[i][0], table[i, 1:]) for i in nearest.tolist()]
-    fitting = lines_of(name, "poses", len(rows), names)
-    numbers = [(rows[i][0], _floats(*rows[i])) for i in fitting]
-    return [of_quaternion(where, row[-7:]) for where, row in numbers]
+) -> list[Pose | None]:
+    """Poses of lines ``[time] x y z qx qy qz qw``: by name, by time, else in their order."""
+    poses = [of_quaternion(where, _floats(where, words[-7:])) for where, words in rows]
+    if all(len(words) == 8 for _, words in rows):
+        line_of = {_bare(words[0]): line for line, (_, words) in enumerate(rows)}
+        stems = [_bare(Path(file).stem) for file in names]
+        if all(stem in line_of for stem in stems):
+            return [poses[line_of[stem]] for stem in stems]
+        if times is not None:
+            stamps = [seconds_of(words[0]) for _, words in rows]
+            known = [stamp for stamp in stamps if stamp is not None]
+            if len(known) < len(stamps):
+                raise BadInputError(f"{rows[stamps.index(None)][0]}: expected a time first")
+            return interpolated(name, known, poses, times)
+    return [poses[line] for line in lines_of(name, "poses", len(rows), names)]
+
+
+def _bare(word: str) -> str:
+    """A name without leading zeros."""
+    return word.lstrip("0") or "0"
 
 
 def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
@@ -140,11 +153,12 @@ def _velodyne_to_camera(path: Path) -> Pose | None:
         for line in path.read_text("utf-8", "replace").splitlines():
             key, _, values = line.partition(":")
             if key.strip() in CAMERA_KEYS:
-                return _matrix(f"{path.name} {key.strip()}", values.split())
+                return pose_of(f"{path.name} {key.strip()}", values.split())
     return None
 
 
-def _matrix(where: str, words: list[str]) -> Pose:
+def pose_of(where: str, words: list[str]) -> Pose:
+    """The pose of 12 or 16 numbers, by rows; raises BadInputError naming ``where``."""
     try:
         values = np.array([float(word) for word in words])
     except ValueError:
@@ -153,7 +167,13 @@ def _matrix(where: str, words: list[str]) -> Pose:
         raise BadInputError(f"{where}: expected 12 numbers, got {len(words)} words")
     matrix = np.eye(4)
     matrix[:3] = values[:12].reshape(3, 4)
-    if abs(np.linalg.det(matrix[:3, :3]) - 1) > 0.05:
+    determinant = float(np.linalg.det(matrix[:3, :3]))
+    if abs(determinant + 1) < MOST_OFF:
+        raise BadInputError(
+            f"{where}: expected a rotation of right-handed axes, got one of left-handed axes "
+            "(determinant -1); convert points and poses first, as by turning the sign of y"
+        )
+    if abs(determinant - 1) > MOST_OFF:
         raise BadInputError(f"{where}: expected a rotation and a translation, got another matrix")
     return matrix
 
@@ -209,9 +229,8 @@ def _of_oxts(drive: Path, names: Sequence[str], times: Sequence[float] | None) -
     poses = [to_first @ pose for pose in poses]
     stamps = drive / "oxts" / "timestamps.txt"
     if times is not None and stamps.is_file():
-        moments = np.array(read_times(stamps, [file.name for file in files]))
-        nearest = np.abs(moments[:, None] - np.asarray(times)).argmin(axis=0)
-        return Poses([poses[i] for i in nearest.tolist()], "oxts")
+        moments = read_times(stamps, [file.name for file in files])
+        return Poses(interpolated("oxts", moments, poses, times), "oxts")
     by_stem = {file.stem: pose for file, pose in zip(files, poses, strict=True)}
     absent = [name for name in names if Path(name).stem not in by_stem]
     if absent:

@@ -16,6 +16,7 @@ from pathlib import Path
 from pointbrush.errors import BadInputError
 from pointbrush.formats import mcap, rosbag1, rosbag2
 from pointbrush.formats.bag import Bag
+from pointbrush.formats.depth_image import read_depth
 from pointbrush.formats.e57 import read_e57
 from pointbrush.formats.feather import read_feather
 from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes, read_xyzrgb
@@ -25,7 +26,6 @@ from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pcd import read_pcd
 from pointbrush.formats.ply import read_ply
 from pointbrush.formats.ptx import read_ptx
-from pointbrush.formats.rgbd import read_depth
 from pointbrush.formats.text import read_text
 from pointbrush.frame import PointFrame
 

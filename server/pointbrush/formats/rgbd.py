@@ -1,207 +1,36 @@
-"""Depth images with their colour images: TUM RGB-D, and pairs of images (Kinect v2).
-
-Points are in the depth camera's axes: x right, y down, z forward.  Pixels without depth (0) are
-missing measurements and left out.
-"""
+"""Recordings of depth images: TUM RGB-D, 7-Scenes, ScanNet, and pairs of images (Kinect v2)."""
 
 from __future__ import annotations
 
-import io
-import json
+import logging
 import re
-import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image
 
-from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.errors import BadInputError
+from pointbrush.formats.depth_image import Cameras, cameras_of, depth_frame
+from pointbrush.formats.interpolation import NEAR, Pose
 from pointbrush.formats.listing import FrameFile, Listing
-from pointbrush.formats.options import Extras, ReadOptions, read_bytes
-from pointbrush.formats.poses import of_quaternion
-from pointbrush.formats.timing import (
-    natural_key,
-    rate_of,
-    stated_rate,
-    times_of,
-)
-from pointbrush.frame import DepthCamera, PointFrame
+from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.poses import Poses, pose_of, read_poses
+from pointbrush.formats.timing import natural_key, rate_of, stated_rate, time_in_name, times_of
+from pointbrush.frame import PointFrame
 
-MAX_PIXELS = 64_000_000
-# Factory values of the Kinect v2's depth camera, and of the Kinect v1 / TUM RGB-D (ROS default).
-KINECT_2 = (512, 424, 365.456, 365.456, 254.878, 205.395)
-KINECT_1 = (640, 480, 525.0, 525.0, 319.5, 239.5)
-# Calibrated colour cameras of the TUM RGB-D benchmark, which depth is registered to.
-FREIBURG = {
-    "freiburg1": (517.3, 516.5, 318.6, 255.3),
-    "freiburg2": (520.9, 521.0, 325.1, 249.7),
-    "freiburg3": (535.4, 539.2, 320.1, 247.6),
-}
-CAMERA_FILES = (
-    *("camera.json", "intrinsics.json", "calibration.json", "camera_intrinsics.json"),
-    *("camera.txt", "intrinsics.txt", "calibration.txt", "calib.txt", "camera-intrinsics.txt"),
-)
+log = logging.getLogger(__name__)
 IMAGES = (".png", ".tif", ".tiff", ".pgm", ".jpg", ".jpeg", ".bmp", ".ppm")
 DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
 DEPTH_FOLDERS = ("depth", "depth_raw", "depths")
 COLOR_FOLDERS = ("rgb", "color", "colour", "colors", "registered", "image", "images")
-# Files of one moment: the TUM benchmark's tools pair within 20 ms.
-NEAR = 0.02
+POSE_FOLDERS = ("pose", "poses")
+_KINDS = re.compile(r"depth|rgb|colou?rs?|registered|images?|img|pose|raw")
+"""Words of a file name that tell what its image is of, and not when."""
 TUM_SCALE = 5000.0
-
-
-@dataclass(frozen=True, slots=True)
-class Intrinsics:
-    """Pinhole parameters in pixels, and ``scale``: depth values per metre."""
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    scale: float
-
-
-def read_depth(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """A single depth image (16 bits) without colour; intrinsics from a file beside it."""
-    yield depth_frame(path, None, None, options)
-
-
-def depth_frame(
-    depth_path: Path, color_path: Path | None, intrinsics: Intrinsics | None, options: ReadOptions
-) -> PointFrame:
-    """The valid pixels of a depth image as points.
-
-    A colour image of another size but the same shape is sampled at the nearest pixel.  Raises
-    BadInputError for damaged images, depth that is not 16 bits, or colour of another shape.
-    """
-    depth = _depth_image(depth_path)
-    height, width = depth.shape
-    known = intrinsics or find_intrinsics(depth_path.parent, width, height)
-    pixel = np.flatnonzero(depth)
-    z = depth.reshape(-1)[pixel].astype(np.float32) / np.float32(known.scale)
-    v, u = np.divmod(pixel, width)
-    xyz = np.empty((len(pixel), 3), np.float32)
-    xyz[:, 0] = (u - known.cx) * z / known.fx
-    xyz[:, 1] = (v - known.cy) * z / known.fy
-    xyz[:, 2] = z
-    return PointFrame(
-        xyz=xyz,
-        rgb=None if color_path is None else _colors(color_path, pixel, width, height),
-        pose=options.known.pose,
-        timestamp=options.known.timestamp,
-        viewpoint=np.zeros(3),
-        dropped=depth.size - len(pixel),
-        camera=DepthCamera(width, height, known.fx, known.fy, known.cx, known.cy),
-        pixel=pixel.astype(np.uint32),
-        rows=None if len(pixel) == depth.size else pixel.astype(np.int64),
-    )
-
-
-def _image(path: Path) -> Image.Image:
-    data = read_bytes(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            image = Image.open(io.BytesIO(data))
-            if image.width * image.height > MAX_PIXELS:
-                raise TooLargeError(
-                    f"{path.name}: expected at most {MAX_PIXELS} pixels, got "
-                    f"{image.width}x{image.height}"
-                )
-            image.load()
-    except TooLargeError:
-        raise
-    # Decoders of many formats raise errors of many kinds for damaged data.
-    except Exception as error:
-        reason = str(error).split("\n")[0][:120] or type(error).__name__
-        raise BadInputError(f"{path.name}: expected a whole image, {reason}") from None
-    return image
-
-
-def _depth_image(path: Path) -> NDArray[Any]:
-    image = _image(path)
-    depth = np.asarray(image)
-    if depth.ndim != 2 or image.mode not in ("I;16", "I;16B", "I;16L", "I", "F"):
-        raise BadInputError(
-            f"{path.name}: expected a depth image of one channel with 16 bits, got mode "
-            f"{image.mode}"
-        )
-    if depth.dtype.kind == "f":
-        return np.where(np.isfinite(depth) & (depth > 0), depth, 0)
-    if int(depth.min(initial=0)) < 0:
-        raise BadInputError(f"{path.name}: expected depths of 0 or more, got {depth.min()}")
-    return depth
-
-
-def _colors(path: Path, pixel: NDArray[np.int64], width: int, height: int) -> NDArray[np.uint8]:
-    image = _image(path)
-    if image.width * height != image.height * width:
-        raise BadInputError(
-            f"{path.name}: expected a colour image of the depth image's shape "
-            f"{width}x{height} (registered to it), got {image.width}x{image.height}"
-        )
-    color = np.asarray(image.convert("RGB"))
-    if image.width == width:
-        return color.reshape(-1, 3)[pixel]
-    v, u = np.divmod(pixel, width)
-    step = image.width / width
-    return color[((v + 0.5) * step).astype(np.int64), ((u + 0.5) * step).astype(np.int64)]
-
-
-def find_intrinsics(
-    folder: Path, width: int, height: int, scale: float | None = None
-) -> Intrinsics:
-    """From a camera file in the folder or the two above, else by the size of the images.
-
-    A file is JSON with fx, fy, cx, cy [, depth_scale], or text: ``fx fy cx cy [scale]`` or a
-    3x3 matrix.  ``scale`` is that of the layout, where the file does not say.
-    Raises BadInputError for a file of another form, or images of an unknown camera.
-    """
-    for place in (folder, *list(folder.parents)[:2]):
-        for name in CAMERA_FILES:
-            if (place / name).is_file():
-                return _parse(place / name, scale)
-    named = [v for k, v in FREIBURG.items() for p in (folder, *folder.parents) if k in p.name]
-    for size_x, size_y, *pinhole in (KINECT_2, KINECT_1):
-        if (width, height) == (size_x, size_y):
-            fx, fy, cx, cy = named[0] if named and width == 640 else pinhole
-            return Intrinsics(fx, fy, cx, cy, scale or 1000.0)
-    raise BadInputError(
-        f"{folder.name}: expected a camera.json with fx, fy, cx, cy for depth images of "
-        f"{width}x{height}, got none"
-    )
-
-
-def _parse(path: Path, scale: float | None) -> Intrinsics:
-    expected = f"{path.name}: expected fx, fy, cx, cy [, depth_scale] or a 3x3 matrix"
-    text = path.read_text("utf-8", "replace")
-    try:
-        if path.suffix == ".json":
-            document = json.loads(text)
-            if isinstance(document.get("intrinsic_matrix"), list):
-                # Open3D writes the matrix by columns.
-                matrix = np.array(document["intrinsic_matrix"], np.float64).reshape(3, 3).T
-                numbers = [matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]]
-            else:
-                numbers = [float(document[key]) for key in ("fx", "fy", "cx", "cy")]
-            numbers.append(float(document.get("depth_scale", scale or 1000.0)))
-        else:
-            lines = [line.split("#")[0].replace(",", " ") for line in text.splitlines()]
-            numbers = [float(word) for line in lines for word in line.split()]
-            if len(numbers) == 9:
-                numbers = [numbers[0], numbers[4], numbers[2], numbers[5]]
-            if len(numbers) == 4:
-                numbers.append(scale or 1000.0)
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise BadInputError(f"{expected}, got another form") from None
-    if len(numbers) != 5 or not np.isfinite(numbers).all() or min(*numbers[:2], numbers[4]) <= 0:
-        raise BadInputError(f"{expected} with positive fx, fy and scale, got others")
-    return Intrinsics(*numbers)
+TOLD = 3
+"""Files that a message names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,20 +42,13 @@ class Pair:
     time: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Camera:
-    """The camera of a recording: the size of its first depth image, which all must have."""
-
-    size: tuple[int, int]
-    intrinsics: Intrinsics
-
-
-def list_rgbd(folder: Path) -> Listing | None:
-    """The depth images of a folder with their colours as frames; None if it has no such layout.
+def list_rgbd(folder: Path, poses_file: Path | None = None) -> Listing | None:
+    """List the depth images of a folder with their colours as frames; None without such a layout.
 
     TUM RGB-D: ``depth.txt`` and ``rgb.txt`` list times and files, ``groundtruth.txt`` poses.
-    Otherwise: a ``depth`` and a ``color`` (``rgb``) folder, or files named so, in natural order.
-    Raises BadInputError when lists do not fit, or numbers of images differ.
+    Otherwise: a ``depth`` and a ``color`` (``rgb``) folder, or files named so, paired by name, by
+    time, else by number; poses of a file ``.pose.txt`` each (7-Scenes), or a ``pose`` folder.
+    Raises BadInputError when lists do not fit, or names of images do not tell pairs.
     """
     tum = (folder / "depth.txt").is_file() and (folder / "rgb.txt").is_file()
     pairs = _tum_pairs(folder) if tum else _paired(folder)
@@ -234,36 +56,31 @@ def list_rgbd(folder: Path) -> Listing | None:
         return None
     times = [pair.time for pair in pairs if pair.time is not None]
     known = times if len(times) == len(pairs) else None
-    poses = _poses(folder / "groundtruth.txt", known)
-    camera = _camera(pairs[0].depth, TUM_SCALE if tum else None)
+    poses = _poses(folder, pairs, known, poses_file)
+    cameras = cameras_of(pairs[0].depth, TUM_SCALE if tum else None)
     frames = [
         FrameFile(
-            partial(_read, pair, camera),
-            Extras(timestamp=pair.time, pose=poses[i] if poses else None),
+            partial(_read, pair, cameras),
+            Extras(timestamp=pair.time, pose=poses.matrices[i] if poses else None),
         )
         for i, pair in enumerate(pairs)
     ]
-    return Listing("rgbd", frames, known, rate_of(known) or stated_rate(folder), len(frames))
+    rate, stated = rate_of(known), stated_rate(folder)
+    said = "depth.txt" if tum else "the times of the depth images"
+    return Listing(
+        "rgbd",
+        frames,
+        known,
+        rate or stated,
+        len(frames),
+        order=f"by {said}" if known else "by number in the file names",
+        rate_from=said if rate else "meta.json" if stated else "",
+        poses_from=poses.source if poses else "",
+    )
 
 
-def _read(pair: Pair, camera: Camera, options: ReadOptions) -> Iterator[PointFrame]:
-    frame = depth_frame(pair.depth, pair.color, camera.intrinsics, options)
-    if frame.camera and (frame.camera.width, frame.camera.height) != camera.size:
-        raise BadInputError(
-            f"{pair.depth.name}: expected a depth image of {camera.size[0]}x{camera.size[1]} as "
-            f"the first, got {frame.camera.width}x{frame.camera.height}"
-        )
-    yield frame
-
-
-def _camera(depth: Path, scale: float | None) -> Camera:
-    try:
-        with Image.open(depth) as image:
-            size = image.size
-    except (OSError, ValueError, SyntaxError) as error:
-        reason = str(error).split("\n")[0][:120]
-        raise BadInputError(f"{depth.name}: expected a depth image, {reason}") from None
-    return Camera(size, find_intrinsics(depth.parent, *size, scale))
+def _read(pair: Pair, cameras: Cameras, options: ReadOptions) -> Iterator[PointFrame]:
+    yield depth_frame(pair.depth, pair.color, cameras, options)
 
 
 # ── TUM RGB-D ────────────────────────────────────────────────────────────────────────────────
@@ -274,15 +91,22 @@ def _tum_pairs(folder: Path) -> list[Pair]:
     if not depths or not colors:
         raise BadInputError(f"{folder.name}: expected lines in depth.txt and rgb.txt, got none")
     moments = np.array([time for time, _ in colors])
-    pairs = []
+    pairs, alone = [], []
     for time, depth in depths:
         nearest = int(np.argmin(np.abs(moments - time)))
         if abs(moments[nearest] - time) <= NEAR:
             pairs.append(Pair(depth, colors[nearest][1], time))
+        else:
+            alone.append(depth)
     if not pairs:
         raise BadInputError(
             f"{folder.name}: expected depth and colour images within {NEAR} s, got none"
         )
+    if alone:
+        log.warning(
+            "%s: %d of %d depth images are left out, as there is no colour image within %g s: %s",
+            folder.name, len(alone), len(depths), NEAR, _listed(alone),
+        )  # fmt: skip
     return pairs
 
 
@@ -311,29 +135,6 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
             yield number, words
 
 
-def _poses(path: Path, times: list[float] | None) -> list[NDArray[np.float64]] | None:
-    """``T_world_camera`` nearest to each time from lines ``t tx ty tz qx qy qz qw``, or None."""
-    if times is None or not path.is_file():
-        return None
-    rows = []
-    for number, words in _rows(path):
-        try:
-            row = [float(word) for word in words[:8]]
-        except ValueError:
-            row = []
-        if len(row) != 8 or not np.isfinite(row).all() or not any(row[4:]):
-            raise BadInputError(f"{path.name} line {number}: expected a time and a pose")
-        rows.append(row)
-    table = np.array(sorted(rows)).reshape(-1, 8)
-    poses = []
-    for time in times:
-        nearest = int(np.argmin(np.abs(table[:, 0] - time))) if len(table) else 0
-        if not len(table) or abs(table[nearest, 0] - time) > 10 * NEAR:
-            return None
-        poses.append(of_quaternion(path.name, table[nearest, 1:8]))
-    return poses
-
-
 # ── pairs of images ──────────────────────────────────────────────────────────────────────────
 
 
@@ -350,15 +151,10 @@ def _paired(folder: Path) -> list[Pair]:
         colors = [p for p in images if re.search(r"rgb|colou?r", p.stem.lower())]
     if not depths:
         return []
-    if colors and len(colors) != len(depths):
-        raise BadInputError(
-            f"{folder.name}: expected a colour image for each of {len(depths)} depth images, got "
-            f"{len(colors)}"
-        )
     times = times_of(depths, depth_folder or folder)
     pairs = [
-        Pair(depth, colors[i] if colors else None, times[i] if times else None)
-        for i, depth in enumerate(depths)
+        Pair(depth, color, times[i] if times else None)
+        for i, (depth, color) in enumerate(zip(depths, _partners(depths, colors), strict=True))
     ]
     return sorted(pairs, key=lambda pair: pair.time or 0.0) if times else pairs
 
@@ -366,3 +162,121 @@ def _paired(folder: Path) -> list[Pair]:
 def _images(folder: Path, endings: tuple[str, ...]) -> list[Path]:
     found = (path for path in folder.iterdir() if path.suffix.lower() in endings)
     return sorted((path for path in found if not path.name.startswith(".")), key=natural_key)
+
+
+def _moment(path: Path) -> str:
+    """The name of a file without its kind: the same for all files of a moment."""
+    return _KINDS.sub("", path.stem.lower()).strip("._- ")
+
+
+def _partners(depths: Sequence[Path], colors: Sequence[Path]) -> list[Path | None]:
+    """The colour image of each depth image: by name, else by time, else by number.
+
+    Raises BadInputError where the names tell no pair, or two colour images have one moment.
+    """
+    if not colors:
+        return [None] * len(depths)
+    named = {_moment(path): path for path in colors}
+    if len(named) < len(colors):
+        twice = [path for path in colors if named[_moment(path)] != path]
+        raise BadInputError(
+            f"{colors[0].parent.name}: expected one colour image a moment, got {twice[0].name} and "
+            f"{named[_moment(twice[0])].name}"
+        )
+    found = [named.get(_moment(path)) for path in depths]
+    left = [path for path in colors if path not in set(found)]
+    found = [color or _of_time(depth, left) for depth, color in zip(depths, found, strict=True)]
+    if not any(found):
+        numbered = {number: path for path in colors if (number := _number(path)) >= 0}
+        found = [numbered.get(_number(path)) for path in depths]
+    if not any(found) or len({path for path in found if path}) < len([p for p in found if p]):
+        raise BadInputError(
+            f"{depths[0].parent.name}: expected colour images with the names, times or numbers of "
+            f"the depth images, got {_listed(depths)} and {_listed(colors)}"
+        )
+    _tell_lone(depths, colors, found)
+    return found
+
+
+def _of_time(depth: Path, colors: Sequence[Path]) -> Path | None:
+    """The colour image that is nearest in time by the names, within NEAR."""
+    at = time_in_name(depth.stem)
+    timed = [(time, path) for path in colors if (time := time_in_name(path.stem)) is not None]
+    if at is None or not timed:
+        return None
+    time, path = min(timed, key=lambda each: abs(each[0] - at))
+    return path if abs(time - at) <= NEAR else None
+
+
+def _number(path: Path) -> int:
+    """The last number in a name, -1 without one."""
+    digits = re.findall(r"\d+", path.stem, re.ASCII)
+    return int(digits[-1][:18]) if digits else -1
+
+
+def _tell_lone(
+    depths: Sequence[Path], colors: Sequence[Path], found: Sequence[Path | None]
+) -> None:
+    """Warn of images without a partner."""
+    without = [depth for depth, color in zip(depths, found, strict=True) if color is None]
+    unused = [path for path in colors if path not in set(found)]
+    if without:
+        log.warning(
+            "%d of %d depth images have no colour: %s", len(without), len(depths), _listed(without)
+        )
+    if unused:
+        log.warning(
+            "%d of %d colour images have no depth image and are left out: %s",
+            len(unused), len(colors), _listed(unused),
+        )  # fmt: skip
+
+
+def _listed(paths: Sequence[Path]) -> str:
+    return ", ".join(path.name for path in paths[:TOLD]) + ", …" * (len(paths) > TOLD)
+
+
+# ── poses ────────────────────────────────────────────────────────────────────────────────────
+
+
+def _poses(
+    folder: Path, pairs: Sequence[Pair], times: list[float] | None, named: Path | None
+) -> Poses | None:
+    """``T_world_camera`` of each frame: of the named file, of a list, or of a file each."""
+    names = [_moment(pair.depth) or pair.depth.stem for pair in pairs]
+    if named is not None:
+        return read_poses(named, names, times)
+    try:
+        for name in ("groundtruth.txt", "poses.txt"):
+            if (folder / name).is_file():
+                return read_poses(folder / name, names, times)
+        return _pose_files(folder, pairs)
+    except BadInputError as error:
+        log.warning("%s: the poses are not used: %s", folder.name, error)
+        return None
+
+
+def _pose_files(folder: Path, pairs: Sequence[Pair]) -> Poses | None:
+    """Poses of a file of 16 numbers each; a frame whose numbers are not finite has none."""
+    places = [place for name in POSE_FOLDERS if (place := folder / name).is_dir()]
+    files = [path for place in places for path in place.glob("*.txt")]
+    files += pairs[0].depth.parent.glob("*.pose.txt")
+    by_moment = {_moment(path): path for path in files}
+    found = [by_moment.get(_moment(pair.depth)) for pair in pairs]
+    poses = [None if path is None else _pose_in(path) for path in found]
+    known = [path for path, pose in zip(found, poses, strict=True) if path and pose is not None]
+    if not known:
+        return None
+    if len(known) < len(poses):
+        log.warning(
+            "%s: %d of %d frames have no pose, or one that is not finite",
+            folder.name, len(poses) - len(known), len(poses),
+        )  # fmt: skip
+    return Poses(poses, f"{known[0].name} …")
+
+
+def _pose_in(path: Path) -> Pose | None:
+    """The pose of a file; None for numbers that are not finite, which mark a lost camera."""
+    words = path.read_text("utf-8", "replace").split()
+    if any(re.fullmatch(r"[-+]?(inf|nan)", word, re.IGNORECASE) for word in words):
+        return None
+    return pose_of(path.name, words)

@@ -169,10 +169,15 @@ def _time(words: list[str]) -> float | None:
     try:
         value = float(words[0])
     except ValueError:
-        return _iso(" ".join(words[:2])) if len(words) > 1 else _iso(words[0])
+        return _iso(" ".join(words[:2]))
     if words[0].isdigit() and 13 <= len(words[0]) <= 19:
         value /= 10.0 ** (len(words[0]) - 10)
     return value if np.isfinite(value) else None
+
+
+def seconds_of(word: str) -> float | None:
+    """Seconds of a number (integers of 13 to 19 digits: ms to ns) or an ISO date, else None."""
+    return _time([word])
 
 
 def _iso(text: str) -> float | None:
