@@ -299,23 +299,25 @@ def image_message(seconds: float, content: bytes, *, compressed: bool) -> bytes:
     return out.out + content
 
 
-def info_message() -> bytes:
+def info_message(P: np.ndarray | None = None) -> bytes:
     out = Writer(cdr=False)
     out.header(0, "camera")
     out.number("I", 48)
     out.number("I", 64)
     out.text("plumb_bob")
     out.number("I", 5)
-    for value in (0.1, -0.2, 0, 0, 0.05, *np.ravel(K), *np.eye(3).ravel(), *np.zeros(12)):
+    values = np.zeros(12) if P is None else P.ravel()
+    for value in (0.1, -0.2, 0, 0, 0.05, *np.ravel(K), *np.eye(3).ravel(), *values):
         out.number("d", value)
     return out.out
 
 
-def transform_message() -> bytes:
-    """A mast under the scanner, and the camera on it."""
+def transform_message(*links: tuple[str, str, tuple[float, float, float]]) -> bytes:
+    """Transforms (parent, child, place); a mast under the scanner, and the camera on it."""
+    links = links or (("mast", "lidar", (0, 0, 0.5)), ("mast", "camera", (0.2, 0, 0)))
     out = Writer(cdr=False)
-    out.number("I", 2)
-    for parent, child, place in (("mast", "lidar", (0, 0, 0.5)), ("mast", "camera", (0.2, 0, 0))):
+    out.number("I", len(links))
+    for parent, child, place in links:
         out.header(0, parent)
         out.text(child)
         for value in (*place, 0, 0, 0, 1):
@@ -367,3 +369,81 @@ def test_an_image_that_is_cut_off_is_left_out(
     )
     assert pictures_of(path) == []
     assert "it is cut off" in caplog.text
+
+
+def drive(tmp_path: Path, *rows: tuple[str, str, float, bytes], topic: str, info: bytes) -> Path:
+    """A bag of one cloud and one picture on ``topic``, with messages before them."""
+    taken = image_message(101.5, jpeg(3), compressed=True)
+    space = topic.split("/")[1]
+    path = tmp_path / "drive.bag"
+    path.write_bytes(
+        rosbag1(
+            *rows,
+            (f"/{space}/camera_info", "sensor_msgs/CameraInfo", 0.0, info),
+            ("/points", "sensor_msgs/PointCloud2", 101.5, message(1, cdr=False)),
+            (f"{topic}/compressed", "sensor_msgs/CompressedImage", 101.5, taken),
+        )
+    )
+    return path
+
+
+@pytest.mark.parametrize("name", ["image_rect", "image_rect_color", "image_rect_raw"])
+def test_rectified_pictures_are_seen_by_the_projection(tmp_path: Path, name: str) -> None:
+    # As the right camera of a pair, 0.1 m beside the left one.
+    P = np.array([[60.0, 0, 30, -6], [0, 61, 25, 0], [0, 0, 1, 0]])
+    static = ("/tf_static", "tf2_msgs/TFMessage", 0.0, transform_message())
+    (found,) = pictures_of(drive(tmp_path, static, topic=f"/cam/{name}", info=info_message(P)))
+    camera = found.camera
+    assert np.array_equal(camera.K, P[:, :3])
+    assert camera.distortion == ()
+    assert camera.T_camera_frame is not None
+    assert camera.T_camera_frame[:3, 3] == pytest.approx([-0.2 - 0.1, 0, 0.5])
+
+
+def test_a_rectified_camera_without_a_projection_is_not_guessed(tmp_path: Path) -> None:
+    (found,) = pictures_of(drive(tmp_path, topic="/cam/image_rect", info=info_message()))
+    assert found.camera.K is None
+
+
+def test_mounts_that_are_repeated_on_tf_place_the_camera(tmp_path: Path) -> None:
+    rows = []
+    for k in range(3):
+        moving = ("odom", "mast", (float(k), 0.0, 0.0))
+        fixed = (("mast", "lidar", (0.0, 0.0, 0.5)), ("mast", "camera", (0.2, 0.0, 0.0)))
+        rows.append(("/tf", "tf/tfMessage", 101.0 + k, transform_message(moving, *fixed)))
+    (found,) = pictures_of(drive(tmp_path, *rows, topic="/cam/image_raw", info=info_message()))
+    assert found.camera.T_camera_frame is not None
+    assert found.camera.T_camera_frame[:3, 3] == pytest.approx([-0.2, 0, 0.5])
+
+
+def test_a_sensor_that_moves_on_tf_has_no_place(tmp_path: Path) -> None:
+    rows = []
+    for k in range(3):
+        links = (("mast", "lidar", (0.0, 0.0, 0.5)), ("mast", "camera", (0.1 * k, 0.0, 0.0)))
+        rows.append(("/tf", "tf2_msgs/TFMessage", 101.0 + k, transform_message(*links)))
+    (found,) = pictures_of(drive(tmp_path, *rows, topic="/cam/image_raw", info=info_message()))
+    assert found.camera.T_camera_frame is None
+
+
+def test_pictures_of_an_unknown_encoding_are_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    taken = image_message(101.5, bytes(72), compressed=False).replace(b"bgr8", b"rgbe")
+    path = tmp_path / "drive.bag"
+    path.write_bytes(
+        rosbag1(
+            ("/points", "sensor_msgs/PointCloud2", 101.5, message(1, cdr=False)),
+            ("/cam/image_raw", "sensor_msgs/Image", 101.5, taken),
+        )
+    )
+    assert pictures_of(path) == []
+    assert "expected pictures of mono8, " in caplog.text
+    assert "got 'rgbe'" in caplog.text
+
+
+def test_a_bag_of_depth_images_alone_says_what_to_do(tmp_path: Path) -> None:
+    taken = image_message(101.5, bytes(72), compressed=False).replace(b"bgr8", b"16UC1")
+    path = tmp_path / "drive.bag"
+    path.write_bytes(rosbag1(("/camera/depth/image_raw", "sensor_msgs/Image", 101.5, taken)))
+    with pytest.raises(BadInputError, match=r"image_raw .*turn depth images into points"):
+        pictures_of(path)

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.ros_message import TYPES, frame_of_message, head_of_message
+from pointbrush.formats.ros_message import (
+    COMPRESSED,
+    IMAGE,
+    TYPES,
+    frame_of_message,
+    head_of_message,
+    kind_of,
+)
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
@@ -205,6 +212,8 @@ def _choose(name: str, topics: Sequence[Topic], wanted: str) -> str:
 
 def _what(kind: str) -> str:
     """A word on messages that users take for point clouds."""
+    if kind_of(kind) in (IMAGE, COMPRESSED):
+        return ", pictures: turn depth images into points with depth_image_proc"
     if kind.endswith("CustomMsg"):
         return ", a Livox driver's own: record with xfer_format 0, or convert them"
     if kind.endswith(("VelodyneScan", "PacketMsg", "Packets", "LidarScan")):

@@ -1,9 +1,10 @@
-"""Pictures in bags: images with CameraInfo, paired with clouds by stamp, placed by /tf_static."""
+"""Pictures in bags: images with CameraInfo, paired with clouds by stamp, placed by transforms."""
 
 from __future__ import annotations
 
 import io
 import logging
+import re
 import struct
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,8 +17,8 @@ from PIL import Image
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.bag import Bag, BagMessage, Clouds, Topic
+from pointbrush.formats.bag_transforms import mounts
 from pointbrush.formats.pictures import (
-    MAX_BYTES,
     MAX_CAMERAS,
     Camera,
     Matrix,
@@ -26,24 +27,16 @@ from pointbrush.formats.pictures import (
     picture,
     readable,
 )
-from pointbrush.formats.poses import of_quaternion
-from pointbrush.formats.ros_message import cut_off, reader_of
+from pointbrush.formats.raw_images import RawImage, pixels_of
+from pointbrush.formats.ros_message import COMPRESSED, IMAGE, INFO, cut_off, kind_of, reader_of
 
 log = logging.getLogger(__name__)
-IMAGE, COMPRESSED, INFO, TRANSFORMS = "Image", "CompressedImage", "CameraInfo", "TFMessage"
 MOST_APART = 0.2
 """Seconds between a cloud and the picture that is taken for it."""
-MAX_TRANSFORMS = 100_000
-ENCODINGS = {
-    "rgb8": ("RGB", 3, (0, 1, 2)),
-    "bgr8": ("RGB", 3, (2, 1, 0)),
-    "rgba8": ("RGB", 4, (0, 1, 2)),
-    "bgra8": ("RGB", 4, (2, 1, 0)),
-    "mono8": ("L", 1, (0,)),
-    "8uc1": ("L", 1, (0,)),
-    "8uc3": ("RGB", 3, (2, 1, 0)),
-}
-"""Of raw images: Pillow's mode, bytes a pixel, and which of them are red, green and blue."""
+SINGULAR = 1e-9
+"""Determinant of a projection that is none."""
+_RECTIFIED = re.compile(r"(?:^|[/_])rect(?:ified)?(?:[/_]|$)")
+"""Part of the name of a topic whose pictures are rectified, as image_proc has it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +54,12 @@ def bag_pictures(bag: Bag, found: Clouds, path: Path) -> PictureSource | None:
     Which picture is of which cloud is found when the pictures are read.
     """
     topics = _image_topics(found.topics)
-    places = _transforms(bag, path, found.topics) if topics else None
+    places = mounts(bag, path, found.topics) if topics else None
     cameras: list[tuple[Camera, Topic]] = []
     for topic in topics:
         try:
-            frame_id, is_read = _first(bag, path, topic.images)
-            if is_read and places is not None:
+            frame_id = _first(bag, path, topic.images)
+            if frame_id is not None and places is not None:
                 place = places(frame_id, found.sensor)
                 cameras.append((_camera(bag, path, topic, place), topic.images))
         except BadInputError as error:
@@ -97,17 +90,12 @@ def _read(frame: int, camera: Camera, name: str, topic: Topic, message: BagMessa
     return picture(frame, camera, _content(name, topic, message), name)
 
 
-def _kind(topic: Topic) -> str:
-    package, _, kind = topic.type.rpartition("/")
-    return kind if package.split("/")[0] in ("sensor_msgs", "tf2_msgs", "tf") else ""
-
-
 def _image_topics(topics: Sequence[Topic]) -> list[ImageTopic]:
     """One topic of pictures for each camera: the compressed one where there are both."""
-    infos = {topic.name for topic in topics if _kind(topic) == INFO}
+    infos = {topic.name for topic in topics if kind_of(topic.type) == INFO}
     chosen: dict[str, ImageTopic] = {}
-    images = [t for t in topics if _kind(t) in (IMAGE, COMPRESSED) and t.count]
-    for topic in sorted(images, key=lambda t: (_kind(t) == IMAGE, t.name)):
+    images = [t for t in topics if kind_of(t.type) in (IMAGE, COMPRESSED) and t.count]
+    for topic in sorted(images, key=lambda t: (kind_of(t.type) == IMAGE, t.name)):
         own = topic.name.removesuffix("/compressed")
         spaces = [own, own.rpartition("/")[0]]
         info = next((f"{s}/camera_info" for s in spaces if f"{s}/camera_info" in infos), "")
@@ -119,21 +107,22 @@ def _image_topics(topics: Sequence[Topic]) -> list[ImageTopic]:
     return list(chosen.values())[:MAX_CAMERAS]
 
 
-def _first(bag: Bag, path: Path, topic: Topic) -> tuple[str, bool]:
-    """The frame id of a topic's first message, and whether its pictures can be read."""
+def _first(bag: Bag, path: Path, topic: Topic) -> str | None:
+    """The frame id of a topic's first message, None where there is none.
+
+    Raises BadInputError for pictures that cannot be read.
+    """
     name = f"{path.name} {topic.name}"
     message = next(iter(bag.messages(path, topic.name)), None)
     if message is None:
-        return "", False
+        return None
     try:
-        reader = reader_of(name, message)
-        _, frame_id = reader.head()
-        if _kind(topic) == COMPRESSED:
-            return frame_id, True
-        reader.number("I"), reader.number("I")
-        return frame_id, reader.text().lower() in ENCODINGS
+        _, frame_id = reader_of(name, message).head()
     except struct.error:
-        raise cut_off(name, _kind(topic), message) from None
+        raise cut_off(name, kind_of(topic.type), message) from None
+    if kind_of(topic.type) == IMAGE:
+        pixels_of(name, _raw_image(name, message))
+    return frame_id
 
 
 def _stamps(bag: Bag, path: Path, topic: Topic) -> NDArray[np.float64]:
@@ -143,7 +132,7 @@ def _stamps(bag: Bag, path: Path, topic: Topic) -> NDArray[np.float64]:
         try:
             stamp, _ = reader_of(name, message).head()
         except struct.error:
-            raise cut_off(name, _kind(topic), message) from None
+            raise cut_off(name, kind_of(topic.type), message) from None
         stamps.append(stamp or message.time)
     return np.array(stamps)
 
@@ -162,40 +151,39 @@ def _nearest(clouds: NDArray[np.float64], images: NDArray[np.float64]) -> dict[i
 
 
 def _content(name: str, topic: Topic, message: BagMessage) -> bytes:
+    """A picture as a file: as it was compressed, or as PNG."""
+    if kind_of(topic.type) == IMAGE:
+        packed = io.BytesIO()
+        Image.fromarray(pixels_of(name, _raw_image(name, message))).save(packed, "PNG")
+        return packed.getvalue()
     try:
         reader = reader_of(name, message)
         reader.head()
-        if _kind(topic) == COMPRESSED:
-            reader.text()
-            return reader.bytes(reader.number("I"))
+        reader.text()
+        return reader.bytes(reader.number("I"))
+    except struct.error:
+        raise cut_off(name, COMPRESSED, message) from None
+
+
+def _raw_image(name: str, message: BagMessage) -> RawImage:
+    try:
+        reader = reader_of(name, message)
+        reader.head()
         height, width = reader.number("I"), reader.number("I")
         encoding = reader.text().lower()
-        reader.number("B")
-        step = reader.number("I")
+        big_endian, step = bool(reader.number("B")), reader.number("I")
         data = reader.bytes(reader.number("I"))
     except struct.error:
-        raise cut_off(name, _kind(topic), message) from None
-    if encoding not in ENCODINGS:
-        raise BadInputError(f"{name}: expected images of {', '.join(ENCODINGS)}, got {encoding}")
-    mode, size, channels = ENCODINGS[encoding]
-    if not (0 < width * size <= step and len(data) >= step * height <= MAX_BYTES and height):
-        raise BadInputError(
-            f"{name}: expected {height} rows of {width} pixels, got {len(data):,} bytes in rows of "
-            f"{step}"
-        )
-    rows = np.frombuffer(data, np.uint8, step * height).reshape(height, step)
-    pixels = rows[:, : width * size].reshape(height, width, size)[..., list(channels)]
-    packed = io.BytesIO()
-    Image.fromarray(pixels[..., 0] if mode == "L" else pixels, mode).save(packed, "PNG")
-    return packed.getvalue()
+        raise cut_off(name, IMAGE, message) from None
+    return RawImage(encoding, height, width, step, big_endian, data)
 
 
-def _camera(
-    bag: Bag,
-    path: Path,
-    topic: ImageTopic,
-    place: Matrix | None,
-) -> Camera:
+def _camera(bag: Bag, path: Path, topic: ImageTopic, place: Matrix | None) -> Camera:
+    """The camera of a topic's pictures by the first CameraInfo.
+
+    Raw pictures are seen by K and the distortion, rectified ones by P without distortion, as the
+    definition of sensor_msgs/CameraInfo says; a camera that is not calibrated publishes zeros.
+    """
     message = next(iter(bag.messages(path, topic.info)), None) if topic.info else None
     if message is None:
         return Camera(topic.name, None, place)
@@ -206,59 +194,23 @@ def _camera(
         model = reader.text()
         distortion = reader.floats(reader.number("I"))
         K = reader.floats(9).reshape(3, 3)
+        reader.floats(9)  # R: turns the raw camera to the rectified one
+        P = reader.floats(12).reshape(3, 4)
     except struct.error:
         raise cut_off(f"{path.name} {topic.info}", INFO, message) from None
+    if _RECTIFIED.search(topic.images.name):
+        return _projecting(topic.name, P, place)
     if not (np.isfinite(K).all() and np.isfinite(distortion).all() and K[0, 0]):
-        return Camera(topic.name, None, place)  # an uncalibrated camera publishes zeros
+        return Camera(topic.name, None, place)
     return Camera(topic.name, K, place, tuple(distortion.tolist()), model or "plumb_bob")
 
 
-# ── transforms ───────────────────────────────────────────────────────────────────────────────
-
-
-def _transforms(
-    bag: Bag, path: Path, topics: Sequence[Topic]
-) -> Callable[[str, str], Matrix | None]:
-    """``T_to_from`` of two frame ids by the bag's static transforms."""
-    parents: dict[str, tuple[str, Matrix]] = {}
-    for topic in topics:
-        if _kind(topic) == TRANSFORMS and topic.name.strip("/") == "tf_static":
-            for message in bag.messages(path, topic.name):
-                for child, parent, matrix in _of_message(f"{path.name} {topic.name}", message):
-                    if len(parents) < MAX_TRANSFORMS:
-                        parents[child] = (parent, matrix)
-    return partial(_between, parents)
-
-
-def _of_message(name: str, message: BagMessage) -> Iterator[tuple[str, str, Matrix]]:
-    """(child, parent, T_parent_child) of a message."""
-    try:
-        reader = reader_of(name, message)
-        for _ in range(reader.number("I")):
-            _, parent = reader.head()
-            child = reader.text()
-            yield child.strip("/"), parent.strip("/"), of_quaternion(name, reader.floats(7))
-    except struct.error:
-        raise cut_off(name, TRANSFORMS, message) from None
-
-
-def _between(parents: dict[str, tuple[str, Matrix]], target: str, source: str) -> Matrix | None:
-    """``T_target_source``, or None where the tree does not connect them."""
-    target, source = target.strip("/"), source.strip("/")
-    up_source, up_target = _to_ancestors(parents, source), _to_ancestors(parents, target)
-    common = next((frame for frame in up_source if frame in up_target), None)
-    if common is None:
-        return None
-    return np.asarray(np.linalg.inv(up_target[common]) @ up_source[common])
-
-
-def _to_ancestors(parents: dict[str, tuple[str, Matrix]], frame: str) -> dict[str, Matrix]:
-    """``T_ancestor_frame`` of a frame and all above it; a circle ends."""
-    found = {frame: np.eye(4)}
-    while frame in parents:
-        parent, matrix = parents[frame]
-        if parent in found:
-            break
-        found[parent] = matrix @ found[frame]
-        frame = parent
-    return found
+def _projecting(name: str, P: Matrix, place: Matrix | None) -> Camera:
+    """The camera that sees points at P (3, 4), whose last column is how far it is moved."""
+    if not np.isfinite(P).all() or abs(np.linalg.det(P[:, :3])) < SINGULAR:
+        return Camera(name, None, place)
+    if place is not None:
+        moved = np.eye(4)
+        moved[:3, 3] = np.linalg.solve(P[:, :3], P[:, 3])
+        place = moved @ place
+    return Camera(name, P[:, :3], place)

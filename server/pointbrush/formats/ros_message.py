@@ -17,6 +17,8 @@ from pointbrush.frame import PointFrame
 TYPES = ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2")
 KINDS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
 MAX_FIELDS = 256
+IMAGE, COMPRESSED, INFO, TRANSFORMS = "Image", "CompressedImage", "CameraInfo", "TFMessage"
+"""Messages that are read beside point clouds."""
 
 
 class Message(Protocol):
@@ -91,6 +93,16 @@ def reader_of(name: str, message: Message) -> MessageReader:
     if len(data) < 4 or data[1] not in (0, 1):
         raise BadInputError(f"{name}: expected a CDR message, got other bytes")
     return MessageReader(data, 4, "<" if data[1] else ">", True, 4)
+
+
+def kind_of(type_name: str) -> str:
+    """The name of a message type of sensor_msgs or tf without its package, "" for others.
+
+    tf/tfMessage of old bags is tf2_msgs/TFMessage by another name.
+    """
+    package, _, kind = type_name.rpartition("/")
+    known = package.split("/")[0] in ("sensor_msgs", "tf2_msgs", "tf")
+    return (TRANSFORMS if kind == "tfMessage" else kind) if known else ""
 
 
 def cut_off(name: str, kind: str, message: Message) -> BadInputError:
