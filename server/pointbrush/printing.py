@@ -65,6 +65,8 @@ class Suspicious(Protocol):
 def preview(found: Mapping[str, Any]) -> None:
     """Print what an import would do."""
     points = ", ".join(f"{frame['points']:,}" for frame in found["points"])
+    said = found["fps_from"]
+    rate_from = said if said in ("given", "assumed") else f"from {said}"
     columns = ", ".join(
         column["name"]
         if column["meaning"] in (column["name"].lower(), "xyz")
@@ -77,7 +79,7 @@ def preview(found: Mapping[str, Any]) -> None:
         "name": found["name"],
         "format": f"{found['format']} ({found['title']})",
         "frames": f"{frames}, {found['order']}",
-        "rate": f"{found['fps']:g} frames/s, from {found['fps_from']}",
+        "rate": f"{found['fps']:g} frames/s, {rate_from}",
         "points": f"{points} in the first frames",
         "columns": columns,
         "topics": ", ".join(

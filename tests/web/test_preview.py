@@ -150,8 +150,31 @@ def test_paths_and_poses_outside_the_roots_are_refused(served: Served) -> None:
 def test_warnings_of_an_import_are_in_its_result(served: Served) -> None:
     files = {"a.xyz": b"1 2 3\n", "b.xyz": b"1 2 3\n", "poses.txt": b"1 2\n"}
     result = imported(served, send(served, "sequences", files))
-    *_, warning = result["warnings"]
-    assert "the poses are not used: poses.txt line 1: expected 12 numbers" in warning
+    warnings = " ".join(result["warnings"])
+    assert "the poses are not used: poses.txt line 1: expected 12 numbers" in warnings
+
+
+@pytest.mark.parametrize(("name", "fps"), [("{}.xyz", 30), ("velodyne/{}.bin", 10)])
+def test_a_rate_that_nothing_states_is_named_as_assumed(
+    served: Served, name: str, fps: float
+) -> None:
+    folder = inbox(served) / f"assumed-{fps}"
+    for k in range(2):
+        path = folder / name.format(k)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        points = np.random.default_rng(k).uniform(-9, 9, (50, 4)).astype("<f4")
+        path.write_bytes(points.tobytes()) if path.suffix == ".bin" else np.savetxt(path, points)
+    body = {"path": str(folder)}
+    found = ask(served, body).json()
+    assert (found["fps"], found["fps_from"]) == (fps, "assumed")
+    url = f"{served.url}/api/v1/sequences"
+    result = imported(served, httpx.post(url, json=body, headers=served.headers, timeout=60))
+    assert result["fps"] == fps
+    assert f"the rate is assumed, {fps} frames a second" in " ".join(result["warnings"])
+    answer = httpx.post(url, json={**body, "fps": 5}, headers=served.headers, timeout=60)
+    result = imported(served, answer)
+    assert result["fps"] == 5
+    assert "assumed" not in " ".join(result["warnings"])
 
 
 def test_files_wait_for_an_hour_and_for_their_owner(tmp_path: Path) -> None:

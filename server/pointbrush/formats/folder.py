@@ -26,6 +26,7 @@ from pointbrush.formats.registry import Format, format_by_name, format_named, fo
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
+    assumed_rate,
     find_time_file,
     in_order,
     natural_key,
@@ -226,6 +227,7 @@ def list_files(
         len(files),
         order=f"by {said}" if said else "by number in the file names",
         rate_from=said if rate else "meta.json" if stated else "",
+        assumed_fps=assumed_rate(entry.name, folder),
         poses_from=poses.source if poses else "",
         pictures=pictures,
     )

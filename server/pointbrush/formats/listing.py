@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pointbrush.formats.bag import Topic
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.pictures import PictureSource
+from pointbrush.formats.timing import CAMERA_FPS
 from pointbrush.frame import PointFrame
 
 INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames")
@@ -26,8 +27,9 @@ class FrameFile:
 class Listing:
     """The frames of a folder; ``count`` is None where a file holds an unknown number.
 
-    ``order`` and ``rate_from`` say in words what the order and ``fps`` come from, ``poses_from``
-    the file of poses; ``topics`` are those of a bag; ``pictures`` those of cameras, by frame.
+    ``order`` and ``rate_from`` say in words what the order and ``fps`` come from; ``assumed_fps``
+    is taken where ``fps`` is not known.  ``poses_from`` is the file of poses; ``topics`` are those
+    of a bag; ``pictures`` those of cameras, by frame.
     """
 
     format: str
@@ -37,6 +39,7 @@ class Listing:
     count: int | None = None
     order: str = "by number in the file names"
     rate_from: str = ""
+    assumed_fps: float = CAMERA_FPS
     poses_from: str = ""
     topics: tuple[Topic, ...] = ()
     topic: str = ""

@@ -28,6 +28,8 @@ from pointbrush.frame import PointFrame
 
 MOST_WARNINGS = 100
 """Warnings that are kept of one recording."""
+ASSUMED = "assumed"
+"""What says the rate of a recording whose files do not."""
 
 
 @dataclass
@@ -59,6 +61,14 @@ class Source:
             return None
         found = [(each.pictures, each.count or 0) for each in self.listings]
         return joined(found, self.scale)
+
+    def rate(self, given: float | None) -> tuple[float, str]:
+        """Frames per second, and what says so: ``given`` by a person, the files, else assumed."""
+        if given:
+            return given, "given"
+        if self.fps:
+            return self.fps, self.listings[0].rate_from
+        return self.listings[0].assumed_fps, ASSUMED
 
     def __enter__(self) -> Source:
         return self

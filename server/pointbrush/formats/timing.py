@@ -16,6 +16,11 @@ from pointbrush.errors import BadInputError
 TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", "times.csv")
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
 EARLIEST, LATEST = 631_152_000, 4_102_444_800
+CAMERA_FPS = 30.0
+SPINNING_FPS = 10.0
+"""Turns per second of the scanners of KITTI, SemanticKITTI, Argoverse and most others."""
+SPINNING_FORMATS = ("kitti", "bin", "nuscenes", "feather")
+SPINNING_FOLDERS = ("velodyne", "velodyne_points", "lidar", "lidar_top", "ouster", "hesai")
 NANOSECONDS = (18, 19)
 """Digits of a name that is nothing else than a time."""
 _DATE = re.compile(r"(?<!\d)((?:19|20)\d{6})[T_\- ]?(\d{6})(?:[._](\d{1,9}))?(?!\d)")
@@ -207,6 +212,12 @@ def rate_of(times: Sequence[float] | None) -> float | None:
     rate = 1 / step
     # Jitter of a clock and rounded times are not a rate: 9.9987 is 10.
     return float(round(rate)) if abs(rate - round(rate)) < 0.005 * rate else round(rate, 3)
+
+
+def assumed_rate(format: str, folder: Path) -> float:
+    """Frames per second where nothing tells them: a spinning scanner's, else a depth camera's."""
+    spins = format in SPINNING_FORMATS or folder.name.lower() in SPINNING_FOLDERS
+    return SPINNING_FPS if spins else CAMERA_FPS
 
 
 def stated_rate(folder: Path) -> float | None:

@@ -19,6 +19,7 @@ from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_dataset, source_palette
+from pointbrush.formats.source import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
@@ -27,7 +28,6 @@ from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
 IMPORTED = 3
-DEFAULT_FPS = 30.0
 PART_POINTS = 1_000_000
 """Points of a large scan that are in memory at once, per step."""
 SAMPLE = "sample recording"
@@ -53,10 +53,11 @@ class ImportWork:
         Nothing is left behind on any error.
         """
         with formats.reported() as warnings, self.target.building(channel.progress) as folder:
-            self._import(channel, folder)
+            for warning in self._import(channel, folder):
+                warnings.setdefault(warning)
         channel.item(list(warnings))
 
-    def _import(self, channel: Channel, folder: Path) -> None:
+    def _import(self, channel: Channel, folder: Path) -> list[str]:
         about: dict[str, Any] = {
             "sequence_id": self.sequence_id,
             "source": source_of(self.paths),
@@ -75,18 +76,22 @@ class ImportWork:
                 progress=channel.progress,
                 **about,
             )
-            return
+            return []
         with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
-            import_frames(
+            fps, said = source.rate(self.fps)
+            manifest = import_frames(
                 _limited(source.frames, self.max_points),
                 folder,
                 name=self.name or source.name,
-                fps=self.fps or source.fps or DEFAULT_FPS,
+                fps=fps,
                 total=source.count,
                 progress=channel.progress,
                 pictures=source.pictures,
                 **about,
             )
+        if said != ASSUMED or manifest.frames == 1:
+            return []
+        return [f"the rate is assumed, {fps:g} frames a second: nothing in the files states it"]
 
 
 @dataclass(frozen=True)
@@ -228,6 +233,7 @@ def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:
     return {
         "sequence": manifest.id,
         "frames": manifest.frames,
+        "fps": manifest.fps,
         "points": int(sum(manifest.points)),
         "dropped": int(sum(manifest.dropped)),
         "warnings": warnings,

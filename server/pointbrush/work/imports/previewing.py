@@ -28,7 +28,7 @@ from pointbrush.formats.source import open_source, reported
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import axis_of
-from pointbrush.work.imports.importing import DEFAULT_FPS, PART_POINTS, large_scan
+from pointbrush.work.imports.importing import PART_POINTS, large_scan
 from pointbrush.worker import local_processes
 
 FRAMES = 3
@@ -96,7 +96,7 @@ def preview(request: PreviewRequest) -> Preview:
 
     Raises what ``open_source`` raises, and BadInputError for frames that cannot be read.
     """
-    chosen, fps = request.chosen, request.fps
+    chosen = request.chosen
     columns: dict[str, str] = {}
 
     def note(found: Mapping[str, str]) -> None:
@@ -116,6 +116,7 @@ def preview(request: PreviewRequest) -> Preview:
         first = next(frame for frame in frames if len(frame))
         poses = _poses(listing, frames, warnings)
         units = guess_units(first.xyz, listing.format)
+        fps, fps_from = source.rate(request.fps)
         if chosen.scale == 1.0 and units.scale != 1.0:
             warnings.setdefault(
                 f"the first frame is {max(units.extent):,.0f} units wide: they seem to be "
@@ -126,8 +127,8 @@ def preview(request: PreviewRequest) -> Preview:
             format=listing.format,
             title=format_named(listing.format).title,
             frames=source.count,
-            fps=fps or source.fps or DEFAULT_FPS,
-            fps_from="given" if fps else listing.rate_from if source.fps else "assumed",
+            fps=fps,
+            fps_from=fps_from,
             order=listing.order,
             points=[{"points": len(f), "left_out": f.dropped} for f in frames],
             columns=[{"name": n, "meaning": meaning} for n, meaning in columns.items()],
