@@ -10,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import read
+from pointbrush.formats import open_source, read
+from pointbrush.formats.corrections import Corrections
 from pointbrush.frame import PointFrame
 
 RNG = np.random.default_rng(0)
@@ -280,3 +281,26 @@ def test_npz_points_are_never_the_colours(tmp_path: Path) -> None:
     np.savez(tmp_path / "b.npz", unknown=coord, color=color)
     with pytest.raises(BadInputError, match="expected an array 'xyz' or 'points', got unknown"):
         one(tmp_path / "b.npz")
+
+
+@pytest.mark.parametrize("width", [5, 6, 7])
+def test_records_of_radar_are_read_by_their_columns(tmp_path: Path, width: int) -> None:
+    # x y z RCS v_r v_r_compensated time, in folders called as KITTI's (View-of-Delft).
+    table = np.random.default_rng(0).normal(0, 20, (16, width)).astype("<f4")
+    path = tmp_path / "velodyne" / "0.bin"
+    path.parent.mkdir()
+    path.write_bytes(table.tobytes())
+    with pytest.raises(BadInputError, match=r"name the format .* or all columns in order"):
+        next(read(path))
+    columns = ("x", "y", "z", "rcs", "v_r", "v_r_comp", "time")[:width]
+    with open_source([path], chosen=Corrections(columns=columns)) as source:
+        (frame,) = source.frames
+    assert np.array_equal(frame.xyz, table[:, :3])
+    assert list(frame.other) == list(columns[3:])
+    assert np.array_equal(frame.other["v_r"], table[:, 4])
+    path.write_bytes(table.tobytes()[:-4])
+    with (
+        open_source([path], chosen=Corrections(columns=columns)) as source,
+        pytest.raises(BadInputError, match=f"records of {4 * width} bytes"),
+    ):
+        next(source.frames)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,8 @@ MOST_INTENSITY, MOST_RINGS = 65535, 512
 """Greatest plausible values of a wider record's fourth and fifth float."""
 # As many floats as make whole points of either record.
 SAMPLE = 48_000
-XYZRGB_RECORD = 24
+KITTI_FIELDS = ("x", "y", "z", "intensity")
+XYZRGB_FIELDS = ("x", "y", "z", "red", "green", "blue")
 
 
 def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
@@ -45,18 +47,11 @@ def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
     Raises BadInputError for a size that is not whole records, or labels of another count.
     """
-    data = read_bytes(path)
-    if len(data) % RECORD:
-        raise BadInputError(
-            f"{path.name}: expected records of {RECORD} bytes (x y z reflectance as float32), got "
-            f"{len(data)} bytes"
-        )
-    require_count(path.name, len(data) // RECORD, options.limits)
-    table = np.frombuffer(data, "<f4").reshape(-1, 4)
-    columns = {name: table[:, i] for i, name in enumerate(("x", "y", "z", "intensity"))}
+    columns: dict[str, NDArray[Any]] = {}
+    columns |= _table_columns(path.name, read_bytes(path), KITTI_FIELDS, options)
     label_file = find_label(path)
     if label_file is not None:
-        label, instance = read_label(label_file, len(table))
+        label, instance = read_label(label_file, len(columns["x"]))
         own = own_palette(label_file)
         if own is not None:
             label = labels_of_packed(label_file.name, pack_label(label, instance), own)
@@ -66,13 +61,20 @@ def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
 
 def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """A ``.bin`` file of a kind not named: KITTI, or XYZRGB records where the values say so.
+    """Read a ``.bin`` file of a kind not named: records of the columns that a person names in
+    order, else KITTI, XYZRGB or wider records where the values say so.
 
-    Raises BadInputError when neither is plausible.
+    Raises BadInputError when none or several are plausible.
     """
     data = read_bytes(path)
+    named = options.chosen.columns
+    if named and "=" not in named[0] and len(named) != RECORD // 4:
+        fields = tuple(map(str, range(len(named))))
+        columns = _table_columns(path.name, data, fields, options)
+        yield frame_from_columns(path.name, columns, options)
+        return
     wide = [width for width in WIDE if len(data) % (4 * width) == 0 and _is_wide(data, width)]
-    if find_label(path) is not None or (_lies_as_kitti(path) and not wide):
+    if find_label(path) is not None or (_lies_as_kitti(path) and not wide and _is_kitti(data)):
         yield from read_kitti(path, options)
         return
     # Colours first: coordinates do not stay within 0..1 or whole numbers by chance.
@@ -86,7 +88,7 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         raise BadInputError(
             f"{path.name}: expected records of 4 floats (x y z reflectance), 5 to 7 (and ring, "
             f"time, …) or 6 (x y z r g b), got {len(data)} bytes that are none or several of them "
-            "by their values; name the format (kitti, nuscenes or xyzrgb)"
+            "by their values; name the format (kitti, nuscenes or xyzrgb), or all columns in order"
         )
 
 
@@ -100,15 +102,27 @@ def read_nuscenes(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
 def _wide_frame(path: Path, data: bytes, width: int, options: ReadOptions) -> PointFrame:
     """x y z intensity of records of ``width`` floats; what comes after them is left out."""
-    if len(data) % (4 * width):
+    names = (*KITTI_FIELDS, *map(str, range(RECORD // 4, width)))
+    columns = _table_columns(path.name, data, names, options)
+    return frame_from_columns(path.name, {name: columns[name] for name in KITTI_FIELDS}, options)
+
+
+def _table_columns(
+    name: str, data: bytes, fields: tuple[str, ...], options: ReadOptions
+) -> dict[str, NDArray[np.float32]]:
+    """The columns of records of a float32 for each of ``fields``.
+
+    Raises BadInputError for a size that is not whole records, TooLargeError beyond the limit.
+    """
+    record = 4 * len(fields)
+    if len(data) % record:
         raise BadInputError(
-            f"{path.name}: expected records of {4 * width} bytes ({width} float32), got "
-            f"{len(data)} bytes"
+            f"{name}: expected records of {record} bytes ({len(fields)} float32), got "
+            f"{len(data)} bytes, {len(data) % record} more than {len(data) // record} records"
         )
-    require_count(path.name, len(data) // (4 * width), options.limits)
-    table = np.frombuffer(data, "<f4").reshape(-1, width)
-    columns = {name: table[:, i] for i, name in enumerate(("x", "y", "z", "intensity"))}
-    return frame_from_columns(path.name, columns, options)
+    require_count(name, len(data) // record, options.limits)
+    table = np.frombuffer(data, "<f4").reshape(-1, len(fields))
+    return {field: table[:, i] for i, field in enumerate(fields)}
 
 
 def _lies_as_kitti(path: Path) -> bool:
@@ -188,18 +202,8 @@ def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> ND
 
 
 def read_xyzrgb(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """One file as one frame; raises BadInputError for a size that is not whole records."""
-    data = read_bytes(path)
-    if len(data) % XYZRGB_RECORD:
-        raise BadInputError(
-            f"{path.name}: expected records of {XYZRGB_RECORD} bytes (x y z r g b as float32), "
-            f"got {len(data)} bytes, {len(data) % XYZRGB_RECORD} more than "
-            f"{len(data) // XYZRGB_RECORD} records"
-        )
-    require_count(path.name, len(data) // XYZRGB_RECORD, options.limits)
-    table = np.frombuffer(data, "<f4").reshape(-1, 6)
-    names = ("x", "y", "z", "red", "green", "blue")
-    columns = {name: table[:, i] for i, name in enumerate(names)}
+    """Read x y z red green blue; raises BadInputError for a size that is not whole records."""
+    columns = _table_columns(path.name, read_bytes(path), XYZRGB_FIELDS, options)
     yield frame_from_columns(path.name, columns, options)
 
 
