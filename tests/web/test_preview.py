@@ -162,7 +162,7 @@ def test_a_rate_that_nothing_states_is_named_as_assumed(
     for k in range(2):
         path = folder / name.format(k)
         path.parent.mkdir(parents=True, exist_ok=True)
-        points = np.random.default_rng(k).uniform(-9, 9, (50, 4)).astype("<f4")
+        points = np.random.default_rng(k).uniform(0, 9, (50, 4)).astype("<f4")
         path.write_bytes(points.tobytes()) if path.suffix == ".bin" else np.savetxt(path, points)
     body = {"path": str(folder)}
     found = ask(served, body).json()
