@@ -26,7 +26,7 @@ def of_instances(values: list[float], kind: str, name: str = "instance") -> Poin
             "3 points of 2 other numbers (70000, 2147483647)",
         ),
         ([3, -(2**31), 4, 0, 0], "i4", "1 points of 1 other numbers (-2147483648)"),
-        ([3, 1e20, 4, 0, 0], "f8", "1 points of 1 other numbers (100000000000000000000)"),
+        ([3, 1e20, 4, 0, 0], "f8", "1 points of 1 other numbers (1e+20)"),
     ],
 )
 def test_instances_beyond_16_bits_are_named_and_cost_their_points(

@@ -304,3 +304,38 @@ def test_records_of_radar_are_read_by_their_columns(tmp_path: Path, width: int) 
         pytest.raises(BadInputError, match=f"records of {4 * width} bytes"),
     ):
         next(source.frames)
+
+
+@pytest.mark.parametrize("name", ["00.pkl.gz", "lidar/00.pkl.gz", "lidar/00.pickle"])
+def test_pickles_are_refused_with_a_way_out(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "pandaset" / name
+    path.parent.mkdir(parents=True)
+    path.write_bytes(b"cos\nsystem\n(S'exit 1'\ntR.")
+    for place in (tmp_path / "pandaset", path):
+        with pytest.raises(BadInputError, match=r"PandaSet, run code .*to_feather"):
+            open_source([place])
+
+
+def test_words_as_labels_are_told(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    (tmp_path / "a.csv").write_text("x,y,z,class,note\n1,2,3,car,a\n4,5,6,tree,b\n")
+    (frame,) = read(tmp_path / "a.csv")
+    assert (len(frame), frame.label) == (2, None)
+    assert "a.csv: the labels in the column class are words (car, tree) and left out" in caplog.text
+
+
+def test_left_handed_axes_of_carla_are_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    fields = ("float32 x", "float32 y", "float32 z", "float32 CosAngle", "uint32 ObjIdx")
+    head = "".join(f"property {field}\n" for field in (*fields, "uint32 ObjTag"))
+    text = f"ply\nformat ascii 1.0\nelement vertex 1\n{head}end_header\n1 2 3 0.5 7 10\n"
+    (tmp_path / "a.ply").write_text(text)
+    (frame,) = read(tmp_path / "a.ply")
+    assert frame.label is not None
+    assert "CARLA's axes are left-handed" in caplog.text
+
+
+def test_messages_of_rostopic_echo_are_called_so(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text("header: \n  seq: 1\nx: 0.5\ny: 1.0\nz: 0.0\n---\n")
+    with pytest.raises(BadInputError, match="got messages as 'rostopic echo' prints them"):
+        next(read(tmp_path / "a.txt"))

@@ -60,6 +60,8 @@ LIKE_LABELS = re.compile(
 """Names of fields that look like labels."""
 NO_LABEL = (-1, -100, 65535, 4294967295)
 """Numbers that mark "none" in labels and instances."""
+CARLA = {"CosAngle", "ObjIdx", "ObjTag"}
+"""Fields of CARLA's semantic lidar."""
 GREATEST_INSTANCE = 65535
 TOLD = 8
 """Numbers that a warning lists."""
@@ -123,6 +125,11 @@ def frame_from_columns(
         raise BadInputError(
             f"{name}: expected the fields x, y and z, got {', '.join(columns) or 'no fields'}"
         )
+    if set(columns) >= CARLA:
+        log.warning(
+            "%s: CARLA's axes are left-handed: the recording is mirrored, y is to the right; turn "
+            "the sign of y in its points, poses and boxes before", name,
+        )  # fmt: skip
     keep = finite_points(name, xyz, missing=missing or options.drop_invalid)
     if missing:
         keep = without_zeros(xyz, keep)
@@ -314,7 +321,7 @@ def _instances(name: str, values: Array) -> tuple[NDArray[np.uint16] | None, boo
         outside = (values < 0) | (values > GREATEST_INSTANCE)
         if outside.any():
             numbers = np.unique(values[outside])
-            listed = ", ".join(f"{number:.0f}" for number in numbers[:TOLD])
+            listed = ", ".join(f"{number:.10g}" for number in numbers[:TOLD])
             log.warning(
                 "%s: expected instance numbers 0 to %d; %d points of %d other numbers (%s%s) have "
                 "no instance", name, GREATEST_INSTANCE, np.count_nonzero(outside), len(numbers),

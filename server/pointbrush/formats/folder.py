@@ -22,7 +22,7 @@ from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.pictures import FILE as CAMERAS_FILE
 from pointbrush.formats.pictures import PictureSource, joined, read_cameras_file
 from pointbrush.formats.poses import Poses, find_poses, read_poses
-from pointbrush.formats.registry import Format, format_by_name, format_named, format_of
+from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
@@ -65,7 +65,13 @@ def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listi
             return list_folder(inside, format, options)
     files = _files(folder, options)
     seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
+    seen += advice(_below(folder))
     raise BadInputError(f"{folder.name}: expected a folder with point cloud files, got {seen}")
+
+
+def _below(folder: Path) -> Iterator[Path]:
+    """Files of a folder and of those in it."""
+    return (path for pattern in ("*", "*/*") for path in sorted(folder.glob(pattern)))
 
 
 def _directly(

@@ -7,7 +7,7 @@ a ``Format``.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
@@ -112,6 +112,25 @@ def load_plugins() -> None:
             log.error("format plug-in %s: expected a Format, got %r", point.name, plugin)
 
 
+ADVICE = {
+    (".pkl", ".pkl.gz", ".pickle"): (
+        "pickles, as of PandaSet, run code when they are opened and are not read; write their "
+        "tables as feather, pandas.read_pickle(file).to_feather(name)"
+    ),
+    (".pcap", ".pcapng"): "packets of a scanner are not read; write PCD or LAS by its maker's tool",
+}
+"""What to do with files by the endings of their names."""
+
+
+def advice(paths: Iterable[Path]) -> str:
+    """What to do with the first file that is known and not read, beginning with ": ", else ""."""
+    for path in paths:
+        for endings, text in ADVICE.items():
+            if path.name.lower().endswith(endings):
+                return f": {text}"
+    return ""
+
+
 def format_names() -> list[str]:
     """Every name that ``format_named`` takes, those of plug-ins too."""
     load_plugins()
@@ -153,5 +172,7 @@ def format_of(path: Path) -> Format:
         found = next((f for f in FORMATS.values() if f.magic and start.startswith(f.magic)), None)
     if found is None:
         endings = ", ".join(e for entry in FORMATS.values() for e in entry.extensions)
-        raise BadInputError(f"{path.name}: expected a file ending in {endings}, got another")
+        raise BadInputError(
+            f"{path.name}: expected a file ending in {endings}, got another{advice([path])}"
+        )
     return found

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import frame_from_columns, roles
+from pointbrush.formats.columns import TOLD, frame_from_columns, roles
 from pointbrush.formats.corrections import Corrections, meanings
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
@@ -26,6 +27,7 @@ from pointbrush.formats.table import Table
 from pointbrush.formats.unnamed import plain_columns
 from pointbrush.frame import PointFrame
 
+log = logging.getLogger(__name__)
 Array = NDArray[Any]
 MAX_COLUMNS = 1024
 LONG = 1 << 18
@@ -34,6 +36,8 @@ HEAD = 1 << 16
 """Bytes that tell how its lines are made."""
 SAMPLE = 50
 """Rows that tell whether commas are decimal."""
+ECHO_START = "header:"
+ECHOED = "messages as 'rostopic echo' prints them; import their bag, or a table of their points"
 _COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", re.ASCII)
 _CSV_ROWS = 65536
 
@@ -159,7 +163,8 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
     named = bool(chosen.columns) or header is None or {"x", "y", "z"} <= set(roles(header))
     if not named:
         raise BadInputError(
-            f"{name}: expected numbers, or a header with x, y and z, got other words"
+            f"{name}: expected numbers, or a header with x, y and z, got "
+            + (ECHOED if header == [ECHO_START] else "other words")
         )
     sample = [word for i in left[:SAMPLE] for word in _words(lines[i], separator)]
     comma = chosen.decimal_comma
@@ -279,11 +284,19 @@ def _columns_with_words(
         axes = roles(meaning.values())
         needed = {old for old, new in meaning.items() if new in {axes.get(a) for a in "xyz"}}
     columns: dict[str, Array] = {}
+    label = roles(meaning.values()).get("label")
     for i, column in enumerate(names):
         values = _numbers([words[i] for words in table], layout)
         if isinstance(values, int) and column in needed:
             where = f"{name} line {layout.rows[values] + 1}"
             raise BadInputError(f"{where}: expected a number, got another word")
+        if isinstance(values, int) and meaning[column] == label:
+            found = sorted({words[i] for words in table})
+            log.warning(
+                "%s: the labels in the column %s are words (%s%s) and left out; write the number "
+                "of a class instead, and name it in a palette.json",
+                name, column, ", ".join(found[:TOLD]), ", …" * (len(found) > TOLD),
+            )  # fmt: skip
         # A column of words keeps its place among the meanings that a person gives in order.
         if not isinstance(values, int):
             columns[column] = values
