@@ -14,6 +14,7 @@ import zstandard
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import open_source, read
 from pointbrush.formats.bag import BagMessage, unpack_chunk
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.ros_message import frame_of_message
 
@@ -328,3 +329,19 @@ def test_an_lz4_frame_of_another_program():
 def test_a_real_lz4_bag_without_clouds_says_what_it_has(shared):
     with pytest.raises(BadInputError, match=r"PointCloud2, got .*Depth_0/image/data"):
         open_source([shared / "formats" / "bags" / "librealsense__single_depth_color_640x480.bag"])
+
+
+@pytest.mark.parametrize("beside", [True, False])
+def test_poses_of_a_file_are_taken_at_the_stamps_of_a_bag(tmp_path, beside):
+    path = tmp_path / "drive.bag"
+    path.write_bytes(rosbag1())
+    with open_source([path]) as source:
+        stamps = [frame.timestamp for frame in source.frames]
+    odometry = (tmp_path if beside else tmp_path / "elsewhere") / "odometry.txt"
+    odometry.parent.mkdir(exist_ok=True)
+    first = stamps[0] - 0.5
+    odometry.write_text("".join(f"{first + k} {k} 0 0 0 0 0 1\n" for k in range(9)))
+    with open_source([path], chosen=Corrections(poses=str(odometry))) as source:
+        places = [frame.pose[0, 3] for frame in source.frames if frame.pose is not None]
+        assert source.listings[0].poses_from == "odometry.txt"
+    assert places == pytest.approx([stamp - first for stamp in stamps], abs=1e-6)

@@ -163,14 +163,19 @@ def test_marks_of_no_depth_are_no_points(tmp_path):
 @pytest.mark.parametrize(
     ("scale", "value", "said"),
     [
-        (0.001, 1500, r"got 1,500,000 by 0\.001 values per metre; camera\.json: depth_scale is"),
+        (0.001, 1500, r"got 1\.5e\+06 by 0\.001 values per metre; camera\.json: depth_scale is"),
         (1, 1500, "got 1,500 by 1 values per metre"),
+        (1, 500, "got 500 by 1 values per metre"),
+        (1000, 1.5, r"got 0\.0015 by 1000 values per metre"),
     ],
 )
-def test_a_scale_that_gives_kilometres_is_refused(tmp_path, scale, value, said):
-    image(tmp_path / "depth" / "0.png", depths(8, 6, value))
+def test_a_scale_of_the_wrong_way_is_refused(tmp_path, scale, value, said):
+    image(
+        tmp_path / "depth" / "0.tiff",
+        np.full((6, 8), value, np.uint16 if isinstance(value, int) else np.float32),
+    )
     (tmp_path / "camera.json").write_text(json.dumps({**CAMERA, "depth_scale": scale}))
-    with pytest.raises(BadInputError, match=f"0\\.png: expected depths of .* metres, {said}"):
+    with pytest.raises(BadInputError, match=f"0.tiff: expected depths of .* metres, {said}"):
         list(read(tmp_path))
 
 
@@ -189,6 +194,7 @@ def shades(folder):
         ("frame-{:06d}.depth.png", "frame-{:06d}.color.png"),
         ("depth/{:06d}.png", "color/scene{}.png"),
         ("depth/161643123{}.5.png", "color/161643123{}.508.png"),
+        ("depth/{}.100.png", "color/{}.108.png"),
     ],
 )
 def test_lost_images_shift_no_colour(tmp_path, depth_name, color_name):

@@ -33,8 +33,10 @@ NO_DEPTH_FROM = 1e9
 """The same of images of floats, where renderers put a number beyond all distances."""
 PER_METRE = 1000.0
 """Depth values per metre of images of whole numbers, where nothing states it."""
-MOST_METRES = 1000.0
-"""Greatest median of a frame's depth."""
+LEAST_PER_METRE = 10.0
+"""Least depth values per metre of images of whole numbers: fewer tell nothing of shapes."""
+LEAST_METRES, MOST_METRES = 0.01, 1000.0
+"""Bounds of the median of a frame's depth."""
 SAME_SHAPE = 0.01
 """Relative difference of aspect between a depth image and a colour image of the same view."""
 
@@ -144,16 +146,16 @@ def _depth_image(path: Path) -> NDArray[Any]:
 
 def _metres(name: str, depth: NDArray[Any], cameras: Cameras) -> NDArray[np.float32]:
     """Depths (n,) in metres: values over their number per metre, floats as they are."""
-    unstated = 1.0 if depth.dtype.kind == "f" else PER_METRE
-    scale = cameras.depth.scale or cameras.scale or unstated
+    real = depth.dtype.kind == "f"
+    scale = cameras.depth.scale or cameras.scale or (1.0 if real else PER_METRE)
     z = depth.astype(np.float32) / np.float32(scale)
-    median = float(np.median(z)) if len(z) else 0.0
-    if median > MOST_METRES:
+    median = float(np.median(z)) if len(z) else 1.0
+    if not LEAST_METRES < median < MOST_METRES or not (real or scale >= LEAST_PER_METRE):
         stated = f"{cameras.depth.source or 'a camera file'}: depth_scale"
         raise BadInputError(
-            f"{name}: expected depths of at most {MOST_METRES:,.0f} metres, got {median:,.0f} by "
-            f"{scale:g} values per metre; {stated} is values per metre: 1000 for millimetres, 1 "
-            "for metres"
+            f"{name}: expected depths of {LEAST_METRES:g} to {MOST_METRES:,.0f} metres, got "
+            f"{median:,.4g} by {scale:g} values per metre; {stated} is values per metre: 1000 for "
+            f"millimetres, 1 for metres in floats, at least {LEAST_PER_METRE:g} for whole numbers"
         )
     return z
 

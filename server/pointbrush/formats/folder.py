@@ -10,18 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.bag import Bag, find_clouds, read_clouds
-from pointbrush.formats.bag_pictures import bag_pictures
+from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats.bag_listing import list_bags
 from pointbrush.formats.feather import argoverse_poses
-from pointbrush.formats.inside import require_inside
 from pointbrush.formats.kitti import kitti_pictures
 from pointbrush.formats.listing import INNER, FrameFile, Listing
 from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.pictures import FILE as CAMERAS_FILE
-from pointbrush.formats.pictures import PictureSource, joined, read_cameras_file
-from pointbrush.formats.poses import Poses, find_poses, read_poses
+from pointbrush.formats.pictures import PictureSource, read_cameras_file
+from pointbrush.formats.poses import Poses, find_poses, named_file, read_poses
 from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
@@ -95,7 +93,7 @@ def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
 
 def _images(folder: Path, format: str | None, options: ReadOptions) -> Listing | None:
     wanted = format is None or format_named(format).name == "rgbd"
-    return list_rgbd(folder, _named_file(options)) if wanted else None
+    return list_rgbd(folder, named_file(options)) if wanted else None
 
 
 def _files(folder: Path, options: ReadOptions) -> list[Path]:
@@ -204,11 +202,12 @@ def list_files(
     if all(empty):
         empty = [False] * len(files)
     times = times_of(files, folder) if whole else None
-    tables = _tables(entry, folder) if whole else None
-    poses = _poses(entry, files, folder, times, options, tables) if whole else None
     order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
     if entry.bag is not None:
-        return _bags(entry, entry.bag, [files[i] for i in order], options)
+        return list_bags(entry, entry.bag, [files[i] for i in order], options)
+    tables = _tables(entry, folder) if whole else None
+    told = whole or options.chosen.poses_file is not None
+    poses = _poses(entry, files, folder, times, options, tables) if told else None
     frames = [
         FrameFile(
             partial(_empty if empty[i] else entry.read, files[i]),
@@ -236,36 +235,6 @@ def list_files(
         assumed_fps=assumed_rate(entry.name, folder),
         poses_from=poses.source if poses else "",
         pictures=pictures,
-    )
-
-
-def _bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptions) -> Listing:
-    """Bags one after the other, all of the topic that the first is read by."""
-    wanted, found = options.chosen.topic, []
-    for path in files:
-        found.append(find_clouds(bag, path, wanted))
-        wanted = wanted or found[0].topic
-    stamps = np.concatenate([clouds.stamps for clouds in found]).tolist()
-    fps = rate_of(stamps)
-    return Listing(
-        entry.name,
-        [
-            FrameFile(partial(read_clouds, bag, clouds, path))
-            for path, clouds in zip(files, found, strict=True)
-        ],
-        None,
-        fps,
-        len(stamps),
-        order="by the stamps of the messages",
-        rate_from="the stamps of the messages" if fps else "",
-        topics=found[0].topics,
-        topic=found[0].topic,
-        pictures=joined(
-            [
-                (bag_pictures(bag, clouds, path), len(clouds.stamps))
-                for path, clouds in zip(files, found, strict=True)
-            ]
-        ),
     )
 
 
@@ -319,7 +288,7 @@ def _poses(
     if options.chosen.poses == "none":
         return None
     names = [path.name for path in files]
-    named = _named_file(options)
+    named = named_file(options)
     if named is not None:
         return read_poses(named, names, times)
     kitti = entry.name in ("kitti", "bin")
@@ -335,13 +304,3 @@ def _poses(
             raise
         log.warning("%s: the poses are not used: %s", folder.name, error)
         return None
-
-
-def _named_file(options: ReadOptions) -> Path | None:
-    """The file of poses that a person names; raises NotFoundError, ForbiddenError."""
-    path = options.chosen.poses_file
-    if path is not None and options.limits.roots:
-        require_inside([path], options.limits.roots)
-    if path is not None and not path.is_file():
-        raise NotFoundError(f"poses: expected 'auto', 'none' or a file, there is no {path.name}")
-    return path

@@ -15,9 +15,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats.inside import require_inside
 from pointbrush.formats.interpolation import Pose, interpolated
 from pointbrush.formats.numbers import is_number
+from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.timing import lines_of, natural_key, read_times, seconds_of
 
 log = logging.getLogger(__name__)
@@ -34,6 +36,16 @@ class Poses:
 
     matrices: Sequence[Pose | None]
     source: str
+
+
+def named_file(options: ReadOptions) -> Path | None:
+    """The file of poses that a person names; raises NotFoundError, ForbiddenError."""
+    path = options.chosen.poses_file
+    if path is not None and options.limits.roots:
+        require_inside([path], options.limits.roots)
+    if path is not None and not path.is_file():
+        raise NotFoundError(f"poses: expected 'auto', 'none' or a file, there is no {path.name}")
+    return path
 
 
 def find_poses(

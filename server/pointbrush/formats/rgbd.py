@@ -200,18 +200,24 @@ def _partners(depths: Sequence[Path], colors: Sequence[Path]) -> list[Path | Non
 
 def _of_time(depth: Path, colors: Sequence[Path]) -> Path | None:
     """The colour image that is nearest in time by the names, within NEAR."""
-    at = time_in_name(depth.stem)
-    timed = [(time, path) for path in colors if (time := time_in_name(path.stem)) is not None]
+    at = _seconds(depth)
+    timed = [(time, path) for path in colors if (time := _seconds(path)) is not None]
     if at is None or not timed:
         return None
     time, path = min(timed, key=lambda each: abs(each[0] - at))
     return path if abs(time - at) <= NEAR else None
 
 
+def _seconds(path: Path) -> float | None:
+    """The time in a name: since 1970, or a decimal number of seconds of any clock."""
+    decimal = re.fullmatch(r"\d{1,10}\.\d+", _moment(path), re.ASCII)
+    return time_in_name(path.stem) or (float(decimal[0]) if decimal else None)
+
+
 def _number(path: Path) -> int:
-    """The last number in a name, -1 without one."""
-    digits = re.findall(r"\d+", path.stem, re.ASCII)
-    return int(digits[-1][:18]) if digits else -1
+    """The number of a name that has one alone, else -1."""
+    digits = re.findall(r"\d+", _moment(path), re.ASCII)
+    return int(digits[0][:18]) if len(digits) == 1 else -1
 
 
 def _tell_lone(
