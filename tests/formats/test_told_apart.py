@@ -316,11 +316,20 @@ def test_pickles_are_refused_with_a_way_out(tmp_path: Path, name: str) -> None:
             open_source([place])
 
 
-def test_words_as_labels_are_told(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    (tmp_path / "a.csv").write_text("x,y,z,class,note\n1,2,3,car,a\n4,5,6,tree,b\n")
-    (frame,) = read(tmp_path / "a.csv")
-    assert (len(frame), frame.label) == (2, None)
-    assert "a.csv: the labels in the column class are words (car, tree) and left out" in caplog.text
+def test_labels_in_words_have_the_same_number_in_all_files(tmp_path: Path) -> None:
+    (tmp_path / "0.csv").write_text("x,y,z,class,note\n1,2,3,tree,a\n4,5,6,car,b\n7,8,9,,c\n")
+    (tmp_path / "1.csv").write_text("x,y,z,class,note\n1,2,3,car,a\n4,5,6,Unlabeled,b\n")
+    with open_source([tmp_path]) as source:
+        labels = [None if f.label is None else f.label.tolist() for f in source.frames]
+    assert labels == [[1, 2, 0], [2, 0]]
+    assert source.classes == ["tree", "car"]
+
+
+def test_a_column_of_texts_is_no_column_of_classes(tmp_path: Path) -> None:
+    rows = "".join(f"{k},0,1,note {k}\n" for k in range(5000))
+    (tmp_path / "a.csv").write_text("x,y,z,label\n" + rows)
+    with pytest.raises(BadInputError, match=r"a\.csv: expected at most 4096 class names"):
+        next(read(tmp_path / "a.csv"))
 
 
 def test_left_handed_axes_of_carla_are_told(

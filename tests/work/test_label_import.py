@@ -93,6 +93,30 @@ def test_semantickitti_comes_in_as_one_edit(workspace: Workspace, tmp_path: Path
     assert set(labels(workspace, 0)) == {""}
 
 
+def test_labels_in_words_are_classes_by_name(workspace: Workspace, tmp_path: Path) -> None:
+    folder = tmp_path / "csv"
+    folder.mkdir()
+    names = ["road", "car", "", "tree"]
+    for k in range(2):
+        rows = [f"{x},{y},{z},{names[(i + k) % 4]}" for i, (x, y, z) in enumerate(xyz(k).tolist())]
+        (folder / f"{k}.csv").write_text("\n".join(["x,y,z,label", *rows, ""]))
+    job = run(workspace, folder, label_format="points")
+    assert job.state == "done", job.error
+    assert labels(workspace, 0)[:5] == ["road", "car", "", "tree", "road"]
+    assert labels(workspace, 1)[:5] == ["car", "", "tree", "road", "car"]
+    # The recording itself comes with them.
+    job = workspace.import_paths([folder], name="words")
+    job = workspace.runner.wait(job.id, 60)
+    assert job.state == "done", job.error
+    palette = workspace.palette("words")
+    assert [(label.name, label.category) for label in palette] == [
+        ("road", "road"), ("car", "car"), ("tree", "tree"),
+    ]  # fmt: skip
+    assert labels(workspace, 1, "words")[:5] == ["car", "", "tree", "road", "car"]
+    workspace.update_sequence("words", name="Renamed")
+    assert workspace.recording("words").manifest.classes == ["road", "car", "tree"]
+
+
 def test_labels_in_an_archive_alone_or_uploaded(workspace: Workspace, tmp_path: Path) -> None:
     made = kitti(tmp_path / "made")
     packed = tmp_path / "uploaded" / "labels.zip"

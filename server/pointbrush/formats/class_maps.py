@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -17,15 +18,41 @@ from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.options import read_bytes
 
 GREATEST_CLASS = 65535
+MOST_CLASSES = 4096
+"""Names in a column of labels: more are no classes."""
 MAP_BYTES = 4 << 20
 YAML_BYTES = 1 << 18
 """Bytes of a YAML file, whose parser is slow."""
 LONGEST_NAME = 200
 NO_CLASS = ("unlabeled", "unlabelled", "unclassified", "undefined", "void", "none", "ignore")
-"""Names that files of data sets and tools give to number 0 where it is no class."""
+"""Names of points without a class, and of number 0 where it is none."""
 _LINE = re.compile(r"\s*(\d+)\s*[:,;\s]\s*(\S.*?)\s*", re.ASCII)
 _YAML_KEY = re.compile(r"^[A-Za-z_]\w*\s*:", re.MULTILINE)
 _RGB_STATED = re.compile(r"^color_map\s*:.*\brgb\b", re.MULTILINE | re.IGNORECASE)
+
+
+@dataclass(slots=True)
+class ClassNumbers:
+    """Numbers of classes that files call by their names: the place in ``names``, from 1."""
+
+    names: list[str] = field(default_factory=list)
+
+    def number(self, where: str, name: str) -> int:
+        """The number of a class, 0 for an empty name and for those of no class.
+
+        Raises BadInputError naming ``where`` for a long text, or more texts than classes can be.
+        """
+        bare = name.strip()
+        if not bare or bare.lower() in NO_CLASS:
+            return 0
+        if bare not in self.names:
+            if len(bare) > LONGEST_NAME or len(self.names) >= MOST_CLASSES:
+                raise BadInputError(
+                    f"{where}: expected at most {MOST_CLASSES} class names of up to "
+                    f"{LONGEST_NAME} characters as labels, got {bare[:40]!r} beyond"
+                )
+            self.names.append(bare)
+        return self.names.index(bare) + 1
 
 
 def read_map(path: Path) -> dict[int, ClassName]:

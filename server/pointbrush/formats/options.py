@@ -79,7 +79,8 @@ class ReadOptions:
     ``known`` is what the folder tells of the frame (a line of poses.txt, a time in its name): the
     file itself wins.  ``colors`` is the range of colours in the recording; None: each file's own.
     ``chosen`` is what a person says.  ``columns_found`` is called with the columns of each file
-    and what they are read as, "" for what is left out.
+    and what they are read as, "" for what is left out.  ``class_number`` gives the number of a
+    class by file and name, where labels are words: the same in all files of a recording.
     """
 
     known: Extras = field(default_factory=Extras)
@@ -87,6 +88,7 @@ class ReadOptions:
     colors: ColorRange | None = None
     chosen: Corrections = field(default_factory=Corrections)
     columns_found: Callable[[Mapping[str, str]], None] | None = None
+    class_number: Callable[[str, str], int] | None = None
 
     @property
     def drop_invalid(self) -> bool:

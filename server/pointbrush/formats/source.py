@@ -16,6 +16,7 @@ from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import ENDINGS, is_archive, unpack
+from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.folder import frames_among, list_files, list_folder
 from pointbrush.formats.inside import require_inside
@@ -38,7 +39,8 @@ class Source:
 
     ``frames`` yields the frames in order, once; a reader's errors come from it.  ``count`` is
     their number and ``fps`` their rate, where the files tell; ``listings`` what was found where;
-    ``scale`` metres for a unit of the files.
+    ``scale`` metres for a unit of the files; ``classes`` the names of labels 1, 2, … where the
+    files call them by words, as far as frames have been read.
     ``close`` removes temporary files; exhausting or dropping ``frames`` does too.
     """
 
@@ -48,6 +50,7 @@ class Source:
     name: str
     listings: Sequence[Listing] = ()
     scale: float = 1.0
+    classes: Sequence[str] = ()
     _temporary: list[Path] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -119,7 +122,13 @@ def open_source(
         raise BadInputError("path: expected one or more files or folders, got none")
     chosen = chosen or Corrections()
     format = format or chosen.format
-    options = ReadOptions(limits=limits or Limits(), chosen=chosen, columns_found=columns_found)
+    classes = ClassNumbers()
+    options = ReadOptions(
+        limits=limits or Limits(),
+        chosen=chosen,
+        columns_found=columns_found,
+        class_number=classes.number,
+    )
     if format is not None:
         format_named(format)
     found = _expand(paths)
@@ -137,7 +146,8 @@ def open_source(
     fps = listings[0].fps if len(listings) == 1 else None
     fps = fps or (rate_of(times) if count == len(times) else None)
     frames = map(chosen.applied, _frames(listings, options))
-    return Source(frames, count, fps, source_name(paths), listings, chosen.scale, temporary)
+    name = source_name(paths)
+    return Source(frames, count, fps, name, listings, chosen.scale, classes.names, temporary)
 
 
 def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:

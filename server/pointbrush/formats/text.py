@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import io
-import logging
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import TOLD, frame_from_columns, roles
+from pointbrush.formats.columns import frame_from_columns, roles
 from pointbrush.formats.corrections import Corrections, meanings
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
@@ -27,7 +26,6 @@ from pointbrush.formats.table import Table
 from pointbrush.formats.unnamed import plain_columns
 from pointbrush.frame import PointFrame
 
-log = logging.getLogger(__name__)
 Array = NDArray[Any]
 MAX_COLUMNS = 1024
 LONG = 1 << 18
@@ -290,13 +288,10 @@ def _columns_with_words(
         if isinstance(values, int) and column in needed:
             where = f"{name} line {layout.rows[values] + 1}"
             raise BadInputError(f"{where}: expected a number, got another word")
-        if isinstance(values, int) and meaning[column] == label:
-            found = sorted({words[i] for words in table})
-            log.warning(
-                "%s: the labels in the column %s are words (%s%s) and left out; write the number "
-                "of a class instead, and name it in a palette.json",
-                name, column, ", ".join(found[:TOLD]), ", …" * (len(found) > TOLD),
-            )  # fmt: skip
+        if isinstance(values, int) and meaning[column] == label and options.class_number:
+            number, called = options.class_number, [words[i] for words in table]
+            of_name = {word: number(name, word) for word in dict.fromkeys(called)}
+            values = np.array([of_name[word] for word in called], np.float64)
         # A column of words keeps its place among the meanings that a person gives in order.
         if not isinstance(values, int):
             columns[column] = values

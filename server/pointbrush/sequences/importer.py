@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from itertools import chain
@@ -57,12 +57,13 @@ def import_frames(
     source: str = "",
     up: str | None = None,
     pictures: PictureSource | None = None,
+    classes: Sequence[str] = (),
 ) -> Manifest:
     """Import ``frames`` into the new folder ``target``; they are consumed one by one.
 
     ``progress`` gets a fraction 0..1 and a message after each frame; what it raises cancels.
     ``up`` is the axis ("x", "-x", … "-z") that points up, where it is known; ``pictures`` are kept
-    beside the frames.
+    beside the frames; ``classes`` are names of the labels 1, 2, …, which may come with the frames.
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
     when there is no frame, UnavailableError when the disk is full, and what ``frames`` raises.
     """
@@ -78,7 +79,8 @@ def import_frames(
             progress(min(done / total, 1.0) if total else 0.0, f"imported {count} frames")
         if not records:
             raise BadInputError("expected at least one frame, got none")
-        manifest = make_manifest(records, grid_of.grid, sequence_id, name, fps, source, up)
+        grid = grid_of.grid
+        manifest = make_manifest(records, grid, sequence_id, name, fps, source, up, classes)
         kept = {} if pictures is None else write_pictures(folder, len(records), pictures.pictures())
         _complete(folder, manifest, records, kept)
     return manifest

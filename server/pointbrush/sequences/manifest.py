@@ -46,6 +46,7 @@ class Manifest:
     ``poses``           ``T_world_frame`` per frame, row-major 4x4 or None.
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
     ``large``           a frame is an octree of chunks.
+    ``classes``         names of the labels 1, 2, … where the files call them by words.
     ``imported_as``     ``id`` at the import: a restored recording may have got another one.
     """
 
@@ -73,6 +74,7 @@ class Manifest:
     large: bool
     created: str
     imported_as: str
+    classes: list[str]
 
     @property
     def identity(self) -> str:
@@ -140,6 +142,8 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
     content.setdefault("imported_as", content["id"])
     content.setdefault("color_error", 0.0)
     content.setdefault("depth_format", 1)
+    # Labels in words were left out before.
+    content.setdefault("classes", [])
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 

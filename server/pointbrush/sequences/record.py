@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -106,6 +106,7 @@ def make_manifest(
     fps: float,
     source: str,
     up: str | None = None,
+    classes: Iterable[str] = (),
 ) -> Manifest:
     """The manifest of a sequence of these frames, in their order; ``up`` as in ``RoomFinder``."""
     filled = [record for record in records if record.count]
@@ -142,4 +143,5 @@ def make_manifest(
         large=any(record.large for record in records),
         created=datetime.now(UTC).isoformat(timespec="microseconds"),
         imported_as=sequence_id,
+        classes=list(classes),
     )

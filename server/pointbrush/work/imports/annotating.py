@@ -21,6 +21,7 @@ from pointbrush.formats.annotation import (
 )
 from pointbrush.formats.archive import unpacked
 from pointbrush.formats.box_labels import BOX_READERS, points_of, read_boxes
+from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
@@ -131,7 +132,8 @@ class ReadLabelsWork:
             LabelFiles(files.format, (), dict(files.names), dict(files.own), files.dataset)
         )
         columns = (f"{request.field}=label",) if request.field else ()
-        options = ReadOptions(limits=self.limits, chosen=Corrections(columns=columns))
+        classes, chosen = ClassNumbers(), Corrections(columns=columns)
+        options = ReadOptions(limits=self.limits, chosen=chosen, class_number=classes.number)
         frames = frames_of(files.paths, len(recording), recording.manifest.timestamps)
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
             if frame is None:
@@ -140,6 +142,9 @@ class ReadLabelsWork:
                 labels = _of_points(files.read(path, options), recording, frame)
                 channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+        if classes.names:
+            names = dict(enumerate(map(ClassName, classes.names), start=1))
+            channel.item(LabelFiles(files.format, (), names, {}))
 
     def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
         """Hand on the points inside boxes; a class has the number of its name's place."""

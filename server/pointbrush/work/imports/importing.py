@@ -87,6 +87,7 @@ class ImportWork:
                 total=source.count,
                 progress=channel.progress,
                 pictures=source.pictures,
+                classes=source.classes,
                 **about,
             )
         if said != ASSUMED or manifest.frames == 1:
@@ -172,6 +173,8 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         return
     sources = [Path(source) for source in recording.manifest.source.split(", ")]
     named = {label.id: label for label in source_palette(sources)}
+    classes = enumerate(recording.manifest.classes, start=1)
+    named |= {number: SourceLabel(number, name, name, "") for number, name in classes}
     dataset = source_dataset(sources)
     labels = [label_of(label_id, named.get(label_id)) for label_id in sorted(found)]
     if dataset is not None:
