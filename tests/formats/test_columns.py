@@ -51,4 +51,5 @@ def test_trees_of_lidr_without_a_number_have_no_instance(caplog: pytest.LogCaptu
     frame = of_instances([1, np.nan, 2, -1], "f8", "treeID")
     assert frame.instance is not None
     assert frame.instance.tolist() == [1, 0, 2, 0]
-    assert not caplog.text
+    assert "no instance" not in caplog.text
+    assert "columns treeID=label makes each one a label" in caplog.text

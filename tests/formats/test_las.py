@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import Limits, las, read
+from pointbrush.formats import Limits, las, open_source, read
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.las_write import write_las
@@ -176,3 +177,24 @@ def test_more_points_than_the_limit_is_too_large(tmp_path):
     options = ReadOptions(limits=Limits(max_points=9))
     with pytest.raises(TooLargeError, match="at most 9 points"):
         list(read_chunks(tmp_path / "a.laz", 100, options))
+
+
+@pytest.mark.parametrize("columns", [(), ("treeID=label",)])
+@pytest.mark.parametrize(
+    ("kind", "no_data"), [("f8", np.finfo(np.float64).max), ("i4", -(2**31)), ("u2", 9999)]
+)
+def test_values_that_a_file_declares_to_be_none_cost_their_points(
+    tmp_path, caplog, kind, no_data, columns
+):
+    # As lidR writes its trees: NA is declared in the description of the extra bytes.
+    header = laspy.LasHeader(version="1.4", point_format=6)
+    header.add_extra_dim(laspy.ExtraBytesParams("treeID", kind, no_data=np.array([no_data], kind)))
+    las = laspy.LasData(header)
+    las.x = las.y = las.z = np.arange(4.0)
+    las.treeID = np.array([7, no_data, 12, no_data], kind)
+    las.write(tmp_path / "a.laz")
+    with open_source([tmp_path / "a.laz"], chosen=Corrections(columns=columns)) as source:
+        (frame,) = source.frames
+    made = frame.label if columns else frame.instance
+    assert made.tolist() == [7, 0, 12, 0]
+    assert "numbers" not in caplog.text

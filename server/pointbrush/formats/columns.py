@@ -139,6 +139,11 @@ def frame_from_columns(
     instance, whole_instance = None, False
     if "instance" in parts:
         instance, whole_instance = _instances(name, _take(parts["instance"], keep))
+        if "label" not in parts and instance is not None:
+            log.warning(
+                "%s: the instances of %s have no classes and make no labels; columns %s=label "
+                "makes each one a label", name, found["instance"], found["instance"],
+            )  # fmt: skip
     extras, known = extras or Extras(), options.known
     other = _other(columns, found, keep, whole_instance)
     if options.columns_found is not None:
@@ -176,6 +181,15 @@ def with_meanings(
         for old, values in columns.items()
         if meaning[old] != LEFT_OUT and not (meaning[old] == old and old in said)
     }
+
+
+def label_columns(name: str, columns: Mapping[str, Array], options: ReadOptions) -> set[str]:
+    """Names in the file of the columns that are read as labels and instances."""
+    chosen = options.chosen.columns
+    meaning = meanings(list(columns), chosen, name) if chosen else {each: each for each in columns}
+    found = roles(meaning.values())
+    wanted = {found.get("label"), found.get("instance")}
+    return {column for column, means in meaning.items() if means in wanted}
 
 
 def _described(

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.columns import frame_from_columns, label_columns
 from pointbrush.formats.las_header import (
     COLORS,
     LasHeader,
@@ -135,6 +135,8 @@ def _frame(
         for field, values in further_fields(header, rows).items()
         if field.lower() not in OURS
     }
+    for field in header.no_data.keys() & label_columns(path.name, columns, options):
+        columns[field] = np.where(columns[field] == header.no_data[field], 0, columns[field])
     if "red" in (rows.dtype.names or ()):
         columns["rgb"] = rgb = np.empty((len(rows), 3), np.uint8)
         for i, color in enumerate(COLORS):

@@ -64,7 +64,8 @@ class LasHeader:
     ``offset`` of the first point in bytes; ``scales``, ``offsets``, ``lo``, ``hi`` (3,) float64;
     ``extra`` name → (byte in the record, NumPy type), ``further`` the same of all extra bytes, by
     their own names: parts of tuples as ``name[0]``, undocumented ones as ``ExtraBytes[0]``.
-    ``laszip`` is the compressor's record, None for uncompressed points.
+    ``laszip`` is the compressor's record, None for uncompressed points.  ``no_data`` are the values
+    of extra bytes, by their own names, that the file declares to mean none.
     """
 
     version: tuple[int, int]
@@ -79,6 +80,7 @@ class LasHeader:
     extra: dict[str, tuple[int, str]]
     laszip: bytes | None
     further: dict[str, tuple[int, str]] = field(default_factory=dict)
+    no_data: dict[str, float] = field(default_factory=dict)
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -171,6 +173,7 @@ def _with_records(
 ) -> LasHeader:
     """Add extra fields and the compressor's record; check the points fit the file."""
     further: dict[str, tuple[int, str]] = {}
+    no_data: dict[str, float] = {}
     laszip: bytes | None = None
     at = 0
     while at + 54 <= len(between):
@@ -182,6 +185,7 @@ def _with_records(
             laszip = data
         elif (user, number) == (b"LASF_Spec", 4):
             further = _extra_fields(data, RECORD[header.point_format], header.record)
+            no_data = _no_data(data)
     if raw_format & COMPRESSED and laszip is None:
         raise BadInputError(f"{name}: expected the record of the LAZ compressor, got none")
     needed = header.count * header.record
@@ -196,7 +200,7 @@ def _with_records(
         documented = max(documented, place + np.dtype(kind).itemsize)
     for byte in range(header.record - documented):
         further[f"{UNDOCUMENTED}[{byte}]"] = (documented + byte, "u1")
-    return replace(header, extra=extra, laszip=laszip, further=further)
+    return replace(header, extra=extra, laszip=laszip, further=further, no_data=no_data)
 
 
 def _extra_fields(data: bytes, at: int, record: int) -> dict[str, tuple[int, str]]:
@@ -216,6 +220,18 @@ def _extra_fields(data: bytes, at: int, record: int) -> dict[str, tuple[int, str
             fields[label] = (at + part * size, scalar or "u1")
         at += width
     return fields
+
+
+def _no_data(data: bytes) -> dict[str, float]:
+    """Values of single extra bytes that mean none (LAS 1.4, table 24: 8 bytes of their class)."""
+    found: dict[str, float] = {}
+    for start in range(0, len(data) - 191, 192):
+        kind, options = data[start + 2], data[start + 3]
+        if 1 <= kind <= len(EXTRA_TYPES) and options & 1:
+            name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1")
+            of_class = f"<{EXTRA_TYPES[kind - 1][0]}8"
+            found[name] = np.frombuffer(data, of_class, 1, start + 40)[0].item()
+    return found
 
 
 def wide(color: str) -> str:
