@@ -85,6 +85,9 @@ def test_a_log_of_argoverse_has_its_poses_and_times(tmp_path: Path) -> None:
         pa.table({"timestamp_ns": times, **turn, **place}),
         tmp_path / "city_SE3_egovehicle.feather",
     )
+    # Tables of other things, as logs have them.
+    np.savez(tmp_path / "ego_motion.npz", ego_motion=np.eye(4)[None])
+    feather.write_feather(pa.table({"flow_tx_m": [0.0]}), tmp_path / "flow_labels.feather")
     with open_source([tmp_path]) as source:
         frames = list(source.frames)
         assert source.fps == 10

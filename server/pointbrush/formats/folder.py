@@ -12,6 +12,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.bag_listing import list_bags
+from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
 from pointbrush.formats.feather import argoverse_poses
 from pointbrush.formats.kitti import kitti_pictures
 from pointbrush.formats.listing import INNER, FrameFile, Listing
@@ -48,12 +49,19 @@ SIDECARS = {
 }
 
 
+ARGOVERSE_SCANS = "sensors/lidar"
+"""Folder of the scans in a log of Argoverse 2, which has tables of other things beside."""
+
+
 def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listing:
     """The recording in a folder: its point files or images, or those of the one subfolder
     that has them.  Files with weak endings (notes.txt) count only where nothing else does.
 
     Raises BadInputError for none, for several formats, or for several recordings.
     """
+    scans = folder / ARGOVERSE_SCANS
+    if (folder / ARGOVERSE_POSES).is_file() and scans.is_dir():
+        return list_folder(scans, format, options)
     for weakly in (False, True):
         found = _directly(folder, format, options, weakly)
         if found is not None:
