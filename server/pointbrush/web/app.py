@@ -7,6 +7,7 @@ import secrets
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from importlib import import_module
 from typing import Any
 
@@ -19,6 +20,7 @@ from pointbrush.settings import Settings
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket
+from pointbrush.web.admissions import Admissions
 from pointbrush.web.auth import Gate
 from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
@@ -80,7 +82,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     try:
         async with Hub(app.state.workspace, app.state.metrics).running() as hub:
             app.state.hub = hub
-            yield
+            checked = Admissions(partial(hub.read, socket.admit))
+            async with checked.running() as app.state.admissions:
+                yield
     finally:
         uploads.close()
 

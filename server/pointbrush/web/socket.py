@@ -14,17 +14,18 @@ from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
 from pointbrush.system import shortage
+from pointbrush.web.admissions import Admissions
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
 from pointbrush.web.roles import PREFIX, ROUTES
-from pointbrush.web.uncopied import link_of
+from pointbrush.web.uncopied import UncopiedProtocol, link_of
 
 router = APIRouter(prefix=PREFIX)
 TEXT_REFUSED = 1003
 GOING_AWAY = 1001
 NOT_ADMITTED = 4401
-RECHECK_SECONDS = 15.0
-"""Time after which a revoked token's open sockets are closed."""
+CLOSE_SECONDS = 2.0
+"""Longest wait for a client to take a closing and to answer it; then the connection is cut."""
 
 
 @router.websocket("/stream")
@@ -83,19 +84,22 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
         return data
 
     link.hear = session.hear
-    watch = asyncio.create_task(expiry(socket, hub, session))
+    admissions: Admissions = socket.app.state.admissions
     try:
-        await session.run(receive)
-        if watch.done() or session.expelled:
-            await socket.close(
-                NOT_ADMITTED, "expected a valid token, it has expired or was revoked"
-            )
+        with admissions.watching(socket, session):
+            await session.run(receive)
+        if session.expelled:
+            await expel(socket, link)
         elif session.closing.is_set():
             await socket.close(GOING_AWAY, "the server is stopping, connect again")
     except (WebSocketDisconnect, ClientDisconnected):
         return
-    finally:
-        watch.cancel()
+
+
+async def expel(socket: WebSocket, link: UncopiedProtocol) -> None:
+    """Close the socket of a caller who is not admitted any more, though they read nothing."""
+    link.loop.call_later(CLOSE_SECONDS, link.transport.abort)
+    await socket.close(NOT_ADMITTED, "expected a token that is valid still, it is not")
 
 
 def still_admitted(socket: WebSocket, principal: Principal) -> None:
@@ -103,16 +107,3 @@ def still_admitted(socket: WebSocket, principal: Principal) -> None:
     now = admit(socket)
     if (now.author, now.role) != (principal.author, principal.role):
         raise UnauthorizedError("expected the token that this socket was opened with")
-
-
-async def expiry(socket: WebSocket, hub: Hub, session: ViewerSession) -> None:
-    """Ends the session once its token no longer admits it."""
-    while True:
-        await asyncio.sleep(RECHECK_SECONDS)
-        try:
-            await hub.read(admit, socket)
-        except UnauthorizedError:
-            session.close()
-            return
-        except PointbrushError:
-            continue  # the database is away; its token was good before
