@@ -286,7 +286,9 @@ def test_npz_points_are_never_the_colours(tmp_path: Path) -> None:
 @pytest.mark.parametrize("width", [5, 6, 7])
 def test_records_of_radar_are_read_by_their_columns(tmp_path: Path, width: int) -> None:
     # x y z RCS v_r v_r_compensated time, in folders called as KITTI's (View-of-Delft).
-    table = np.random.default_rng(0).normal(0, 20, (16, width)).astype("<f4")
+    rng = np.random.default_rng(0)
+    spread, middle = [15, 8, 1, 9, 2, 2, 0], [25, 0, 0, -12, 0, 0, 0]
+    table = rng.normal(middle[:width], spread[:width], (160, width)).astype("<f4")
     path = tmp_path / "velodyne" / "0.bin"
     path.parent.mkdir()
     path.write_bytes(table.tobytes())

@@ -1,4 +1,4 @@
-"""Where the sensors of a bag are mounted, by its transforms.
+"""Mounts of the sensors of a bag, by its transforms.
 
 ``/tf_static`` holds what never moves.  Older publishers repeat it on ``/tf``, beside what does
 move: only transforms that are the same in all messages of a bag are mounts.

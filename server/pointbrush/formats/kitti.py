@@ -36,6 +36,8 @@ WIDE = (5, 6, 7)
 """Floats of records with more than KITTI's four."""
 MOST_INTENSITY, MOST_RINGS = 65535, 512
 """Greatest plausible values of a wider record's fourth and fifth float."""
+MUCH_LESS = 0.8
+"""Share of the variance within columns that tells which width is right."""
 # As many floats as make whole points of either record.
 SAMPLE = 48_000
 KITTI_FIELDS = ("x", "y", "z", "intensity")
@@ -74,7 +76,9 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         yield frame_from_columns(path.name, columns, options)
         return
     wide = [width for width in WIDE if len(data) % (4 * width) == 0 and _is_wide(data, width)]
-    if find_label(path) is not None or (_lies_as_kitti(path) and not wide and _is_kitti(data)):
+    if find_label(path) is not None or (
+        _lies_as_kitti(path) and not wide and len(data) % RECORD == 0 and not _fits_wider(data)
+    ):
         yield from read_kitti(path, options)
         return
     # Colours first: coordinates do not stay within 0..1 or whole numbers by chance.
@@ -161,6 +165,16 @@ def _is_wide(data: bytes, width: int) -> bool:
     reflects = bool((intensity >= 0).all() and (intensity <= MOST_INTENSITY).all())
     rings = bool((ring >= 0).all() and (ring <= MOST_RINGS).all() and not np.any(ring % 1))
     return moves and reflects and rings
+
+
+def _fits_wider(data: bytes) -> bool:
+    """Whether columns of wider records are much more alike in themselves than those of four."""
+
+    def spread(width: int) -> float:
+        return float(np.arcsinh(np.nan_to_num(_sample(data, width))).var(axis=0).mean())
+
+    fitting = [spread(width) for width in WIDE if len(data) % (4 * width) == 0]
+    return bool(data) and bool(fitting) and min(fitting) < MUCH_LESS * spread(RECORD // 4)
 
 
 def _is_xyzrgb(data: bytes) -> bool:

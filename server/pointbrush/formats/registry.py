@@ -119,11 +119,11 @@ ADVICE = {
     ),
     (".pcap", ".pcapng"): "packets of a scanner are not read; write PCD or LAS by its maker's tool",
 }
-"""What to do with files by the endings of their names."""
+"""Ways to get at files that are not read, by the endings of their names."""
 
 
 def advice(paths: Iterable[Path]) -> str:
-    """What to do with the first file that is known and not read, beginning with ": ", else ""."""
+    """A way to get at the first file that is not read, with ": " before it; "" without one."""
     for path in paths:
         for endings, text in ADVICE.items():
             if path.name.lower().endswith(endings):

@@ -30,7 +30,7 @@ from pointbrush.frame import PointFrame
 MOST_WARNINGS = 100
 """Warnings that are kept of one recording."""
 ASSUMED = "assumed"
-"""What says the rate of a recording whose files do not."""
+"""Origin of a rate that no file states."""
 
 
 @dataclass
