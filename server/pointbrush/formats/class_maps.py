@@ -16,6 +16,7 @@ from xml.etree import ElementTree
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.options import read_bytes
+from pointbrush.names import spelled_out
 
 GREATEST_CLASS = 65535
 MOST_CLASSES = 4096
@@ -42,7 +43,7 @@ class ClassNumbers:
 
         Raises BadInputError naming ``where`` for a long text, or more texts than classes can be.
         """
-        bare = name.strip()
+        bare = spelled_out(name.strip())
         if not bare or bare.lower() in NO_CLASS:
             return 0
         if bare not in self.names:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from pointbrush.errors import NotFoundError
+from pointbrush.names import spelled_out
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +16,10 @@ class ClassName:
 
     name: str
     color: str = ""
+
+    def __post_init__(self) -> None:
+        """Write out characters that no name may hold."""
+        object.__setattr__(self, "name", spelled_out(self.name))
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import SEMANTIC_KITTI, Dataset
+from pointbrush.names import spelled_out
 
 NAME = "palette.json"
 MAX_BYTES = 16 << 20
@@ -36,6 +37,11 @@ class SourceLabel:
     color: str
     packed: int | None = None
     instance: int | None = None
+
+    def __post_init__(self) -> None:
+        """Write out characters that no name may hold."""
+        for field in ("name", "category"):
+            object.__setattr__(self, field, spelled_out(getattr(self, field)))
 
 
 def source_dataset(paths: Sequence[Path]) -> Dataset | None:

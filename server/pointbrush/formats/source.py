@@ -26,6 +26,7 @@ from pointbrush.formats.pictures import PictureSource, joined
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.timing import in_order, rate_of
 from pointbrush.frame import PointFrame
+from pointbrush.names import spelled_out
 
 MOST_WARNINGS = 100
 """Warnings that are kept of one recording."""
@@ -234,8 +235,12 @@ def source_name(paths: Sequence[Path]) -> str:
     """Return a name for the recording at ``paths``: its file, folder or archive, without endings.
 
     Several files are called by their folder, or, where that has a random name (uploads), by what
-    their names have in common.
+    their names have in common.  Characters that no name may hold are written out.
     """
+    return spelled_out(_bare_name(paths))
+
+
+def _bare_name(paths: Sequence[Path]) -> str:
     path = Path(paths[0])
     if len(paths) > 1 or glob.has_magic(str(path)):
         folder = path.absolute().parent

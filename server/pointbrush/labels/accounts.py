@@ -17,7 +17,6 @@ import hmac
 import secrets
 import threading
 import time
-import unicodedata
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +26,7 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import accounts, sign_ins, tokens
 from pointbrush.labels.statements import Statement, driver_of, upsert
+from pointbrush.names import require_visible
 from pointbrush.roles import ROLES, Role
 
 LONGEST_NAME = 128
@@ -34,9 +34,6 @@ OWNER = "owner"
 """The account of scripts that send the server's own token."""
 RESERVED = frozenset({OWNER, "command line", "import"})
 """Names that are accounts of pointbrush's own; no token has one."""
-CONTROL = frozenset({"Cc", "Zl", "Zp"})
-BIDIRECTIONAL = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Signs that change how what stands behind them is read."""
 MARK = ":"
 """In the id of accounts whose name is in the table: no token made now is called so."""
 
@@ -87,8 +84,7 @@ def require_name(name: str) -> None:
     """Raise BadInputError for a name that cannot be shown in a line."""
     if not name.strip() or len(name) > LONGEST_NAME:
         raise BadInputError(f"name: expected 1 to {LONGEST_NAME} characters, got {len(name)}")
-    if any(unicodedata.category(sign) in CONTROL or sign in BIDIRECTIONAL for sign in name):
-        raise BadInputError("name: expected no control characters")
+    require_visible("name", name)
 
 
 def require_token_name(name: str) -> None:

@@ -14,6 +14,7 @@ from sqlalchemy import Connection, select
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels.schema import IN_FORCE, edit_labels, edits
 from pointbrush.labels.types import Label
+from pointbrush.names import require_visible
 
 HIGHEST = 65_534
 """The greatest label id; 65535 means *deleted* on the wire."""
@@ -44,6 +45,8 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
             raise BadInputError(
                 f"label {name}: expected at most {NAME_LIMIT} characters, got {len(value)}"
             )
+        if isinstance(value, str) and name in ("name", "category"):
+            require_visible(f"label {name}", value)
     if not 0 <= given.get("instance", 0) <= MOST_INSTANCE:
         raise BadInputError(
             f"label instance: expected 0 to {MOST_INSTANCE}, got {given['instance']}"

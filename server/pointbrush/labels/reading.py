@@ -111,8 +111,8 @@ def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]
     return [json.loads(data) for label, data in connection.execute(query) if label in state.palette]
 
 
-def labelled_frames(connection: Connection) -> dict[str, int]:
-    """Count the frames with labelled points of each live sequence that has any."""
+def labelled_frames(connection: Connection, sequence: str | None = None) -> dict[str, int]:
+    """Count the frames with labelled points of each live sequence that has any, or of one."""
     counts, sequences = schema.counts, schema.sequences
     query = (
         select(sequences.c.id, func.count(distinct(counts.c.frame)))
@@ -120,6 +120,8 @@ def labelled_frames(connection: Connection) -> dict[str, int]:
         .where(sequences.c.deleted.is_(None), counts.c.label > 0, counts.c.points > 0)
         .group_by(sequences.c.id)
     )
+    if sequence is not None:
+        query = query.where(sequences.c.id == sequence)
     return {str(name): int(frames) for name, frames in connection.execute(query)}
 
 

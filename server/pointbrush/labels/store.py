@@ -358,10 +358,10 @@ class LabelStore:
         with self._database.read() as connection:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
 
-    def labelled_frames(self) -> dict[str, int]:
-        """Count the frames with labelled points of each sequence that has any."""
+    def labelled_frames(self, sequence: str | None = None) -> dict[str, int]:
+        """Count the frames with labelled points of each sequence that has any, or of one."""
         with self._database.read() as connection:
-            return reading.labelled_frames(connection)
+            return reading.labelled_frames(connection, sequence)
 
     def require_answer(self) -> None:
         """Raise UnavailableError unless the database answers."""

@@ -13,6 +13,7 @@ from sqlalchemy.exc import IntegrityError
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import categories, dataset_numbers
+from pointbrush.names import require_visible
 
 GREATEST = 65535
 """Greatest number of a category: SemanticKITTI keeps it in 16 bits."""
@@ -196,6 +197,7 @@ def _check(wanted: Sequence[Category]) -> None:
                 f"name: expected 1 to {LONGEST} characters, got {len(each.name)} for number "
                 f"{each.number}"
             )
+        require_visible("name", each.name)
         for dataset, number in each.datasets.items():
             if not _DATASET.fullmatch(dataset) or not 0 <= number <= GREATEST:
                 raise BadInputError(

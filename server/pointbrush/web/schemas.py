@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from pointbrush.labels import Commit, EditInfo
+from pointbrush.names import HIDDEN
 from pointbrush.roles import Role
 from pointbrush.sequences import Manifest
 from pointbrush.streaming.messages import (
@@ -21,7 +22,9 @@ from pointbrush.streaming.messages import (
 )
 from pointbrush.workspace import Deleted, Listed, Split
 
-Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^\x00-\x1f\x7f]+$")]
+VISIBLE = f"[^{HIDDEN}]"
+"""Pattern of a character that names may hold."""
+Name = Annotated[str, Field(min_length=1, max_length=200, pattern=f"^{VISIBLE}+$")]
 PaintId = Annotated[int, Field(ge=1, le=65534)]
 
 
@@ -161,7 +164,7 @@ class LabelBody(Body):
     """
 
     name: Name
-    category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
+    category: Annotated[str, Field(max_length=200, pattern=f"^{VISIBLE}*$")] = ""
     color: Color | None = None
     id: PaintId | None = None
     locked: bool = False
@@ -173,7 +176,7 @@ class LabelPatch(Body):
     """Fields of a label that may be changed; absent ones stay."""
 
     name: Name | None = None
-    category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] | None = None
+    category: Annotated[str, Field(max_length=200, pattern=f"^{VISIBLE}*$")] | None = None
     color: Color | None = None
     locked: bool | None = None
     visible: bool | None = None

@@ -136,7 +136,8 @@ def entry(library: Library, store: LabelStore, sequence: str) -> Listed:
     revision = store.sequences().get(sequence)
     if library.has(sequence):
         found = library.look(sequence)
-        return Listed(sequence, revision or 0, found.manifest, found.damaged)
+        labelled = store.labelled_frames(sequence).get(sequence, 0)
+        return Listed(sequence, revision or 0, found.manifest, found.damaged, labelled)
     if revision is None:
         raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
     return Listed(sequence, revision, None, LABELS_ALONE)

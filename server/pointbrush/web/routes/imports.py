@@ -23,6 +23,7 @@ from pointbrush.streaming.encoding import describe
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import problem_of, responses
+from pointbrush.web.schemas import VISIBLE
 from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut
 from pointbrush.web.upload_files import (
     KeptUploads,
@@ -47,7 +48,7 @@ UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description=
 IMPORT_BODY = described(
     ImportBody,
     {
-        "name": {"type": "string", "pattern": r"^[^\x00-\x1f\x7f]{1,200}$"},
+        "name": {"type": "string", "pattern": f"^{VISIBLE}{{1,200}}$"},
         "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
         "scale": {"type": "string", "pattern": r"^[1-9](\.[0-9]{1,6})?$"},
         "format": {"type": "string", "enum": format_names()},

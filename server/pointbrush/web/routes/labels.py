@@ -11,11 +11,13 @@ from pydantic import BaseModel, Field
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import DATASETS, dataset_named
 from pointbrush.labels import Label
+from pointbrush.names import spelled_out
 from pointbrush.streaming.messages import Color, LabelId, Uuid
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import LabelPath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
+    VISIBLE,
     Body,
     EditOut,
     LabelBody,
@@ -120,7 +122,7 @@ class PaletteLabel(BaseModel):
     """A label without its id; further fields of an exported ``palette.json`` are passed over."""
 
     name: Name
-    category: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
+    category: Annotated[str, Field(max_length=200, pattern=f"^{VISIBLE}*$")] = ""
     color: Color | None = None
 
 
@@ -168,7 +170,12 @@ def get_palette(seq: SequenceId, workspace: Ws) -> PaletteOut:
     """The palette; the answer can be posted to another recording."""
     return PaletteOut(
         labels=[
-            PaletteLabel(name=label.name, category=label.category, color=label.color)
+            # An older palette may hold what no name may hold now.
+            PaletteLabel(
+                name=spelled_out(label.name),
+                category=spelled_out(label.category),
+                color=label.color,
+            )
             for label in workspace.palette(seq)
         ]
     )

@@ -15,14 +15,14 @@ from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import ASSIGN, DECIDE
-from pointbrush.web.schemas import Body, PaintId
+from pointbrush.web.schemas import VISIBLE, Body, PaintId
 from pointbrush.work.reviewing import Overview, Standing, State
 from pointbrush.workspace import Workspace
 
 router = resource("review")
 DECISIONS = frozenset({"accepted", "rejected"})
 Note = Annotated[str, Field(max_length=2_000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f]*$")]
-Person = Annotated[str, Field(max_length=128, pattern=r"^[^\x00-\x1f\x7f]*$")]
+Person = Annotated[str, Field(max_length=128, pattern=f"^{VISIBLE}*$")]
 
 
 class FrameReviewBody(Body):

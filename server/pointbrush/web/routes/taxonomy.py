@@ -7,13 +7,14 @@ from typing import Annotated
 from pydantic import BaseModel, Field
 
 from pointbrush.labels import Category
+from pointbrush.names import HIDDEN
 from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body
+from pointbrush.web.schemas import VISIBLE, Body
 
 router = resource("taxonomy")
-NAME = r"^[^\x00-\x20\x7f][^\x00-\x1f\x7f]*$"
+NAME = f"^[^{HIDDEN} ]{VISIBLE}*$"
 """No control characters, and no space in front."""
 
 

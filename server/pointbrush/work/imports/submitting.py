@@ -15,6 +15,7 @@ from pointbrush.formats.corrections import Corrections
 from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
+from pointbrush.names import require_visible
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.events import Event, SequencesChanged
@@ -158,6 +159,8 @@ class Imports:
         return None
 
     def _begin(self, request: ImportRequest, job: Job) -> Job:
+        if request.name:
+            require_visible("name", request.name)
         guard = self._reserve(request.name or formats.source_name(request.paths))
         work = importing.ImportWork(
             paths=request.paths,
