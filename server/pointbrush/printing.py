@@ -113,6 +113,8 @@ def imported(result: Mapping[str, Any]) -> None:
 
 def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -> None:
     """Print the report of labels that were imported into a recording of ``frames`` frames."""
+    for warning in result.get("warnings", ()):
+        print(f"warning: {warning}", file=sys.stderr)
     for told in result["frames"]:
         print(f"frame {told['frame']}: {told['points']:,} points of {told['file']}")
     for number in result["unknown_classes"]:

@@ -93,6 +93,21 @@ def test_semantickitti_comes_in_as_one_edit(workspace: Workspace, tmp_path: Path
     assert set(labels(workspace, 0)) == {""}
 
 
+def test_instances_that_no_label_can_have_are_told(workspace: Workspace, tmp_path: Path) -> None:
+    instance = np.where(np.arange(COUNTS[0]) < 5, 70_000, 7)
+    columns = np.column_stack([xyz(0), np.full(COUNTS[0], 3), instance])
+    (tmp_path / "csv").mkdir()
+    np.savetxt(
+        tmp_path / "csv" / "0.csv", columns, delimiter=",", header="x,y,z,label,instance",
+        comments="",
+    )  # fmt: skip
+    job = run(workspace, tmp_path / "csv", label_format="points")
+    assert job.state == "done", job.error
+    (warning,) = job.result["warnings"]
+    assert "5 points of 1 other numbers (70000) have no instance" in warning
+    assert labels(workspace, 0)[4:6] == ["class 3", "class 3 7"]
+
+
 def test_labels_in_words_are_classes_by_name(workspace: Workspace, tmp_path: Path) -> None:
     folder = tmp_path / "csv"
     folder.mkdir()

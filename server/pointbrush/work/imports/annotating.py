@@ -26,6 +26,7 @@ from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.point_labels import PointLabels
+from pointbrush.formats.source import reported
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
@@ -117,8 +118,9 @@ class ReadLabelsWork:
         """
         if self.request.roots:
             require_inside([self.request.place], self.request.roots)
-        with unpacked(self.request.place, self.limits) as place:
+        with reported() as warnings, unpacked(self.request.place, self.limits) as place:
             self._read(channel, place)
+        channel.item(list(warnings))
 
     def _read(self, channel: Channel, place: Path) -> None:
         request = self.request
@@ -249,10 +251,13 @@ class LabelImports:
             self._store.require_writable()
         found: list[FrameLabels] = []
         unmatched: list[str] = []
+        warnings: list[str] = []
         called: list[LabelFiles] = []
 
-        def on_item(_: Job, item: LabelFiles | FrameLabels | Unmatched) -> None:
+        def on_item(_: Job, item: LabelFiles | FrameLabels | Unmatched | list[str]) -> None:
             match item:
+                case list():
+                    warnings[:] = item
                 case LabelFiles():
                     called[:] = [item]
                 case Unmatched():
@@ -271,7 +276,7 @@ class LabelImports:
             if cancelled:
                 return {}
             chosen = _Chosen.of(self._store, recording, found, called[0])
-            report = _report(recording, found, unmatched, chosen)
+            report = _report(recording, found, unmatched, chosen) | {"warnings": warnings}
             if request.dry_run or not report["labelled"]:
                 return report | {"edit": None}
             if called[0].dataset:
