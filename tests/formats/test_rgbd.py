@@ -270,3 +270,12 @@ def test_scannet_has_colours_of_another_camera(tmp_path):
     (tmp_path / "intrinsic" / "intrinsic_color.txt").unlink()
     (frame,) = read(tmp_path)
     assert (frame.rgb > 80).all(), "a shape that is nearly the same is taken pixel by pixel"
+
+
+def test_depth_at_twice_the_rate_of_colour_shares_its_images(tmp_path):
+    (tmp_path / "camera.json").write_text(json.dumps(CAMERA))
+    for k in range(4):
+        image(tmp_path / "depth" / f"161643123{k // 2}.{100 + 16 * (k % 2)}.png", depths(8, 6))
+    for k in range(2):
+        image(tmp_path / "color" / f"161643123{k}.104.png", np.full((6, 8, 3), k, np.uint8))
+    assert shades(tmp_path) == ([0, 0, 1, 1], "")

@@ -199,7 +199,11 @@ def _choose(name: str, topics: Sequence[Topic], wanted: str) -> str:
         found = next((topic for topic in topics if topic.name == wanted), None)
         if found is not None and found.has_clouds:
             return wanted
-        got = f"{wanted!r}" if found is None else f"{wanted} ({found.type or 'no type'})"
+        got = (
+            f"{wanted!r}"
+            if found is None
+            else f"{wanted} ({found.type or 'no type'}){_what(found.type)}"
+        )
         named = ", ".join(sorted(topic.name for topic in topics if topic.has_clouds)) or "none"
         raise BadInputError(f"{name}: expected a topic with PointCloud2 ({named}), got {got}")
     clouds = [topic for topic in topics if topic.has_clouds]

@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from pointbrush.errors import BadInputError
@@ -29,6 +28,7 @@ from pointbrush.formats.pictures import (
 )
 from pointbrush.formats.raw_images import RawImage, pixels_of
 from pointbrush.formats.ros_message import COMPRESSED, IMAGE, INFO, cut_off, kind_of, reader_of
+from pointbrush.formats.timing import nearest
 
 log = logging.getLogger(__name__)
 MOST_APART = 0.2
@@ -77,10 +77,13 @@ def _jobs(
     for camera, topic in cameras:
         name = f"{path.name} {topic.name}"
         try:
-            taken = _nearest(found.stamps, _stamps(bag, path, topic))
+            numbers = nearest(found.stamps.tolist(), _stamps(bag, path, topic), MOST_APART)
         except BadInputError as error:
             log.warning("the pictures of %s are left out: %s", topic.name, error)
             continue
+        taken: dict[int | None, list[int]] = {}
+        for frame, number in enumerate(numbers):
+            taken.setdefault(number, []).append(frame)
         for number, message in enumerate(bag.messages(path, topic.name)):
             for frame in taken.get(number, ()):
                 yield partial(_read, frame, camera, name, topic, message)
@@ -125,8 +128,8 @@ def _first(bag: Bag, path: Path, topic: Topic) -> str | None:
     return frame_id
 
 
-def _stamps(bag: Bag, path: Path, topic: Topic) -> NDArray[np.float64]:
-    """Stamps (n,) of a topic's messages, seconds."""
+def _stamps(bag: Bag, path: Path, topic: Topic) -> list[float]:
+    """Stamps of a topic's messages, seconds."""
     stamps, name = [], f"{path.name} {topic.name}"
     for message in bag.messages(path, topic.name):
         try:
@@ -134,20 +137,7 @@ def _stamps(bag: Bag, path: Path, topic: Topic) -> NDArray[np.float64]:
         except struct.error:
             raise cut_off(name, kind_of(topic.type), message) from None
         stamps.append(stamp or message.time)
-    return np.array(stamps)
-
-
-def _nearest(clouds: NDArray[np.float64], images: NDArray[np.float64]) -> dict[int, list[int]]:
-    """Frames by the number of the message whose picture is nearest in time."""
-    order = np.argsort(images, kind="stable")
-    after = np.searchsorted(images[order], clouds).clip(1, max(len(images) - 1, 1))
-    taken: dict[int, list[int]] = {}
-    for frame, (stamp, at) in enumerate(zip(clouds.tolist(), after.tolist(), strict=True)):
-        near = order[max(at - 1, 0) : at + 1]
-        best = int(near[np.abs(images[near] - stamp).argmin()])
-        if abs(float(images[best]) - stamp) <= MOST_APART:
-            taken.setdefault(best, []).append(frame)
-    return taken
+    return stamps
 
 
 def _content(name: str, topic: Topic, message: BagMessage) -> bytes:

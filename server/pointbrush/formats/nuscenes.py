@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from pointbrush.formats.interpolation import Pose
 from pointbrush.formats.options import Limits
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
 from pointbrush.formats.poses import Poses, of_quaternion
+from pointbrush.formats.timing import nearest
 
 TOKEN = re.compile(r"([0-9a-f]{32})_(lidarseg\.bin|panoptic\.npz)")
 """Names of label files, which tell only by a table what they are of."""
@@ -176,25 +177,26 @@ def _camera(name: str, sensor: Record, T_camera_frame: Pose) -> Camera:
 def _by_time(files: Sequence[Path], folder: Path, limits: Limits) -> PictureSource | None:
     """Pictures in folders ``CAM_…`` beside the sweeps', by the times in their names."""
     rows: list[dict[Camera, Path]] = [{} for _ in files]
+    timed = [(row, time) for row, path in zip(rows, files, strict=True) if (time := _time(path))]
     cameras = []
     for place in sorted(folder.parent.glob("CAM_*")):
-        stamped = sorted(_stamped(place))
+        stamped = [
+            (time, path)
+            for path in sorted(place.iterdir())
+            if path.suffix.lower() in (".jpg", ".png") and (time := _time(path))
+        ]
         if not stamped:
             continue
         camera = Camera(place.name)
         cameras.append(camera)
-        stamps = np.array([stamp for stamp, _ in stamped])
-        for row, path in zip(rows, files, strict=True):
-            found = STAMP.search(path.name)
-            if found is not None:
-                nearest = int(np.abs(stamps - int(found[1])).argmin())
-                if abs(int(stamps[nearest]) - int(found[1])) <= MOST_APART:
-                    row[camera] = stamped[nearest][1]
+        found = nearest([time for _, time in timed], [time for time, _ in stamped], MOST_APART)
+        for (row, _), which in zip(timed, found, strict=True):
+            if which is not None:
+                row[camera] = stamped[which][1]
     return of_files(folder.parent.parent, rows, cameras, limits)
 
 
-def _stamped(place: Path) -> Iterator[tuple[int, Path]]:
-    for path in place.iterdir():
-        found = STAMP.search(path.name)
-        if found is not None and path.suffix.lower() in (".jpg", ".png"):
-            yield int(found[1]), path
+def _time(path: Path) -> int:
+    """Microseconds in the name of a file, 0 without."""
+    found = STAMP.search(path.name)
+    return int(found[1]) if found else 0

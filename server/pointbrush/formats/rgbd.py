@@ -17,7 +17,14 @@ from pointbrush.formats.interpolation import NEAR, Pose
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.poses import Poses, pose_of, read_poses
-from pointbrush.formats.timing import natural_key, rate_of, stated_rate, time_in_name, times_of
+from pointbrush.formats.timing import (
+    natural_key,
+    nearest,
+    rate_of,
+    stated_rate,
+    time_in_name,
+    times_of,
+)
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
@@ -90,14 +97,13 @@ def _tum_pairs(folder: Path) -> list[Pair]:
     depths, colors = _timed(folder, "depth.txt"), _timed(folder, "rgb.txt")
     if not depths or not colors:
         raise BadInputError(f"{folder.name}: expected lines in depth.txt and rgb.txt, got none")
-    moments = np.array([time for time, _ in colors])
+    places = nearest([time for time, _ in depths], [time for time, _ in colors], NEAR)
     pairs, alone = [], []
-    for time, depth in depths:
-        nearest = int(np.argmin(np.abs(moments - time)))
-        if abs(moments[nearest] - time) <= NEAR:
-            pairs.append(Pair(depth, colors[nearest][1], time))
-        else:
+    for (time, depth), place in zip(depths, places, strict=True):
+        if place is None:
             alone.append(depth)
+        else:
+            pairs.append(Pair(depth, colors[place][1], time))
     if not pairs:
         raise BadInputError(
             f"{folder.name}: expected depth and colour images within {NEAR} s, got none"
@@ -184,12 +190,14 @@ def _partners(depths: Sequence[Path], colors: Sequence[Path]) -> list[Path | Non
             f"{named[_moment(twice[0])].name}"
         )
     found = [named.get(_moment(path)) for path in depths]
-    left = [path for path in colors if path not in set(found)]
-    found = [color or _of_time(depth, left) for depth, color in zip(depths, found, strict=True)]
+    timed = _by_time(depths, [path for path in colors if path not in set(found)])
+    found = [color or timed.get(depth) for depth, color in zip(depths, found, strict=True)]
     if not any(found):
         numbered = {number: path for path in colors if (number := _number(path)) >= 0}
-        found = [numbered.get(_number(path)) for path in depths]
-    if not any(found) or len({path for path in found if path}) < len([p for p in found if p]):
+        numbers = [_number(path) for path in depths]
+        if len(set(numbers)) == len(numbers):
+            found = [numbered.get(number) for number in numbers]
+    if not any(found):
         raise BadInputError(
             f"{depths[0].parent.name}: expected colour images with the names, times or numbers of "
             f"the depth images, got {_listed(depths)} and {_listed(colors)}"
@@ -198,14 +206,18 @@ def _partners(depths: Sequence[Path], colors: Sequence[Path]) -> list[Path | Non
     return found
 
 
-def _of_time(depth: Path, colors: Sequence[Path]) -> Path | None:
-    """The colour image that is nearest in time by the names, within NEAR."""
-    at = _seconds(depth)
-    timed = [(time, path) for path in colors if (time := _seconds(path)) is not None]
-    if at is None or not timed:
-        return None
-    time, path = min(timed, key=lambda each: abs(each[0] - at))
-    return path if abs(time - at) <= NEAR else None
+def _by_time(depths: Sequence[Path], colors: Sequence[Path]) -> dict[Path, Path]:
+    """Colour images that are nearest to depth images in time by their names, within NEAR."""
+    of_depth, of_color = (
+        [(path, time) for path in paths if (time := _seconds(path)) is not None]
+        for paths in (depths, colors)
+    )
+    places = nearest([time for _, time in of_depth], [time for _, time in of_color], NEAR)
+    return {
+        depth: of_color[place][0]
+        for (depth, _), place in zip(of_depth, places, strict=True)
+        if place is not None
+    }
 
 
 def _seconds(path: Path) -> float | None:
