@@ -4,7 +4,7 @@
 set -eu
 cd "$(dirname "$0")"
 umask 022
-mkdir -p secrets ../recordings
+mkdir -p secrets certificates ../recordings
 chmod 700 secrets
 for name in database_password admin_token; do
   if [ ! -s "secrets/$name" ]; then

@@ -84,13 +84,55 @@ def test_only_the_proxy_is_published_and_on_loopback_unless_told() -> None:
 def test_options_and_commands_are_those_of_the_program() -> None:
     known = {each.variable for each in options()}
     for name in ("pointbrush-1", "pointbrush-2", "backup"):
-        assert set(SERVICES[name]["environment"]) <= known
+        assert set(SERVICES[name]["environment"]) <= known | {"TMPDIR"}
     said = re.search(r"pointbrush (backup \S+)", " ".join(SERVICES["backup"]["command"]))
     assert said is not None
     assert parser().parse_args(said[1].split()).command == "backup"
     restore = re.search(r"pointbrush (restore \S+)'", (DEPLOY / "restore.sh").read_text())
     assert restore is not None
     assert parser().parse_args(restore[1].split()).command == "restore"
+
+
+def in_bytes(size: str) -> int:
+    """Bytes of a size such as ``256m``."""
+    return int(size[:-1]) << {"k": 10, "m": 20, "g": 30}[size[-1].lower()]
+
+
+def mounts(service: dict[str, Any]) -> dict[str, str]:
+    """Source of each mount, by its place in the container."""
+    return {each.split(":")[1]: each.split(":")[0] for each in service.get("volumes", [])}
+
+
+@each_service
+def test_memory_that_files_may_take_is_a_small_part_of_a_services(name: str) -> None:
+    service = SERVICES[name]
+    most = in_bytes(service["deploy"]["resources"]["limits"]["memory"])
+    sizes = [re.search(r":(?:.*,)?size=(\w+)", each) for each in service["tmpfs"]]
+    assert all(sizes), "unbounded, it is half of the machine's"
+    assert sum(in_bytes(size[1]) for size in sizes if size) <= most / 2
+
+
+def test_archives_unpack_on_the_volume_that_workers_share_with_the_servers() -> None:
+    # A worker of the cluster has the server's folder for temporary files, unless it has a TMPDIR.
+    servers = [SERVICES[name] for name in ("pointbrush-1", "pointbrush-2")]
+    for service in (*servers, SERVICES["worker"]):
+        assert mounts(service)["/workspace"] == "workspace"
+        assert "TMPDIR" not in service.get("environment", {})
+    assert all(each["environment"]["POINTBRUSH_WORKSPACE"] == "/workspace/lab" for each in servers)
+    backup = SERVICES["backup"]
+    assert backup["environment"]["TMPDIR"] in mounts(backup)
+    assert backup["environment"].keys() - {"TMPDIR"} == servers[0]["environment"].keys()
+
+
+def test_certificate_files_that_the_proxy_is_told_of_are_mounted() -> None:
+    told = (DEPLOY / "Caddyfile").read_text() + (ROOT / "docs" / "deploy.md").read_text()
+    files = set(re.findall(r"(/[\w/-]+)/[\w.-]+\.pem\b", told))
+    assert files
+    mounted = mounts(SERVICES["caddy"])
+    assert files <= set(mounted)
+    for place in files:
+        assert (ROOT / mounted[place]).parent == DEPLOY
+        assert f"{mounted[place].removeprefix('./')}/" in (ROOT / ".gitignore").read_text()
 
 
 def test_the_servers_stop_after_their_drain() -> None:

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 import time
 import uuid
 from collections.abc import Iterator
@@ -77,6 +78,30 @@ def cluster() -> Iterator[str]:
     options = {"n_workers": 1, "threads_per_worker": 1, "host": "127.0.0.1"}
     with LocalCluster(**options, dashboard_address="127.0.0.1:0", silence_logs=50) as started:
         yield started.scheduler_address
+
+
+def temporary_with(given: str | None) -> str:
+    """Folder for temporary files of this process, once TMPDIR is ``given`` to it, or taken."""
+    os.environ.pop("TMPDIR", None)
+    if given is not None:
+        os.environ["TMPDIR"] = given
+    return tempfile.gettempdir()
+
+
+def test_a_worker_of_a_cluster_has_the_servers_folder_for_temporary_files(
+    cluster: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, server = tmp_path / "own", tmp_path / "server"
+    own.mkdir()
+    server.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(server))
+    executor = DaskExecutor(cluster)
+    try:
+        executor.submit(temporary_with, None).result(60)
+        assert executor.submit(temporary_with, str(own)).result(60) == str(server)
+        assert executor.submit(temporary_with, None).result(60) != str(server)
+    finally:
+        executor.shutdown()
 
 
 @pytest.fixture(params=["processes", "dask"])

@@ -10,11 +10,13 @@ import logging
 import multiprocessing
 import os
 import socket
+import tempfile
 import threading
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from concurrent.futures import CancelledError as FutureCancelledError
 from contextlib import suppress
+from functools import partial
 from multiprocessing.connection import Client, Connection
 from typing import Any, Protocol, TypeVar
 from urllib.parse import urlsplit
@@ -105,6 +107,21 @@ def run_work(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> A
         return work(Channel(connection))
 
 
+def _with_temporary(folder: str, done: Callable[[], T]) -> T:
+    """Call ``done`` with the server's ``folder`` for temporary files, in a worker of a cluster.
+
+    It lies on the workspace's disk; a worker's own is often memory, which an archive would fill.
+    An operator who gives the worker a TMPDIR has it their way.
+    """
+    before = tempfile.tempdir
+    if "TMPDIR" not in os.environ and os.access(folder, os.W_OK):
+        tempfile.tempdir = folder
+    try:
+        return done()
+    finally:
+        tempfile.tempdir = before
+
+
 class DisconnectedError(Exception):
     """The scheduler is another one by now, or away: what it was given is forgotten."""
 
@@ -138,7 +155,10 @@ class DaskExecutor(Executor):
         """Run ``fn`` on a worker, once; raises DisconnectedError when the scheduler has gone."""
         if self._client.status != "running":
             raise DisconnectedError
-        future: Future[T] = self._pool.submit(fn, *args, retries=0, **kwargs)
+        done = partial(fn, *args, **kwargs)
+        future: Future[T] = self._pool.submit(
+            _with_temporary, tempfile.gettempdir(), done, retries=0
+        )
         return future
 
     @property
