@@ -151,9 +151,8 @@ def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
     name, _, sensor = (wanted or "").partition(SENSOR)
     topic = _choose(path.name, topics, name)
     heads = [
-        (stamp or message.time, frame_id)
+        head_of_message(f"{path.name} {topic}", message, "PointCloud2")
         for message in bag.messages(path, topic)
-        for stamp, frame_id in [head_of_message(f"{path.name} {topic}", message)]
     ]
     sensors = Counter(frame_id for _, frame_id in heads)
     if sensor and sensor not in sensors:

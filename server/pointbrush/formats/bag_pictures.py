@@ -27,7 +27,15 @@ from pointbrush.formats.pictures import (
     readable,
 )
 from pointbrush.formats.raw_images import RawImage, pixels_of
-from pointbrush.formats.ros_message import COMPRESSED, IMAGE, INFO, cut_off, kind_of, reader_of
+from pointbrush.formats.ros_message import (
+    COMPRESSED,
+    IMAGE,
+    INFO,
+    cut_off,
+    head_of_message,
+    kind_of,
+    reader_of,
+)
 from pointbrush.formats.timing import nearest
 
 log = logging.getLogger(__name__)
@@ -119,10 +127,7 @@ def _first(bag: Bag, path: Path, topic: Topic) -> str | None:
     message = next(iter(bag.messages(path, topic.name)), None)
     if message is None:
         return None
-    try:
-        _, frame_id = reader_of(name, message).head()
-    except struct.error:
-        raise cut_off(name, kind_of(topic.type), message) from None
+    _, frame_id = head_of_message(name, message, kind_of(topic.type))
     if kind_of(topic.type) == IMAGE:
         pixels_of(name, _raw_image(name, message))
     return frame_id
@@ -130,14 +135,8 @@ def _first(bag: Bag, path: Path, topic: Topic) -> str | None:
 
 def _stamps(bag: Bag, path: Path, topic: Topic) -> list[float]:
     """Stamps of a topic's messages, seconds."""
-    stamps, name = [], f"{path.name} {topic.name}"
-    for message in bag.messages(path, topic.name):
-        try:
-            stamp, _ = reader_of(name, message).head()
-        except struct.error:
-            raise cut_off(name, kind_of(topic.type), message) from None
-        stamps.append(stamp or message.time)
-    return stamps
+    name, kind = f"{path.name} {topic.name}", kind_of(topic.type)
+    return [head_of_message(name, each, kind)[0] for each in bag.messages(path, topic.name)]
 
 
 def _content(name: str, topic: Topic, message: BagMessage) -> bytes:

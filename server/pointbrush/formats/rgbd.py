@@ -119,7 +119,10 @@ def _tum_pairs(folder: Path) -> list[Pair]:
 def _timed(folder: Path, name: str) -> list[tuple[float, Path]]:
     """Lines ``time file``, by time; raises BadInputError for other lines or absent files."""
     rows = []
-    for number, words in _rows(folder / name):
+    for number, line in enumerate((folder / name).read_text("utf-8", "replace").splitlines(), 1):
+        words = line.split("#")[0].split()
+        if not words:
+            continue
         try:
             time, path = float(words[0]), folder / words[1]
         except (ValueError, IndexError):
@@ -132,13 +135,6 @@ def _timed(folder: Path, name: str) -> list[tuple[float, Path]]:
             raise BadInputError(f"{name} line {number}: its file is absent")
         rows.append((time, path))
     return sorted(rows)
-
-
-def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
-        words = line.split("#")[0].split()
-        if words:
-            yield number, words
 
 
 # ── pairs of images ──────────────────────────────────────────────────────────────────────────

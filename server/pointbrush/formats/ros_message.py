@@ -125,12 +125,16 @@ class PointCloud2:
     data: bytes
 
 
-def head_of_message(name: str, message: Message) -> tuple[float, str]:
-    """Stamp in seconds, and frame id; raises BadInputError for a message that is cut off."""
+def head_of_message(name: str, message: Message, kind: str) -> tuple[float, str]:
+    """Stamp in seconds (that of its recording where it has none), and frame id.
+
+    Raises BadInputError for a message of this ``kind`` that is cut off.
+    """
     try:
-        return reader_of(name, message).head()
+        stamp, frame_id = reader_of(name, message).head()
     except struct.error:
-        raise cut_off(name, "PointCloud2", message) from None
+        raise cut_off(name, kind, message) from None
+    return stamp or message.time, frame_id
 
 
 def frame_of_message(name: str, message: Message, options: ReadOptions) -> PointFrame:
