@@ -24,14 +24,12 @@ from pointbrush.formats.listing import INNER, FrameFile, Listing
 from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
 from pointbrush.formats.pictures import PictureSource, joined
 from pointbrush.formats.registry import format_named
-from pointbrush.formats.timing import in_order, rate_of
+from pointbrush.formats.timing import ASSUMED, in_order, rate_of
 from pointbrush.frame import PointFrame
 from pointbrush.names import spelled_out
 
 MOST_WARNINGS = 100
 """Warnings that are kept of one recording."""
-ASSUMED = "assumed"
-"""Origin of a rate that no file states."""
 
 
 @dataclass

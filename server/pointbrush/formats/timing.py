@@ -16,6 +16,8 @@ from pointbrush.errors import BadInputError
 TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", "times.csv")
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
 EARLIEST, LATEST = 631_152_000, 4_102_444_800
+ASSUMED = "assumed"
+"""Origin of a rate that no file states."""
 CAMERA_FPS = 30.0
 SPINNING_FPS = 10.0
 """Turns per second of the scanners of KITTI, SemanticKITTI, Argoverse and most others."""

@@ -19,7 +19,7 @@ from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_dataset, source_palette
-from pointbrush.formats.source import ASSUMED
+from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
