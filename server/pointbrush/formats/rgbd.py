@@ -13,6 +13,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth_image import Cameras, cameras_of, depth_frame
+from pointbrush.formats.image_pairs import colors_of, listed, moment_of
 from pointbrush.formats.interpolation import NEAR, Pose
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
@@ -22,7 +23,6 @@ from pointbrush.formats.timing import (
     nearest,
     rate_of,
     stated_rate,
-    time_in_name,
     times_of,
 )
 from pointbrush.frame import PointFrame
@@ -33,11 +33,7 @@ DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
 DEPTH_FOLDERS = ("depth", "depth_raw", "depths")
 COLOR_FOLDERS = ("rgb", "color", "colour", "colors", "registered", "image", "images")
 POSE_FOLDERS = ("pose", "poses")
-_KINDS = re.compile(r"depth|rgb|colou?rs?|registered|images?|img|pose|raw")
-"""Words of a file name that tell what its image is of, and not when."""
 TUM_SCALE = 5000.0
-TOLD = 3
-"""Files that a message names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +107,7 @@ def _tum_pairs(folder: Path) -> list[Pair]:
     if alone:
         log.warning(
             "%s: %d of %d depth images are left out, as there is no colour image within %g s: %s",
-            folder.name, len(alone), len(depths), NEAR, _listed(alone),
+            folder.name, len(alone), len(depths), NEAR, listed(alone),
         )  # fmt: skip
     return pairs
 
@@ -156,7 +152,7 @@ def _paired(folder: Path) -> list[Pair]:
     times = times_of(depths, depth_folder or folder)
     pairs = [
         Pair(depth, color, times[i] if times else None)
-        for i, (depth, color) in enumerate(zip(depths, _partners(depths, colors), strict=True))
+        for i, (depth, color) in enumerate(zip(depths, colors_of(depths, colors), strict=True))
     ]
     return sorted(pairs, key=lambda pair: pair.time or 0.0) if times else pairs
 
@@ -166,89 +162,6 @@ def _images(folder: Path, endings: tuple[str, ...]) -> list[Path]:
     return sorted((path for path in found if not path.name.startswith(".")), key=natural_key)
 
 
-def _moment(path: Path) -> str:
-    """The name of a file without its kind: the same for all files of a moment."""
-    return _KINDS.sub("", path.stem.lower()).strip("._- ")
-
-
-def _partners(depths: Sequence[Path], colors: Sequence[Path]) -> list[Path | None]:
-    """The colour image of each depth image: by name, else by time, else by number.
-
-    Raises BadInputError where the names tell no pair, or two colour images have one moment.
-    """
-    if not colors:
-        return [None] * len(depths)
-    named = {_moment(path): path for path in colors}
-    if len(named) < len(colors):
-        twice = [path for path in colors if named[_moment(path)] != path]
-        raise BadInputError(
-            f"{colors[0].parent.name}: expected one colour image a moment, got {twice[0].name} and "
-            f"{named[_moment(twice[0])].name}"
-        )
-    found = [named.get(_moment(path)) for path in depths]
-    timed = _by_time(depths, [path for path in colors if path not in set(found)])
-    found = [color or timed.get(depth) for depth, color in zip(depths, found, strict=True)]
-    if not any(found):
-        numbered = {number: path for path in colors if (number := _number(path)) >= 0}
-        numbers = [_number(path) for path in depths]
-        if len(set(numbers)) == len(numbers):
-            found = [numbered.get(number) for number in numbers]
-    if not any(found):
-        raise BadInputError(
-            f"{depths[0].parent.name}: expected colour images with the names, times or numbers of "
-            f"the depth images, got {_listed(depths)} and {_listed(colors)}"
-        )
-    _tell_lone(depths, colors, found)
-    return found
-
-
-def _by_time(depths: Sequence[Path], colors: Sequence[Path]) -> dict[Path, Path]:
-    """Colour images that are nearest to depth images in time by their names, within NEAR."""
-    of_depth, of_color = (
-        [(path, time) for path in paths if (time := _seconds(path)) is not None]
-        for paths in (depths, colors)
-    )
-    places = nearest([time for _, time in of_depth], [time for _, time in of_color], NEAR)
-    return {
-        depth: of_color[place][0]
-        for (depth, _), place in zip(of_depth, places, strict=True)
-        if place is not None
-    }
-
-
-def _seconds(path: Path) -> float | None:
-    """The time in a name: since 1970, or a decimal number of seconds of any clock."""
-    decimal = re.fullmatch(r"\d{1,10}\.\d+", _moment(path), re.ASCII)
-    return time_in_name(path.stem) or (float(decimal[0]) if decimal else None)
-
-
-def _number(path: Path) -> int:
-    """The number of a name that has one alone, else -1."""
-    digits = re.findall(r"\d+", _moment(path), re.ASCII)
-    return int(digits[0][:18]) if len(digits) == 1 else -1
-
-
-def _tell_lone(
-    depths: Sequence[Path], colors: Sequence[Path], found: Sequence[Path | None]
-) -> None:
-    """Warn of images without a partner."""
-    without = [depth for depth, color in zip(depths, found, strict=True) if color is None]
-    unused = [path for path in colors if path not in set(found)]
-    if without:
-        log.warning(
-            "%d of %d depth images have no colour: %s", len(without), len(depths), _listed(without)
-        )
-    if unused:
-        log.warning(
-            "%d of %d colour images have no depth image and are left out: %s",
-            len(unused), len(colors), _listed(unused),
-        )  # fmt: skip
-
-
-def _listed(paths: Sequence[Path]) -> str:
-    return ", ".join(path.name for path in paths[:TOLD]) + ", …" * (len(paths) > TOLD)
-
-
 # ── poses ────────────────────────────────────────────────────────────────────────────────────
 
 
@@ -256,7 +169,7 @@ def _poses(
     folder: Path, pairs: Sequence[Pair], times: list[float] | None, named: Path | None
 ) -> Poses | None:
     """``T_world_camera`` of each frame: of the named file, of a list, or of a file each."""
-    names = [_moment(pair.depth) or pair.depth.stem for pair in pairs]
+    names = [moment_of(pair.depth) or pair.depth.stem for pair in pairs]
     if named is not None:
         return read_poses(named, names, times)
     try:
@@ -274,8 +187,8 @@ def _pose_files(folder: Path, pairs: Sequence[Pair]) -> Poses | None:
     places = [place for name in POSE_FOLDERS if (place := folder / name).is_dir()]
     files = [path for place in places for path in place.glob("*.txt")]
     files += pairs[0].depth.parent.glob("*.pose.txt")
-    by_moment = {_moment(path): path for path in files}
-    found = [by_moment.get(_moment(pair.depth)) for pair in pairs]
+    by_moment = {moment_of(path): path for path in files}
+    found = [by_moment.get(moment_of(pair.depth)) for pair in pairs]
     poses = [None if path is None else _pose_in(path) for path in found]
     known = [path for path, pose in zip(found, poses, strict=True) if path and pose is not None]
     if not known:
