@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
+from ssl import SSLContext
 from typing import Any
 
 import msgpack
@@ -136,13 +137,22 @@ class Viewer:
 
 @asynccontextmanager
 async def viewer(
-    url: str, token: str, *, protocol: str | None = None, origin: str | None = None, **fields: Any
+    url: str,
+    token: str,
+    *,
+    protocol: str | None = None,
+    origin: str | None = None,
+    headers: Mapping[str, str] | None = None,
+    ssl: SSLContext | None = None,
+    **fields: Any,
 ) -> AsyncIterator[Viewer]:
-    """A connected viewer; ``url`` is the server's http URL."""
+    """A connected viewer; ``url`` is the server's http or https URL."""
     address = url.replace("http", "ws", 1) + "/api/v1/stream"
+    bearer = {"Authorization": f"Bearer {token}"} if token else {}
     async with connect(
         address,
-        additional_headers={"Authorization": f"Bearer {token}"} if token else None,
+        ssl=ssl,
+        additional_headers={**bearer, **(headers or {})},
         subprotocols=[protocol or subprotocol()],  # type: ignore[list-item]
         origin=origin,  # type: ignore[arg-type]
         max_size=None,

@@ -111,3 +111,20 @@ def test_refused_handshakes(served: Served, fields: dict[str, Any], status: int)
         assert b"status" in refused.value.response.body
 
     run(scenario)
+
+
+def test_a_viewers_question_is_refused_by_its_id(served: Served) -> None:
+    secret = served.workspace.store.tokens.add("viewer", "asks only")
+
+    async def scenario() -> None:
+        async with viewer(served.url, secret) as client:
+            await client.open("wall")
+            question = str(uuid.uuid4())
+            brush = {"label": 1, "shape": "object", "radius": 0.1}
+            sample = {"origin": [0.0, 0.0, 0.0], "direction": [0.0, 0.0, 1.0]}
+            await client.send(type="ask", id=question, frame=0, brush=brush, samples=[sample])
+            error = await client.until("error", about=question)
+            assert error["status"] == 403
+            assert "annotator" in error["detail"]
+
+    run(scenario)

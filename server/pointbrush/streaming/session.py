@@ -179,8 +179,12 @@ class ViewerSession(Viewer):
             self.refuse(error, about)
 
     def _act(self, message: messages.ClientMessage) -> None:
-        require(self.role, MESSAGES[message.type])
-        self._handlers[type(message)](message)
+        """Act on a message; a refusal names the message's id, where it has one."""
+        try:
+            require(self.role, MESSAGES[message.type])
+            self._handlers[type(message)](message)
+        except PointbrushError as error:
+            self.refuse(error, getattr(message, "id", None))
 
     # ── its room ─────────────────────────────────────────────────────────────────────────
 

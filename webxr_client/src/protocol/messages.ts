@@ -7,8 +7,8 @@ export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 /**
  * Request of what a stroke of shape ``object``, ``grow``, ``cluster`` or ``plane`` would take.
  *
- * The newest request counts.  Without ``samples``: only whether the frame is prepared for
- * objects, which it is from then on.
+ * The newest request counts: one that still waits when another comes is not answered.  Without
+ * ``samples``: only whether the frame is prepared for objects, which it is from then on.
  */
 export interface Ask {
   type: 'ask';
@@ -326,7 +326,7 @@ export interface DepthChunk {
   hi: [number, number, number];
 }
 
-/** RFC 9457 fields; ``about`` is the id of the stroke, undo or track refused, if any. */
+/** RFC 9457 fields; ``about`` is the id of the stroke, undo, track or ask refused, if any. */
 export interface Error {
   type: 'error';
   title: string;

@@ -142,8 +142,8 @@ class StrokeCancel(Message):
 class Ask(Message):
     """Request of what a stroke of shape ``object``, ``grow``, ``cluster`` or ``plane`` would take.
 
-    The newest request counts.  Without ``samples``: only whether the frame is prepared for
-    objects, which it is from then on.
+    The newest request counts: one that still waits when another comes is not answered.  Without
+    ``samples``: only whether the frame is prepared for objects, which it is from then on.
     """
 
     type: Literal["ask"] = "ask"

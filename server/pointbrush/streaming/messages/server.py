@@ -249,7 +249,7 @@ class ServerPresence(Message):
 
 
 class Error(Message):
-    """RFC 9457 fields; ``about`` is the id of the stroke, undo or track refused, if any."""
+    """RFC 9457 fields; ``about`` is the id of the stroke, undo, track or ask refused, if any."""
 
     type: Literal["error"] = "error"
     title: str
