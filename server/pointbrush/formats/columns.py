@@ -94,7 +94,10 @@ def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -
         and (not isinstance(columns, Mapping) or columns[column].any())
     ]
     if left:
-        log.warning("%s: the fields %s are left out", name, ", ".join(left))
+        log.warning(
+            "%s: the fields %s are left out; columns %s=label reads one as labels",
+            name, ", ".join(left), left[0],
+        )  # fmt: skip
 
 
 def frame_from_columns(
