@@ -51,6 +51,9 @@ def test_everything_is_there(old: Workspace) -> None:
     for sequence, expected in EXPECTED["sequences"].items():
         assert told(old, sequence) == expected
         assert old.check(sequence) == []
+        # Imports of before left class names out, and have none after a change either.
+        old.update_sequence(sequence, fps=5.0)
+        assert old.recording(sequence).manifest.classes == []
     assert [entry.damaged for entry in old.listing()] == [None, None]
     valid = [old.store.tokens.check(secret) is not None for secret in EXPECTED["secrets"].values()]
     assert valid.count(False) == 1

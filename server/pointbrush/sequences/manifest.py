@@ -17,10 +17,10 @@ from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, Lattice
 from pointbrush.sequences.files import replace_file
 
 FILE = "manifest.json"
-VERSION = 5
+VERSION = 6
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
 further fields as it packs arrays, and the coordinates of octrees, 5 tells the format of depth
-images; all are read."""
+images, 6 names the classes of labels that are words; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
