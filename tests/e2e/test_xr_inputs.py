@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from tests.e2e.headset import Headset, Wear
+import itertools
+import math
+
+import pytest
+
+from tests.e2e.headset import QUEST, VIVE, Headset, Wear
 from tests.e2e.inputs import Input, inject
 from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
@@ -218,3 +223,89 @@ def test_a_bare_hand_does_what_a_controller_does(
     assert headset.ask(f"{WORLD}.scale.x") > 1.5
     for side in ("left", "right"):
         headset.trigger(0, side)
+
+
+def give_joints(headset: Headset, hand: str) -> None:
+    """Let a held controller have a hand's joints beside its gamepad, as SteamVR gives them."""
+    controller = f"device.controllers.{hand}"
+    headset.ask(f"({controller}.connected = false)")
+    headset.until(f"hs.pointers().every((one) => one.side !== '{hand}')")
+    headset.ask(
+        f"Object.defineProperty({controller}.inputSource, 'hand',"
+        f" {{ value: device.hands.{hand}.inputSource.hand }}) && null"
+    )
+    headset.ask(f"({controller}.connected = true)")
+    headset.until(f"hs.pointers().some((one) => one.side === '{hand}')")
+
+
+def press_pad(headset: Headset, x: float, y: float, hand: str = "right") -> None:
+    headset.ask(f"device.controllers.{hand}.updateAxes('touchpad', {x}, {y})")
+    headset.frames()
+    press = f"device.controllers.{hand}.updateButtonValue('touchpad', %d)"
+    headset.for_a_picture(press % 1, press % 0)
+
+
+def test_a_held_wand_with_joints_keeps_its_pad_and_alone_switches_labels_on_it(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    server.create_label(SEQUENCE, "other", "#5ea2ff")
+    headset = put_on(VIVE)
+    for hand in ("left", "right"):
+        give_joints(headset, hand)
+    both = {"brush": "right controller", "other": "left controller", "palette": "left controller"}
+    assert roles(headset) == both
+    lay_down(headset, "left")
+    active = "pb.state.activeLabel.value"
+    first = headset.ask(active)
+    radius = headset.ask("pb.state.brush.value.radius")
+    press_pad(headset, 0, 0.8)
+    headset.until(f"{active} !== {first}")
+    press_pad(headset, 0, -0.8)
+    headset.until(f"{active} === {first}")
+    press_pad(headset, 0.8, 0)
+    headset.until("pb.state.frame.value === 1")
+    assert headset.ask("pb.state.brush.value.radius") == radius
+    # A thumb that slides while it presses steps one frame back and does nothing else.
+    press = "device.controllers.right.updateButtonValue('touchpad', %d)"
+    headset.ask("device.controllers.right.updateAxes('touchpad', -0.8, 0)")
+    headset.ask(press % 1)
+    headset.until("pb.state.frame.value === 0")
+    headset.ask("device.controllers.right.updateAxes('touchpad', 0, 0.9)")
+    headset.frames()
+    headset.ask(press % 0)
+    headset.frames()
+    assert headset.ask(active) == first
+    # The grip's chords are eraser and undo.
+    headset.paint([truth(0, PERSON)])
+    headset.settled()
+    assert painted(server, 0, first) > 5
+    headset.ask("device.controllers.right.updateButtonValue('squeeze', 1)")
+    headset.frames()
+    press_pad(headset, -0.8, 0)
+    headset.ask("device.controllers.right.updateButtonValue('squeeze', 0)")
+    headset.settled()
+    assert painted(server, 0) == 0
+
+
+@pytest.mark.parametrize("device", [QUEST, VIVE])
+def test_going_somewhere_changes_no_label_wherever_one_looks(
+    put_on: Wear, server: LiveServer, device: str
+) -> None:
+    server.create_label(SEQUENCE, "other", "#5ea2ff")
+    headset = put_on(device)
+    headset.move("left", [-0.2, 1.2, -0.4])
+    before = headset.ask("pb.state.activeLabel.value")
+    # Sixteen poses of the head: level and down to 60°, ahead and towards the palette.
+    for yaw, pitch in itertools.product((0, 15, 30, -20), (0, -20, -40, -60)):
+        a, b = math.radians(yaw) / 2, math.radians(pitch) / 2
+        turn = (math.cos(a) * math.sin(b), math.sin(a) * math.cos(b),
+                -math.sin(a) * math.sin(b), math.cos(a) * math.cos(b))  # fmt: skip
+        headset.ask(f"device.quaternion.set{turn}")
+        headset.frames()
+        if device == VIVE:
+            press_pad(headset, 0, -0.9, "left")
+        else:
+            headset.flick(0, -1, "left")
+            headset.flick(0, 1, "left")
+        headset.frames()
+        assert headset.ask("pb.state.activeLabel.value") == before, (yaw, pitch)

@@ -7,7 +7,7 @@ import { Switch } from './pad';
 import type { Painter } from './painter';
 import type { Panel } from './panel';
 import type { Pointer } from './pointer';
-import type { Lessons } from './lessons';
+import type { Lessons, Part } from './lessons';
 import { Tips } from './tips';
 
 /** Metres before a panel at which a fingertip comes near, is on it, and has let go again. */
@@ -25,8 +25,8 @@ export class Body {
   private readonly poke = new Switch();
   private before: Panel | null = null;
   private poking = false;
-  /** Whether its words are those of the one that paints. */
-  private explained: boolean | null = null;
+  /** The part that its words are for. */
+  private explained: Part | null = null;
   /** Seconds for which it has been out of sight. */
   readonly unseen = new Float64Array(1);
 
@@ -55,10 +55,10 @@ export class Body {
   }
 
   /** Write what its buttons do; what comes and goes with a press needs no words. */
-  explain(paints: boolean): void {
-    if (!this.pointer.holds || this.explained === paints) return;
-    this.explained = paints;
-    this.tips.set(paints);
+  explain(part: Part): void {
+    if (!this.pointer.holds || this.explained === part) return;
+    this.explained = part;
+    this.tips.set(part);
   }
 
   /** Let it meet the panels; a held one keeps it. `painter`: what it paints with. */

@@ -1,10 +1,11 @@
 import { describe, expect, it } from 'vitest';
 import type { Label } from '../protocol/messages';
 import { labelBeside, labelLean } from './buttons';
+import { DEVICES } from './devices';
 
 const palette = [3, 7, 5].map((id) => ({ id }) as Label);
 
-describe('the palette hand’s pad', () => {
+describe('a pad for labels', () => {
   it('walks through the labels as they are listed, round and round', () => {
     expect([3, 7, 5].map((id) => labelBeside(palette, id, 1))).toEqual([7, 5, 3]);
     expect([3, 7, 5].map((id) => labelBeside(palette, id, -1))).toEqual([5, 3, 7]);
@@ -16,10 +17,24 @@ describe('the palette hand’s pad', () => {
     expect(labelBeside([], 4, 1)).toBe(4);
   });
 
-  it('is for labels while one looks at the palette, else only where no walking needs it', () => {
-    expect(labelLean(1, true, true)).toBe(1);
-    expect(labelLean(1, false, false)).toBe(0);
-    expect(labelLean(-1, false, false)).toBe(-1);
-    expect(labelLean(-1, false, true)).toBe(0);
+  const held = (id: string, y: number, labels = 0) => {
+    const device = DEVICES.find((one) => one.id === id)!;
+    return { device, labels, pad: { x: 0, y, click: false } };
+  };
+
+  it('of a stick switches labels only while its ray is on the palette, or by a chord', () => {
+    for (const part of ['alone', 'brush', 'other'] as const) {
+      for (const y of [1, -1]) {
+        expect(labelLean(held('touch', y), part, false)).toBe(0);
+        expect(labelLean(held('touch', y), part, true)).toBe(y);
+      }
+      expect(labelLean(held('touch', 0, -1), part, false)).toBe(-1);
+    }
+  });
+
+  it('of a wand switches labels by its own quadrants, both ways where it is alone', () => {
+    expect([1, -1].map((y) => labelLean(held('vive', y), 'alone', false))).toEqual([1, -1]);
+    expect([1, -1].map((y) => labelLean(held('vive', y), 'other', false))).toEqual([0, -1]);
+    expect([1, -1].map((y) => labelLean(held('vive', y), 'brush', false))).toEqual([0, 0]);
   });
 });

@@ -1,14 +1,11 @@
 /** Actions of sticks, pads and buttons besides painting. */
-import { Vector3 } from 'three';
 import { actions } from '../actions';
 import { peek } from '../watch';
 import type { Label } from '../protocol/messages';
 import { state } from '../state';
 import { LEVEL_TICK, type Pulse } from './haptics';
-import type { Lessons } from './lessons';
+import type { Lessons, Part } from './lessons';
 import type { Pointer } from './pointer';
-import type { Rig } from './rig';
-import { xrSettings } from './settings';
 
 /** The brush grows by this factor a second at full lean. */
 const GROWTH = 4;
@@ -74,7 +71,7 @@ export class Buttons {
 
   /** Up and down: the size of the brush, or the level of the object that is shown. */
   private size(hand: Pointer, seconds: Float64Array, now: number): void {
-    const { y } = hand.pad;
+    const y = hand.sizes === 0 ? hand.pad.y : hand.sizes;
     if ((peek(state.object)?.levels ?? 0) > 0) {
       this.level(hand.repeatY.update(y, now));
       return;
@@ -98,15 +95,21 @@ export class Buttons {
   }
 }
 
-/** One looks at the palette when its middle is within this angle of straight ahead: 20°. */
-const LOOKING = Math.cos((20 * Math.PI) / 180);
-
 /**
- * The part of a pad's lean that is for labels, and the rest of it is for walking: all of it while one
- * looks at the palette, else only down, which no teleport needs.
+ * The part of a controller's pad that switches labels: its chord or second touchpad, all of up and down
+ * while its ray is on the palette, a touchpad's quadrants where nothing else needs them.  Where one
+ * looks changes nothing, and neither does a stick that goes somewhere.
  */
-export function labelLean(y: number, looking: boolean, glides: boolean): number {
-  return looking || (y < 0 && !glides) ? y : 0;
+export function labelLean(
+  { device, labels, pad }: Pick<Pointer, 'device' | 'labels' | 'pad'>,
+  part: Part,
+  onPalette: boolean,
+): number {
+  if (labels !== 0) return labels;
+  if (onPalette) return pad.y;
+  if (device.pad !== 'touchpad') return 0;
+  if (part === 'alone') return pad.y;
+  return part === 'other' ? Math.min(0, pad.y) : 0;
 }
 
 /** The label so many steps below the active one in the palette, round and round. */
@@ -116,30 +119,21 @@ export function labelBeside(palette: readonly Label[], active: number, steps: nu
   return palette[(from + steps + palette.length) % palette.length]?.id ?? active;
 }
 
-/** The palette hand's pad walks through the labels. */
+/** Switches labels by the pad of a hand, before the pad does anything else. */
 export class LabelSwitch {
-  private readonly ahead = new Vector3();
-  private readonly way = new Vector3();
-
-  /** Once per picture, before the pad walks; true when another label was chosen. */
-  update(hand: Pointer, rig: Rig, palette: Vector3 | null, now: number): boolean {
-    const glides = peek(xrSettings).move === 'smooth' && hand.device.pad === 'stick';
-    const looking = palette !== null && this.looksAt(rig, palette);
-    const lean = labelLean(hand.pad.y, looking, glides);
-    const step = -hand.repeatY.update(lean, now);
+  /** Once per picture and hand; true when another label was chosen. */
+  update(hand: Pointer, part: Part, onPalette: boolean, now: number): boolean {
+    // Up and down of the hand that paints go through an object's levels while one is shown.
+    const levels = part !== 'other' && (peek(state.object)?.levels ?? 0) > 0;
+    const lean = levels && !onPalette && hand.labels === 0 ? 0 : labelLean(hand, part, onPalette);
+    const step = -hand.repeatLabel.update(lean, now);
     if (lean !== 0) hand.pad.y = 0;
     if (step === 0) return false;
     const active = peek(state.activeLabel);
     const next = labelBeside(peek(state.palette), active, step);
     if (next === active) return false;
     actions.selectLabel(next);
-    hand.pulse(LEVEL_TICK.strength, LEVEL_TICK.milliseconds);
+    if (part === 'other') hand.pulse(LEVEL_TICK.strength, LEVEL_TICK.milliseconds);
     return true;
-  }
-
-  private looksAt(rig: Rig, place: Vector3): boolean {
-    this.ahead.set(0, 0, -1).applyQuaternion(rig.turned);
-    this.way.copy(place).sub(rig.head).normalize();
-    return this.ahead.dot(this.way) > LOOKING;
   }
 }

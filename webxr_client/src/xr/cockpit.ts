@@ -2,7 +2,6 @@
  * Everything that is there while one is inside: hands, brush, panels, moving about.  `update` runs
  * before each picture and allocates nothing unless something happens.
  */
-import { Vector3 } from 'three';
 import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../listeners';
@@ -51,7 +50,6 @@ export class Cockpit {
   private readonly pulse: Pulse;
   private readonly undo: (() => void)[] = [];
   private readonly parts = new Listeners<number>();
-  private readonly paletteAt = new Vector3();
   private standing = false;
   /** Of the rig, when the hand was last looked at. */
   private jumps = 0;
@@ -105,11 +103,12 @@ export class Cockpit {
     this.locomotion.addTo(viewer.scene);
   }
 
-  private switchLabels(now: number): void {
-    const { mesh } = this.panels.palette;
-    const at = mesh.visible ? this.paletteAt.setFromMatrixPosition(mesh.matrixWorld) : null;
-    const { other } = this.pointers;
-    if (other && this.labelSwitch.update(other, this.rig, at, now)) this.lessons.done('label');
+  private switchLabels(pointer: Pointer | null, now: number): void {
+    if (!pointer) return;
+    const { pointers, panels } = this;
+    const onPalette = pointers.bodyOf(pointer).on === panels.palette;
+    if (!this.labelSwitch.update(pointer, pointers.partOf(pointer), onPalette, now)) return;
+    this.lessons.done('label');
   }
 
   private listen(): void {
@@ -172,7 +171,8 @@ export class Cockpit {
     parts.add(() => this.place.update());
     parts.add(() => pointers.point(this.panels.all, this.panels.far, this.painter));
     parts.add(() => this.carryPanels());
-    parts.add((now) => this.switchLabels(now));
+    parts.add((now) => this.switchLabels(pointers.brush, now));
+    parts.add((now) => this.switchLabels(pointers.other, now));
     parts.add((now) => this.buttons.update(pointers.brush, pointers.other, seconds, now));
     parts.add(() => this.go());
     parts.add((now) => this.paint(now));

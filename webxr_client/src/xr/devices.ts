@@ -52,7 +52,12 @@ export const DEVICES: readonly Device[] = [
     profiles: ['meta-quest-touch-plus-v2', 'meta-quest-touch-plus', 'meta-quest-touch-pro',
       'oculus-touch-v3', 'oculus-touch-v2', 'oculus-touch', 'pico-4', 'pico-4u', 'pico-neo3',
       'pico-neo2', 'hp-mixed-reality', 'htc-vive-cosmos', 'htc-vive-focus-3',
-      'samsung-galaxyxr', 'yvr-touch-v2', 'yvr-touch', 'generic-trigger-squeeze-thumbstick'],
+      'samsung-galaxyxr', 'yvr-touch-v2', 'yvr-touch'],
+  },
+  {
+    ...STICK, ...GRIPPED, ...NO_BUTTONS,
+    id: 'gripstick',
+    profiles: ['generic-trigger-squeeze-thumbstick'],
   },
   {
     ...STICK, ...GRIPPED, ...BUTTONS,
@@ -60,7 +65,9 @@ export const DEVICES: readonly Device[] = [
     profiles: ['valve-index'],
     second: TOUCHPAD,
     primaryName: ['A', 'A'],
-    secondaryName: ['B', 'B'],
+    // Its B is the system's: browsers give no sixth button.
+    secondary: -1,
+    secondaryName: NO_NAME,
   },
   {
     ...STICK, ...GRIPPED, ...NO_BUTTONS,
@@ -72,7 +79,8 @@ export const DEVICES: readonly Device[] = [
   {
     ...TOUCHPAD, ...GRIPPED, ...NO_BUTTONS,
     id: 'vive',
-    profiles: ['htc-vive', 'generic-trigger-squeeze-touchpad'],
+    profiles: ['htc-vive', 'htc-vive-focus-plus', 'magicleap-one', 'magicleap-two',
+      'generic-trigger-squeeze-touchpad'],
   },
   {
     ...TOUCHPAD, ...GRIPLESS, ...NO_BUTTONS,
@@ -94,13 +102,14 @@ export const DEVICES: readonly Device[] = [
   {
     ...GRIPPED, ...NO_BUTTONS,
     id: 'hand',
-    profiles: ['generic-hand-select', 'generic-hand', 'oculus-hand'],
+    profiles: ['generic-hand-select', 'generic-hand-select-grasp', 'generic-hand', 'oculus-hand',
+      'generic-fixed-hand', 'meta-fixed-hand'],
     pad: 'none', axes: [2, 3], press: -1, squeeze: -1, tip: 0,
   },
   {
     ...GRIPPED, ...NO_BUTTONS,
     id: 'grip',
-    profiles: ['generic-trigger-squeeze'],
+    profiles: ['logitech-mx-ink', 'generic-trigger-squeeze'],
     pad: 'none', axes: [2, 3], press: -1,
   },
   {
@@ -109,11 +118,30 @@ export const DEVICES: readonly Device[] = [
     profiles: ['generic-trigger', 'generic-button', 'google-daydream'],
     pad: 'none', axes: [2, 3], press: -1,
   },
+  {
+    ...GRIPLESS, ...NO_BUTTONS,
+    id: 'touchpad',
+    profiles: ['generic-touchpad'],
+    pad: 'none', axes: [0, 1], press: -1, trigger: 2,
+  },
 ]; // prettier-ignore
 
-/** Without buttons of its own the pad is two more while the grip is held. */
-export function chords({ primary, squeeze, pad }: Device): boolean {
-  return primary < 0 && squeeze >= 0 && pad !== 'none';
+/** The pad stands in for buttons that a controller lacks, and has more to do, while the grip is held. */
+export function chords({ squeeze, pad }: Device): boolean {
+  return squeeze >= 0 && pad !== 'none';
+}
+
+/** Whether the profiles are those of a bare hand; the first known one decides. */
+export function isHandProfile(profiles: readonly string[]): boolean {
+  return rowOf(profiles)?.id === 'hand';
+}
+
+function rowOf(profiles: readonly string[]): Device | undefined {
+  for (const profile of profiles) {
+    const found = DEVICES.find((device) => device.profiles.includes(profile));
+    if (found) return found;
+  }
+  return undefined;
 }
 
 /**
@@ -123,10 +151,8 @@ export function chords({ primary, squeeze, pad }: Device): boolean {
 export function deviceFor(profiles: readonly string[], axes: number, isHand: boolean): Device {
   const named = (id: string): Device => DEVICES.find((device) => device.id === id)!;
   if (isHand) return named('hand');
-  for (const profile of profiles) {
-    const found = DEVICES.find((device) => device.profiles.includes(profile));
-    if (found) return found;
-  }
+  const found = rowOf(profiles);
+  if (found) return found;
   if (axes >= 4) return named('touch');
   return axes >= 2 ? named('vive') : named('wand');
 }

@@ -1,22 +1,36 @@
 /** The kinds of WebXR input that are known, and the table in which an input source finds its own. */
-import { deviceFor } from './devices';
+import { deviceFor, isHandProfile } from './devices';
 import { HandModel } from './hand-model';
 import { buttonValue, type Kind, SELECTS } from './kind';
 import { controllerModel, disposeModel } from './model';
 
+/** Buttons that only controllers have: a hand's gamepad holds at most its pinch. */
+const CONTROLLER_BUTTONS = 2;
+
+/**
+ * Whether a tracked source is a bare hand.  Held controllers have joints as well in some runtimes
+ * (SteamVR, Magic Leap), so `hand` alone tells nothing: the gamepad decides, then the profile.
+ */
+function isBareHand({ hand, gamepad, profiles }: XRInputSource): boolean {
+  const buttons = gamepad?.buttons.length ?? 0;
+  const axes = gamepad?.axes.length ?? 0;
+  if (hand && buttons < CONTROLLER_BUTTONS && axes === 0) return true;
+  return isHandProfile(profiles);
+}
+
 /** A controller held in the hand: an analog trigger, buttons and a stick or pad. */
 export const controller: Kind = {
   name: 'controller',
-  is: (source) => source.targetRayMode === 'tracked-pointer' && !source.hand,
+  is: (source) => source.targetRayMode === 'tracked-pointer' && !isBareHand(source),
   reach: 'near',
   momentary: false,
   holds: true,
   drawn: true,
   fleeting: false,
   device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, false),
-  // One without a gamepad says only that it selects.
+  // Without the button that selects, only the events tell.
   press: (gamepad, device, selecting) =>
-    gamepad ? buttonValue(gamepad, device.trigger) : selecting ? 1 : 0,
+    gamepad?.buttons[device.trigger] ? buttonValue(gamepad, device.trigger) : selecting ? 1 : 0,
   model: (_source, device) => {
     const object = controllerModel(device);
     return { object, gripped: true, dispose: () => disposeModel(object) };
@@ -26,7 +40,7 @@ export const controller: Kind = {
 /** A bare hand: a pinch presses, a fingertip pokes panels. */
 const hand: Kind = {
   name: 'hand',
-  is: (source) => source.targetRayMode === 'tracked-pointer' && Boolean(source.hand),
+  is: (source) => source.targetRayMode === 'tracked-pointer' && isBareHand(source),
   reach: 'near',
   momentary: false,
   holds: true,
@@ -35,7 +49,7 @@ const hand: Kind = {
   device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, true),
   press: (gamepad, device, selecting) =>
     Math.max(buttonValue(gamepad, device.trigger), selecting ? 1 : 0),
-  model: (source) => new HandModel(source.hand!),
+  model: ({ hand: joints }) => (joints ? new HandModel(joints) : null),
 };
 
 /** Look and pinch: the eyes aim when a pinch begins, the hand drags from there. */

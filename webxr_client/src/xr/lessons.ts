@@ -3,6 +3,9 @@ import { chords, type Device } from './devices';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
 
+/** What a controller is for: it paints and no other hand is there, it paints, or it helps. */
+export type Part = 'alone' | 'brush' | 'other';
+
 const LEARNT = 3;
 const KEY = 'pointbrush.learnt';
 
@@ -11,9 +14,9 @@ export interface Tip {
   readonly lesson: Lesson;
 }
 
-/** The words for a device in the hand that paints, or in the other one. */
-export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
-  const side = left ? 1 : 0;
+/** The words for a device with a part, in the left or the right hand. */
+export function tipsFor(device: Device, part: Part, left: boolean): Tip[] {
+  const paints = part !== 'other';
   const tips: Tip[] = [];
   // Short lines: what is beside a hand must not reach out of the picture.
   const tip = (text: string, lesson: Lesson): number => tips.push({ text, lesson });
@@ -23,27 +26,39 @@ export function tipsFor(device: Device, paints: boolean, left: boolean): Tip[] {
     else tip(`${act}: move the room`, 'grab');
     return tips;
   }
-  const pad = device.pad === 'stick' ? 'Stick' : 'Pad';
+  const touches = device.pad === 'touchpad';
+  const pad = touches ? 'Pad' : 'Stick';
   if (paints) {
     tip('Trigger: paint', 'paint');
     tip('Half pressed: smaller', 'paint');
     tip(`${pad} ← →: frames`, 'step');
-    tip(`${pad} ↑ ↓: size`, 'size');
+    if (part === 'alone' && touches) tip('Pad ↑ ↓: labels', 'label');
+    else tip(`${pad} ↑ ↓: size`, 'size');
     tip(`${pad} pressed: play`, 'play');
   } else {
     tip(`${pad} ↑: go there`, 'teleport');
     tip(`${pad} ← →: turn`, 'turn');
-    tip(`${pad} ↓: next label`, 'label');
+    if (touches) tip('Pad ↓: next label', 'label');
     tip(`${pad} pressed: doubtful`, 'doubt');
   }
+  if (device.second) tip('Pad ↑ ↓: labels', 'label');
   if (device.squeeze >= 0) tip('Grip: move the room', 'grab');
   else if (!paints) tip('Trigger: move the room', 'grab');
-  const chord = chords(device);
-  const first = chord ? `Grip + ${pad} ↑` : device.primaryName[side];
-  const second = chord ? `Grip + ${pad} ←` : device.secondaryName[side];
+  const [first, second] = buttonNames(device, left ? 1 : 0);
   if (first) tip(`${first}: ${paints ? 'eraser' : 'timeline'}`, paints ? 'erase' : 'panel');
   if (second) tip(`${second}: ${paints ? 'undo' : 'redo'}`, paints ? 'undo' : 'redo');
+  if (chords(device) && !touches) tip('Grip + Stick ↓: next label', 'label');
   return tips;
+}
+
+/** Names of the two buttons, or the chords that stand in for them; empty where there is neither. */
+function buttonNames(device: Device, side: 0 | 1): readonly [string, string] {
+  const pad = device.pad === 'stick' ? 'Stick' : 'Pad';
+  const standIn = (arrow: string): string => (chords(device) ? `Grip + ${pad} ${arrow}` : '');
+  return [
+    device.primary >= 0 ? device.primaryName[side] : standIn('↑'),
+    device.secondary >= 0 ? device.secondaryName[side] : standIn('←'),
+  ];
 }
 
 /** Uses of each lesson; kept in the browser. */

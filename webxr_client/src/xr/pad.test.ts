@@ -1,10 +1,10 @@
 import { describe, expect, it } from 'vitest';
-import { readPad, Repeat, Switch, takeChord } from './pad';
+import { Repeat, Switch, takeChord, Thumb } from './pad';
 import { Pressure } from './pressure';
 
 const out = { x: 0, y: 0, click: false };
 const pad = (kind: 'stick' | 'touchpad', x: number, y: number, pressed = false) => {
-  readPad(kind, x, y, pressed, out);
+  new Thumb().read(kind, x, y, pressed, out);
   return [Math.sign(out.x), Math.sign(out.y) || 0, out.click];
 };
 
@@ -15,9 +15,8 @@ describe('a thumbstick', () => {
     expect(pad('stick', 0.1, -0.8)).toEqual([0, 1, false]);
   });
 
-  it('is pressed only near the middle, and silent at rest', () => {
+  it('is pressed, and silent at rest', () => {
     expect(pad('stick', 0.05, 0.02, true)).toEqual([0, 0, true]);
-    expect(pad('stick', 0.95, 0, true)).toEqual([1, 0, false]);
     expect(pad('stick', 0.1, 0.1)).toEqual([0, 0, false]);
   });
 });
@@ -33,18 +32,65 @@ describe('a touchpad', () => {
   });
 });
 
+describe('a thumb', () => {
+  /** What a pad says while a thumb goes from place to place: its direction or its click. */
+  const slide = (kind: 'stick' | 'touchpad', ...places: readonly [number, number, boolean][]) => {
+    const thumb = new Thumb();
+    return places.map(([x, y, pressed]) => {
+      thumb.read(kind, x, y, pressed, out);
+      return out.click ? 'middle' : [Math.sign(out.x), Math.sign(out.y) || 0].join();
+    });
+  };
+
+  it('that slides over a pressed touchpad does one thing', () => {
+    const down = slide('touchpad', [0, 0.8, true], [0.7, 0.5, true], [0.9, 0, true], [0, 0, true]);
+    expect(new Set(down)).toEqual(new Set(['0,-1']));
+    expect(slide('touchpad', [0.1, 0, true], [0.9, 0, true])).toEqual(['middle', 'middle']);
+  });
+
+  it('does the next thing once it was lifted', () => {
+    const twice = slide('touchpad', [0, 0.8, true], [0.9, 0, false], [0.9, 0, true]);
+    expect(twice).toEqual(['0,-1', '0,0', '1,0']);
+  });
+
+  it('that rolls a stick along its rim does one thing until it is back in the middle', () => {
+    const rolled = slide('stick', [0.9, 0, false], [0.7, 0.7, false], [0.1, 0.9, false]);
+    expect(rolled).toEqual(['1,0', '1,0', '0,0']);
+    expect(slide('stick', [0.9, 0, false], [0, 0, false], [0, 0.9, false]).at(-1)).toBe('0,-1');
+  });
+
+  it('that leans a stick while it presses it only presses', () => {
+    expect(slide('stick', [0, 0, true], [0.9, 0, true])).toEqual(['middle', 'middle']);
+  });
+
+  it('at rest on a worn stick, or only touching a touchpad, does nothing', () => {
+    for (const [x, y] of [[0.4, 0.2], [-0.35, 0.35], [0, -0.45]] as const) {
+      expect(slide('stick', [x, y, false])).toEqual(['0,0']);
+      expect(slide('touchpad', [x, y, false])).toEqual(['0,0']);
+    }
+  }); // prettier-ignore
+});
+
 describe('a pad while the grip is held', () => {
-  it('is two buttons and nothing else', () => {
-    const buttons = { primary: 0, secondary: 0 };
-    const chord = (x: number, y: number): number[] => {
-      readPad('touchpad', x, y, true, out);
-      takeChord(out, buttons);
-      return [buttons.primary, buttons.secondary, out.x, out.y, out.click ? 1 : 0];
-    };
-    expect(chord(0, -0.8)).toEqual([1, 0, 0, 0, 0]);
-    expect(chord(-0.8, 0)).toEqual([0, 1, 0, 0, 0]);
-    expect(chord(0, 0.8)).toEqual([0, 0, 0, 0, 0]);
-    expect(chord(0, 0)).toEqual([0, 0, 0, 0, 0]);
+  const chord = (kind: 'stick' | 'touchpad', x: number, y: number): number[] => {
+    const buttons = { primary: 0, secondary: 0, labels: 0, size: 0 };
+    new Thumb().read(kind, x, y, kind === 'touchpad', out);
+    takeChord(out, kind, buttons);
+    const { primary, secondary, labels, size } = buttons;
+    return [primary, secondary, labels, size, out.x, out.y, out.click ? 1 : 0];
+  };
+
+  it('is two buttons, and the size on a touchpad', () => {
+    expect(chord('touchpad', 0, -0.8)).toEqual([1, 0, 0, 0, 0, 0, 0]);
+    expect(chord('touchpad', -0.8, 0)).toEqual([0, 1, 0, 0, 0, 0, 0]);
+    expect(chord('touchpad', 0, 0.8)).toEqual([0, 0, 0, -1, 0, 0, 0]);
+    expect(chord('touchpad', 0.8, 0)).toEqual([0, 0, 0, 1, 0, 0, 0]);
+    expect(chord('touchpad', 0, 0)).toEqual([0, 0, 0, 0, 0, 0, 0]);
+  });
+
+  it('is two buttons, and the next label on a stick', () => {
+    expect(chord('stick', 0, -1)).toEqual([1, 0, 0, 0, 0, 0, 0]);
+    expect(chord('stick', 0, 1)).toEqual([0, 0, -1, 0, 0, 0, 0]);
   });
 });
 

@@ -9,50 +9,94 @@ export interface Pad {
   click: boolean;
 }
 
-const DEAD = 0.3;
+/** Lean of a stick that engages it, and below which it is let go: worn sticks rest at up to 0.4. */
+const ENGAGE = 0.5;
+const LET_GO = 0.3;
+/** Radius of a touchpad's middle button. */
 const MIDDLE = 0.4;
 
+type Latch = 'none' | 'x' | 'y' | 'middle';
+
 /**
- * Read a pad into `out`.  A stick points by leaning, a touchpad only while it is pressed: its four
- * quadrants are four buttons round a middle one.  Only the greater axis counts.
+ * Reads one stick or touchpad.  A stick points by leaning, a touchpad only while it is pressed: its
+ * four quadrants are four buttons round a middle one.  The direction or button in which a gesture
+ * began is kept until the thumb lets go, so that a thumb that slides does one thing.
  */
-export function readPad(kind: PadKind, x: number, y: number, pressed: boolean, out: Pad): void {
-  out.x = 0;
-  out.y = 0;
-  out.click = false;
-  if (kind === 'none') return;
-  const away = Math.hypot(x, y);
-  if (away < MIDDLE) {
-    out.click = pressed;
-    return;
+export class Thumb {
+  private latch: Latch = 'none';
+  /** Direction of the touchpad's quadrant. */
+  private sign = 0;
+
+  read(kind: PadKind, x: number, y: number, pressed: boolean, out: Pad): void {
+    out.x = 0;
+    out.y = 0;
+    out.click = false;
+    if (kind === 'none') return;
+    if (kind === 'touchpad') this.touchpad(x, y, pressed, out);
+    else this.stick(x, y, pressed, out);
   }
-  if (kind === 'touchpad') {
-    if (!pressed) return;
-    if (Math.abs(x) > Math.abs(y)) out.x = Math.sign(x);
-    else out.y = -Math.sign(y);
-    return;
+
+  private touchpad(x: number, y: number, pressed: boolean, out: Pad): void {
+    if (!pressed) {
+      this.latch = 'none';
+      return;
+    }
+    if (this.latch === 'none') {
+      this.latch = Math.hypot(x, y) < MIDDLE ? 'middle' : greater(x, y);
+      this.sign = Math.sign(this.latch === 'x' ? x : -y);
+    }
+    if (this.latch === 'middle') out.click = true;
+    else out[this.latch] = this.sign;
   }
-  out.click = pressed && away < 0.7;
-  if (out.click) return;
-  const lean = (value: number): number =>
-    (Math.sign(value) * Math.max(0, Math.abs(value) - DEAD)) / (1 - DEAD);
-  if (Math.abs(x) > Math.abs(y)) out.x = lean(x);
-  else out.y = lean(-y);
+
+  private stick(x: number, y: number, pressed: boolean, out: Pad): void {
+    const away = Math.hypot(x, y);
+    if (this.latch === 'middle' ? !pressed : away < LET_GO) this.latch = 'none';
+    if (this.latch === 'none') {
+      if (pressed) this.latch = 'middle';
+      else if (away >= ENGAGE) this.latch = greater(x, y);
+    }
+    if (this.latch === 'middle') out.click = true;
+    else if (this.latch === 'x') out.x = lean(x);
+    else if (this.latch === 'y') out.y = lean(-y);
+  }
+
+  /** The source is out of sight: what it held is let go. */
+  rest(): void {
+    this.latch = 'none';
+  }
 }
 
-/** The buttons that a pad stands in for. */
+function greater(x: number, y: number): 'x' | 'y' {
+  return Math.abs(x) > Math.abs(y) ? 'x' : 'y';
+}
+
+/** Part of the way from rest to the rim, with its sign. */
+function lean(value: number): number {
+  return (Math.sign(value) * Math.max(0, Math.abs(value) - LET_GO)) / (1 - LET_GO);
+}
+
+/** Pad actions while the grip is held. */
 export interface Chord {
+  /** The buttons that the pad stands in for, 0..1. */
   primary: number;
   secondary: number;
+  /** Steps through the labels, and of the brush's size; up and larger are positive. */
+  labels: number;
+  size: number;
 }
 
 /**
- * Take a pad as two buttons, as it is while the grip of a controller without buttons is held: forward
- * the first, to the left the second.  The pad itself says nothing then.
+ * Take a pad as buttons, as it is while the grip is held: forward the first, to the left the second.
+ * A stick pulled back is for the next label; a touchpad, whose own quadrants have the labels, changes
+ * the size, to the right larger and below smaller.  The pad itself says nothing then.
  */
-export function takeChord(pad: Pad, out: Chord): void {
+export function takeChord(pad: Pad, kind: PadKind, out: Chord): void {
   out.primary = Math.max(0, pad.y);
   out.secondary = Math.max(0, -pad.x);
+  const back = Math.min(0, pad.y);
+  out.labels = kind === 'stick' ? back : 0;
+  out.size = kind === 'touchpad' ? back + Math.max(0, pad.x) : 0;
   pad.x = pad.y = 0;
   pad.click = false;
 }

@@ -3,7 +3,7 @@ import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import { pulse } from './haptics';
 import { chords, type Device, type PadPlace } from './devices';
 import { buttonValue, type Kind, type Reach } from './kind';
-import { readPad, Repeat, Switch, takeChord, type Chord, type Pad } from './pad';
+import { Repeat, Switch, takeChord, Thumb, type Chord, type Pad } from './pad';
 import type { Poses } from './poses';
 import { Pressure } from './pressure';
 import type { Present } from './roles';
@@ -55,11 +55,19 @@ export class Pointer implements Present {
   readonly secondaryButton = new Switch();
   readonly repeatX = new Repeat();
   readonly repeatY = new Repeat();
+  readonly repeatLabel = new Repeat();
+  /** Lean that is for labels and nothing else: a chord, or the touchpad beside a stick. */
+  labels = 0;
+  /** Lean that is for the brush's size and nothing else: a chord. */
+  sizes = 0;
   /** Edges of this frame: 1 down, −1 up. */
   readonly edge = { click: 0, squeeze: 0, press: 0, primary: 0, secondary: 0 };
   /** The grip that is held was for the pad's buttons: it moves nothing until it is let go. */
   chorded = false;
-  private readonly chord: Chord = { primary: 0, secondary: 0 };
+  private readonly chord: Chord = { primary: 0, secondary: 0, labels: 0, size: 0 };
+  private readonly thumb = new Thumb();
+  private readonly secondThumb = new Thumb();
+  private readonly second: Pad = { x: 0, y: 0, click: false };
   /** Between `selectstart` and `selectend`; a press shorter than a picture is seen in one. */
   private selecting = false;
   private selectSeen = true;
@@ -174,9 +182,9 @@ export class Pointer implements Present {
     if (this.selectEnds) this.selecting = this.selectEnds = false;
     if (pressed < RELEASED) this.armed = true;
     this.trigger = this.armed ? pressed : 0;
-    readThumb(device, gamepad, pad);
-    const idle = pad.x === 0 && pad.y === 0 && !pad.click;
-    if (idle && device.second) readThumb(device.second, gamepad, pad);
+    readThumb(this.thumb, device, gamepad, pad);
+    this.labels = this.sizes = 0;
+    if (device.second) this.readSecond(device.second, gamepad);
     edge.click = this.click.update(this.trigger);
     edge.squeeze = this.squeeze.update(buttonValue(gamepad, device.squeeze));
     this.readChord(gamepad);
@@ -191,24 +199,42 @@ export class Pointer implements Present {
     this.guessed = pressed && poses.guessed(this.input, frame, space);
   }
 
+  /** The touchpad beside a stick: up and down are labels, the rest is as on the stick. */
+  private readSecond(place: PadPlace, gamepad: Gamepad | null): void {
+    const { pad, second } = this;
+    readThumb(this.secondThumb, place, gamepad, second);
+    this.labels = second.y;
+    const idle = pad.x === 0 && pad.y === 0 && !pad.click;
+    if (!idle) return;
+    pad.x = second.x;
+    pad.click = second.click;
+  }
+
   /** Two buttons: its own, or the pad's while the grip is held. */
   private readChord(gamepad: Gamepad | null): void {
     const { chord, device, squeeze } = this;
+    chord.primary = chord.secondary = 0;
     if (!squeeze.down) this.chorded = false;
     if (chords(device) && squeeze.down) {
-      takeChord(this.pad, chord);
-      if (chord.primary > 0 || chord.secondary > 0) this.chorded = true;
-      return;
+      takeChord(this.pad, device.pad, chord);
+      if (device.primary >= 0) chord.primary = 0;
+      if (device.secondary >= 0) chord.secondary = 0;
+      this.labels ||= chord.labels;
+      this.sizes = chord.size;
+      const used = chord.primary > 0 || chord.secondary > 0;
+      if (used || this.labels !== 0 || this.sizes !== 0) this.chorded = true;
     }
-    chord.primary = buttonValue(gamepad, device.primary);
-    chord.secondary = buttonValue(gamepad, device.secondary);
+    if (device.primary >= 0) chord.primary = buttonValue(gamepad, device.primary);
+    if (device.secondary >= 0) chord.secondary = buttonValue(gamepad, device.secondary);
   }
 
   /** Nothing is pressed on what is not there. */
   private rest(): void {
     const { edge, pad } = this;
-    this.trigger = pad.x = pad.y = 0;
+    this.trigger = pad.x = pad.y = this.labels = this.sizes = 0;
     pad.click = this.chorded = false;
+    this.thumb.rest();
+    this.secondThumb.rest();
     edge.click = this.click.update(0);
     edge.squeeze = this.squeeze.update(0);
     edge.press = this.press.update(0);
@@ -222,9 +248,14 @@ export class Pointer implements Present {
   }
 }
 
-function readThumb({ pad, axes, press }: PadPlace, gamepad: Gamepad | null, out: Pad): void {
+function readThumb(
+  thumb: Thumb,
+  { pad, axes, press }: PadPlace,
+  gamepad: Gamepad | null,
+  out: Pad,
+): void {
   // Absent axes are null in some runtimes.
   const x = gamepad?.axes[axes[0]] || 0;
   const y = gamepad?.axes[axes[1]] || 0;
-  readPad(pad, x, y, buttonValue(gamepad, press) > 0.5, out);
+  thumb.read(pad, x, y, buttonValue(gamepad, press) > 0.5, out);
 }

@@ -9,7 +9,7 @@ import { Poses } from './poses';
 import type { Rig } from './rig';
 import { rolesOf, type Roles } from './roles';
 import { xrSettings, type Side } from './settings';
-import type { Lessons } from './lessons';
+import type { Lessons, Part } from './lessons';
 import type { Object3D } from 'three';
 
 /** Seconds after which a controller out of the headset's sight is missed. */
@@ -153,7 +153,13 @@ export class Pointers {
       // An input that came just now in order to press is meant; one held before is not.
       if (this.brush && !this.brush.momentary) this.brush.disarm();
     }
-    for (const body of this.bodies) body.explain(body.pointer === this.brush);
+    for (const body of this.bodies) body.explain(this.partOf(body.pointer));
+  }
+
+  /** What a pointer is for. */
+  partOf(pointer: Pointer): Part {
+    if (pointer !== this.brush) return 'other';
+    return this.other ? 'brush' : 'alone';
   }
 
   /** Nothing is pressed until it was seen released: one jumped, or the system was in between. */

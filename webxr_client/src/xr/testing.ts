@@ -10,8 +10,18 @@ export interface SourceLook {
   readonly mode?: string;
   readonly side?: XRHandedness;
   readonly profile?: string;
+  /** Instead of `profile`: all that the source names, the most specific first. */
+  readonly profiles?: readonly string[];
+  /** Joints are there. */
   readonly hand?: boolean;
   readonly axes?: number[];
+  /** Positions that the gamepad's buttons have, null where it leaves one out; bare hands have none. */
+  readonly buttons?: readonly (string | null)[];
+}
+
+/** A gamepad's button; held it is at 1. */
+interface TestButton {
+  value: number;
 }
 
 interface TestSpace {
@@ -25,18 +35,22 @@ export class TestSource {
   readonly handedness: XRHandedness;
   readonly profiles: readonly string[];
   readonly hand: ReadonlyMap<string, unknown> | undefined;
-  readonly gamepad: { axes: number[]; buttons: { value: number }[] } | undefined;
+  readonly gamepad: { axes: number[]; buttons: (TestButton | null)[] } | undefined;
   readonly targetRaySpace: TestSpace;
   readonly gripSpace: TestSpace | undefined;
   seen = true;
 
-  constructor({ mode = 'tracked-pointer', side = 'right', profile, hand, axes = [] }: SourceLook) {
+  constructor(look: SourceLook) {
+    const { mode = 'tracked-pointer', side = 'right', hand, axes = [] } = look;
     this.targetRayMode = mode;
     this.handedness = side;
-    this.profiles = [profile ?? 'generic-trigger-squeeze-touchpad'];
+    const usual = hand ? 'generic-hand-select' : 'generic-trigger-squeeze-touchpad';
+    this.profiles = look.profiles ?? [look.profile ?? usual];
     this.hand = hand ? new Map() : undefined;
-    const buttons = Array.from({ length: 6 }, () => ({ value: 0 }));
-    if (mode === 'tracked-pointer' && !hand) this.gamepad = { axes, buttons };
+    const held = mode === 'tracked-pointer' && !hand;
+    const names = look.buttons ?? (held ? Array.from({ length: 6 }, () => 'any') : null);
+    const buttons = names?.map((name) => (name === null ? null : { value: 0 }));
+    if (buttons) this.gamepad = { axes: [...axes], buttons };
     this.targetRaySpace = { seen: true, guessed: false };
     if (mode === 'tracked-pointer') this.gripSpace = this.targetRaySpace;
   }
@@ -46,11 +60,15 @@ export class TestSource {
   }
 
   set trigger(value: number) {
-    this.gamepad!.buttons[0]!.value = value;
+    this.press(0, value);
   }
 
   set squeeze(value: number) {
-    this.gamepad!.buttons[1]!.value = value;
+    this.press(1, value);
+  }
+
+  press(button: number, value: number): void {
+    this.gamepad!.buttons[button]!.value = value;
   }
 
   /** Its position is a guess of the headset. */

@@ -2,7 +2,7 @@
 import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, type BufferGeometry, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { faceEyes, type Facing } from './facing';
-import { tipsFor, type Lessons, type Tip } from './lessons';
+import { tipsFor, type Lessons, type Part, type Tip } from './lessons';
 import type { Pointer } from './pointer';
 import { SIZES } from './sizes';
 import { tint } from './tint';
@@ -29,10 +29,10 @@ export class Tips {
   ) {}
 
   /** Write anew what the hand's buttons do. */
-  set(paints: boolean): void {
+  set(part: Part): void {
     this.clear();
     const { hand } = this;
-    this.tips = tipsFor(hand.device, paints, hand.side === 'left');
+    this.tips = tipsFor(hand.device, part, hand.side === 'left');
     this.opacity = new Float64Array(this.tips.length).fill(1);
     this.mesh = plate(this.tips, hand.side === 'left' ? -1 : 1);
     hand.grip.parent?.add(this.mesh);
