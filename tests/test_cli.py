@@ -113,7 +113,11 @@ def test_import_info_paint_track_export(
         assert np.array_equal(xyz, source), "points leave in the source's order"
         assert (vertex["label"][3000:] > 0).mean() > 0.95
         assert (vertex["label"][:3000] > 0).mean() < 0.01
+    capsys.readouterr()
     assert run("export", sequence, "--format", "semantickitti", "--out", tmp_path / "kitti") == 0
+    assert "SemanticKITTI does not hold: provenance, colours" in capsys.readouterr().out
+    about = json.loads((tmp_path / "kitti" / "export.json").read_text())
+    assert "colours" in about["cannot_hold"]
     first = np.fromfile(next((tmp_path / "kitti").glob("**/000000.label")), np.uint32)
     assert len(first) == 3500
     assert (first[3000:] >> 16 > 0).all(), "instance in the upper half"

@@ -116,6 +116,11 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
 def export(given: argparse.Namespace, settings: Settings) -> None:
     """Export a sequence to a folder or file."""
     with closing(Workspace(settings)) as workspace:
+        workspace.recording(given.sequence)
+        from pointbrush.formats import EXPORTS  # takes its time to import
+
+        if given.format in EXPORTS:
+            printing.not_held(EXPORTS[given.format])
         workspace.export(given.sequence, given.format, given.out, given.frames)
         print(f"exported {given.sequence} to {given.out}")
 

@@ -49,6 +49,15 @@ class Entry(Protocol):
     def color(self) -> str: ...  # noqa: D102
 
 
+class ExportFormat(Protocol):
+    """An export format."""
+
+    @property
+    def title(self) -> str: ...  # noqa: D102
+    @property
+    def cannot_hold(self) -> Sequence[str]: ...  # noqa: D102
+
+
 class Suspicious(Protocol):
     """A suspicious thing in the labels of a recording."""
 
@@ -251,3 +260,9 @@ def _lines(look: Look, job: Followed) -> Followed:
             shown = job.progress
             print(f"{job.kind}: {job.progress:.0%} {job.message}", file=sys.stderr, flush=True)
     return job
+
+
+def not_held(entry: ExportFormat) -> None:
+    """Print what an export in this format leaves out, before it is written."""
+    if entry.cannot_hold:
+        print(f"{entry.title} does not hold: {', '.join(entry.cannot_hold)}")

@@ -105,6 +105,9 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
     with client_of(settings) as client:
         recording = client[given.sequence]
         out.parent.mkdir(parents=True, exist_ok=True)
+        for entry in client.export_formats():
+            if entry.format == given.format:
+                printing.not_held(entry)
         if zipped:
             recording.export(given.format, out, given.frames)
         else:

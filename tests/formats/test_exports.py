@@ -76,7 +76,7 @@ def test_ply_in_source_order_without_deleted_points(tmp_path):
     assert palette["labels"][2] == {
         **{"id": 7, "name": "Ännä / ..", "category": "Ännä / ..", "category_id": 2},
         **{"instance": 1, "color": "#ff8800", "datasets": {"semantickitti": [2, 7]}},
-        **{"source_instance": None},
+        **{"source_instance": None, "categoryless": True},
     }
 
 

@@ -52,6 +52,9 @@ def test_the_whole_way(served: Served, tmp_path: Path) -> None:
         (tmp_path / "000000.label").write_bytes(packed.tobytes())
         report = wall.import_labels([tmp_path / "000000.label"], dry_run=True)
         assert report["labelled"] == len(xyz) // 2
+        held = {each.format: each.cannot_hold for each in client.export_formats()}
+        assert held["labels-only"] == []
+        assert "provenance" in held["ply"]
         out = wall.export("npz", tmp_path / "out.zip", frames="0:1")
         with zipfile.ZipFile(out) as archive:
             assert "000000.npz" in archive.namelist()

@@ -192,6 +192,7 @@ export interface Actions {
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
   /** Downloads; `frames` like "3:10", empty for all. */
+  loadExportFormats(): Promise<void>;
   exportSequence(format: string, frames?: string): Promise<void>;
 
   // connection and messages

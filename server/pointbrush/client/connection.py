@@ -25,7 +25,7 @@ from pointbrush.client.steps import (
     steps,
 )
 from pointbrush.client.uploads import AnyPath, Files, upload
-from pointbrush.client.values import Category, Job, Manifest, read
+from pointbrush.client.values import Category, ExportFormat, Job, Manifest, read
 from pointbrush.errors import ConflictError
 
 TIMEOUT = 60.0
@@ -160,6 +160,12 @@ class Server(Part[L]):
     def templates(self) -> Steps[list[str]]:
         """Return the names of palettes that ``Recording.add_palette`` takes."""
         return list((yield from send(Request("GET", "/templates", again=True))).json())
+
+    @steps
+    def export_formats(self) -> Steps[list[ExportFormat]]:
+        """List the export formats, with what each cannot hold."""
+        answer = yield from send(Request("GET", "/exports", again=True))
+        return [read(ExportFormat, entry) for entry in answer.json()]
 
     # ── jobs ─────────────────────────────────────────────────────────────────────────────
 

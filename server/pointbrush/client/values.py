@@ -197,6 +197,16 @@ class Category:
     datasets: dict[str, int]
 
 
+@dataclass(frozen=True, slots=True)
+class ExportFormat:
+    """An export format; ``cannot_hold``: what of points and labels is lost in it."""
+
+    format: str
+    title: str
+    content: str
+    cannot_hold: list[str]
+
+
 class Annotation(np.ndarray[Any, np.dtype[Any]]):
     """A layer of a frame (N,); ``etag`` is what ``Frame.annotate`` is given as ``if_match``."""
 

@@ -16,6 +16,7 @@ from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.own_export import OwnExport, own_export
 from pointbrush.formats.palette import SourceLabel, own_palette
 from pointbrush.formats.point_labels import LINE_ENDINGS, READERS, PointLabels, has_label_lines
 from pointbrush.formats.registry import format_by_name
@@ -43,6 +44,8 @@ class LabelFiles:
     names: Mapping[int, ClassName]
     own: Mapping[int, SourceLabel]
     dataset: str = ""
+    export: OwnExport | None = None
+    """The export of ours that they are, which tells the frame of each."""
 
     def read(self, path: Path, options: ReadOptions) -> PointLabels:
         """Return the labels of one file.  Raises BadInputError, TooLargeError."""
@@ -60,8 +63,9 @@ def find_label_files(
         raise NotFoundError(f"path: expected a file or folder, {place} does not exist")
     if format is not None and format not in LABEL_FORMATS:
         raise BadInputError(f"format: expected one of {', '.join(LABEL_FORMATS)}, got {format!r}")
+    export = own_export(place) if format is None else None
     files = [place] if place.is_file() else _files(place, limits)
-    chosen, found = _choose(files, format)
+    chosen, found = _choose(files, format) if export is None else export.label_files(place)
     if not found:
         seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
         raise BadInputError(
@@ -75,6 +79,7 @@ def find_label_files(
         MappingProxyType({**(dataset.classes if dataset else {}), **names}),
         MappingProxyType(own),
         dataset.name if dataset else "",
+        export,
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -30,13 +30,15 @@ IGNORED = {"dontcare"}
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
     """``center`` (3,) and ``size`` (3,) full edges, metres; ``rotation`` (3, 3) axes as columns;
-    ``instance`` a number that its object keeps, 0 for none."""
+    ``instance`` a number that its object keeps, 0 for none; ``label`` the id of the label of ours
+    that it is of, 0 for others."""
 
     name: str
     instance: int
     center: Floats
     size: Floats
     rotation: Floats
+    label: int = 0
 
     def inside(self, xyz: Floats) -> NDArray[np.bool_]:
         """Return which points (N, 3) are in the box."""
@@ -81,6 +83,7 @@ MARKS = {
     "labelcloud": ('"objects"', '"centroid"', '"dimensions"'),
     "sustechpoints": ('"psr"', '"obj_type"'),
     "supervisely": ('"figures"', '"objectKey"'),
+    "boxes": ('"boxes"', '"upright"'),
 }
 """Words by which a JSON file is told."""
 _KITTI = re.compile(r"\d+ -?\d+ [A-Za-z_]+ -?[\d.]+ -?\d+( -?[\d.eE+-]+){12}")
@@ -90,7 +93,7 @@ def _document(path: Path) -> Any:
     return json.loads(read_bytes(path).decode("utf-8-sig"))
 
 
-def _vector(values: Any, keys: str = "xyz") -> Floats:
+def _vector(values: Any, keys: Iterable[Any] = "xyz") -> Floats:
     vector = np.array([float(values[key]) for key in keys])
     if not np.isfinite(vector).all():
         raise ValueError(values)
@@ -230,12 +233,29 @@ def _calibration(path: Path) -> Floats:
     return found
 
 
+MARGIN = 1e-6
+"""Metres by which a box of ours is enlarged: its outermost points lie on its faces."""
+
+
+def _own_boxes(path: Path) -> Iterator[FrameBoxes]:
+    """Read ``boxes.json`` of our export: the tightest box of each label in each frame."""
+    frames: dict[int, list[Box]] = {}
+    for entry in _document(path)["boxes"]:
+        box, label = entry["box"], int(entry["label"])
+        center, size = _vector(box["center"], range(3)), _vector(box["size"], range(3))
+        rotation = np.array(box["rotation"], float).reshape(3, 3)
+        made = Box(str(entry["name"]), 0, center, size + 2 * MARGIN, rotation, label)
+        frames.setdefault(int(entry["frame"]), []).append(made)
+    yield from (FrameBoxes(frame, tuple(boxes)) for frame, boxes in sorted(frames.items()))
+
+
 BOX_READERS: Mapping[str, Callable[[Path], Iterator[FrameBoxes]]] = MappingProxyType({
     "labelcloud": _labelcloud,
     "sustechpoints": _sustechpoints,
     "supervisely": _supervisely,
     "kitti-tracking": _kitti_tracking,
     "kitti-tracklets": _kitti_tracklets,
+    "boxes": _own_boxes,
 })  # fmt: skip
 
 

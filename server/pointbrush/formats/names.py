@@ -11,6 +11,7 @@ AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "npy", "lines", "las"),
     *("labelcloud", "sustechpoints", "supervisely", "kitti-tracking", "kitti-tracklets"),
+    "boxes",
     "points",
 )
 """All formats of labels, in the order in which they are tried; LAS classes when asked for."""

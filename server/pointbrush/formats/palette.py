@@ -147,6 +147,8 @@ def _label(entry: dict[str, Any]) -> SourceLabel:
     came = entry.get("source_instance")
     if came is not None and not (isinstance(came, int) and 0 <= came <= 65535):
         raise ValueError(entry)
+    if entry.get("categoryless") is True:
+        category = ""
     return SourceLabel(number, name, category, color, packed, came)
 
 

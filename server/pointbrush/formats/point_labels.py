@@ -17,6 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.class_maps import GREATEST_CLASS
 from pointbrush.formats.columns import number_of
 from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.exports.about import ROW
 from pointbrush.formats.npy import require_array_header
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
@@ -36,11 +37,13 @@ HEAD = 4096
 @dataclass(frozen=True, slots=True, eq=False)
 class PointLabels:
     """Labels of one file's points: ``category`` (N,) class numbers, 0 for none unless the map names
-    it; ``instance`` (N,) numbers or None."""
+    it; ``instance`` (N,) numbers or None; ``rows`` (N,) which points of the frame they are, None:
+    all, in their order."""
 
     file: str
     category: Numbers
     instance: Numbers | None
+    rows: Numbers | None = None
 
 
 def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
@@ -133,9 +136,11 @@ def _read_points(path: Path, options: ReadOptions) -> PointLabels:
             f"{frame.dropped} are not, so that their order is not known"
         )
     instance = None if frame.instance is None else frame.instance.astype(np.int64)
+    rows = None
     if own_palette(path) is not None:
         instance = None  # a label of ours is an instance
-    labels = PointLabels(path.name, frame.label.astype(np.int64), instance)
+        rows = frame.other.get(ROW)
+    labels = PointLabels(path.name, frame.label.astype(np.int64), instance, rows)
     return labels if frame.rows is None else _of_rows(labels, frame.rows, frame.dropped)
 
 

@@ -56,6 +56,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences/{seq}/report"): "viewer",
     ("GET", "/sequences/{seq}/frames/{i}/agreement"): "viewer",
     ("GET", "/taxonomy"): "viewer",
+    ("GET", "/exports"): "viewer",
     ("GET", "/jobs"): "viewer",
     ("GET", "/jobs/{id}"): "viewer",
     ("WEBSOCKET", "/stream"): "viewer",

@@ -1,4 +1,5 @@
 /** Recordings: the list, export, change, delete. */
+import { signal } from '@preact/signals';
 import { actions, type Actions, type ChosenFile } from '../actions';
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError } from '../net/rest';
@@ -13,6 +14,7 @@ type RecordingActions = Pick<
   | 'refreshDeleted'
   | 'restoreSequence'
   | 'exportSequence'
+  | 'loadExportFormats'
   | 'cancelJob'
 >;
 
@@ -94,6 +96,17 @@ function download(href: string): void {
   link.click();
 }
 
+/** An export format as the server offers it; `cannot_hold`: what is lost in it. */
+export interface ExportFormat {
+  readonly format: string;
+  readonly title: string;
+  readonly content: string;
+  readonly cannot_hold: readonly string[];
+}
+
+/** The formats that the server offers, once they were asked for. */
+export const exportFormats = signal<readonly ExportFormat[]>([]);
+
 async function exportSequence(format: string, frames = ''): Promise<void> {
   const info = state.sequence.peek();
   if (!info) return;
@@ -148,6 +161,10 @@ export const recordingActions: RecordingActions = {
   deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
   refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
   restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
+  loadExportFormats: () =>
+    attempt('The export formats did not load', async () => {
+      exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
+    }),
   exportSequence: (format, frames) =>
     attempt('The export did not start', () => exportSequence(format, frames)),
   cancelJob: (id, keep = false) =>

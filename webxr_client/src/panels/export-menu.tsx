@@ -1,27 +1,13 @@
 /** Downloads. */
 import { signal } from '@preact/signals';
 import type { RefObject } from 'preact';
+import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';
+import { exportFormats } from '../engine/recordings';
 import { state } from '../state';
 import { Check } from './controls';
 import { frameRange, ordered } from './range';
 import { Popover } from './popover';
-
-/** Formats by what one does with them. */
-const FORMATS: readonly (readonly [format: string, name: string, what: string])[] = [
-  ['ply', 'PLY', 'points and labels'],
-  ['npz', 'NPZ', 'numpy arrays'],
-  ['semantickitti', 'SemanticKITTI', '.bin and .label'],
-  ['pcd', 'PCD', 'points and labels'],
-  ['las', 'LAS', 'points, labels, own fields'],
-  ['laz', 'LAZ', 'the same, compressed'],
-  ['csv', 'CSV', 'one row per point'],
-  ['labels-only', 'Labels only', 'no points'],
-  ['cut', 'Cut', 'a file per label'],
-  ['pointcept', 'Pointcept', 'scenes for training'],
-  ['openpcdet', 'OpenPCDet', 'points and boxes'],
-  ['boxes', 'Boxes', 'oriented boxes per frame'],
-];
 
 const onlyRange = signal(true);
 
@@ -33,6 +19,7 @@ interface ExportMenuProps {
 export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
+  useEffect(() => void actions.loadExportFormats(), []);
   const all = state.sequence.value?.frames ?? 0;
   return (
     <Popover anchor={anchor} label="Export" onClose={onClose} class="export-menu">
@@ -44,18 +31,19 @@ export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
           onChange={(checked) => (onlyRange.value = checked)}
         />
       )}
-      {FORMATS.map(([format, name, what]) => (
+      {exportFormats.value.map(({ format, title, content, cannot_hold }) => (
         <button
           key={format}
           type="button"
-          class="menu-item"
+          class="menu-item export-format"
           onClick={() => {
             onClose();
             void actions.exportSequence(format, frames);
           }}
         >
-          {name}
-          <span class="end">{what}</span>
+          {title}
+          <span class="end">{content}</span>
+          {cannot_hold.length > 0 && <small>without {cannot_hold.join(', ')}</small>}
         </button>
       ))}
     </Popover>

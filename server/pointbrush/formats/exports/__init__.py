@@ -10,6 +10,7 @@ from typing import BinaryIO
 
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
+from pointbrush.formats.exports.about import FrameLog, write_about
 from pointbrush.formats.exports.labeled import (
     BlockedFrame,
     ExportFrame,
@@ -26,31 +27,82 @@ from pointbrush.formats.exports.output import Output, folder_output, single_outp
 class Export:
     """An export format: ``write`` puts frames and palette into an Output.
 
-    ``endings`` are those of a single file that holds one frame, if the format has such files.
+    ``title`` and ``content`` are shown to people; ``cannot_hold``: what of points and labels is
+    lost in it.  ``endings`` are those of a single file that holds one frame, if the format has such
+    files.  ``masks``: deleted points are left out, and told in a mask beside the frame.
     """
 
     name: str
     title: str
+    content: str
     write: Callable[[Iterable[ExportFrame], Palette, Output], None]
+    cannot_hold: tuple[str, ...] = ()
     endings: tuple[str, ...] = ()
+    masks: bool = True
 
 
 GAPS = "gaps.json"
 """In a streamed export: which frames are missing, and why; absent when none is."""
 
+_PROVENANCE = "provenance"
+_FIELDS = "further fields"
+_COLORS = "colours"
+_BOXES = "the points of a label, only boxes round them"
+
 _ALL = (
-    Export("ply", "PLY with labels", points.write_plys, (".ply",)),
-    Export("npz", "NumPy arrays", points.write_npzs, (".npz",)),
-    Export("pcd", "PCD with labels", points.write_pcds, (".pcd",)),
-    Export("las", "LAS with labels", points.write_lass, (".las",)),
-    Export("laz", "LAZ with labels", points.write_lazs, (".laz",)),
-    Export("csv", "CSV with labels", points.write_csvs, (".csv",)),
-    Export("semantickitti", "SemanticKITTI", semantickitti.write_semantickitti),
-    Export("labels-only", "Labels without points", labels_only.write_labels_only),
-    Export("cut", "One PLY per label", points.write_cuts),
-    Export("pointcept", "Pointcept's scenes with splits", training.write_pointcept),
-    Export("openpcdet", "OpenPCDet's custom dataset", training.write_openpcdet),
-    Export("boxes", "Oriented boxes, JSON and KITTI tracking", boxes.write_boxes),
+    Export("ply", "PLY", "points and labels", points.write_plys, (_PROVENANCE,), (".ply",)),
+    Export("npz", "NPZ", "NumPy arrays", points.write_npzs, (_FIELDS,), (".npz",), masks=False),
+    Export(
+        "semantickitti",
+        "SemanticKITTI",
+        ".bin and .label",
+        semantickitti.write_semantickitti,
+        (_PROVENANCE, _COLORS, _FIELDS),
+    ),
+    Export("pcd", "PCD", "points and labels", points.write_pcds, (_PROVENANCE,), (".pcd",)),
+    Export(
+        "las", "LAS", "points, labels, own fields", points.write_lass, (_PROVENANCE,), (".las",)
+    ),
+    Export("laz", "LAZ", "the same, compressed", points.write_lazs, (_PROVENANCE,), (".laz",)),
+    Export("csv", "CSV", "one row per point", points.write_csvs, (_PROVENANCE,), (".csv",)),
+    Export("labels-only", "Labels only", "no points", labels_only.write_labels_only, masks=False),
+    Export(
+        "cut",
+        "Cut",
+        "a file per label",
+        points.write_cuts,
+        (_PROVENANCE, _FIELDS, "unlabeled points"),
+        masks=False,
+    ),
+    Export(
+        "pointcept",
+        "Pointcept",
+        "scenes for training",
+        training.write_pointcept,
+        (_PROVENANCE, _FIELDS),
+    ),
+    Export(
+        "openpcdet",
+        "OpenPCDet",
+        "points and boxes",
+        training.write_openpcdet,
+        (
+            _BOXES,
+            "names of labels",
+            "the same object in several frames",
+            f"labels of fewer than {training.FEWEST} points",
+            _COLORS,
+        ),
+        masks=False,
+    ),
+    Export(
+        "boxes",
+        "Boxes",
+        "oriented boxes per frame",
+        boxes.write_boxes,
+        (_BOXES,),
+        masks=False,
+    ),
 )
 EXPORTS: dict[str, Export] = {entry.name: entry for entry in _ALL}
 
@@ -86,7 +138,9 @@ def export(
         context = folder_output(out)
     with context as output:
         try:
-            entry.write(frames, Palette(palette, numbers, datasets), output)
+            log = FrameLog(output, masks=entry.masks)
+            entry.write(log.frames(frames), Palette(palette, numbers, datasets), log)
+            write_about(output, entry.name, log, entry.cannot_hold)
         except DamagedError as error:
             if gaps is None:
                 raise

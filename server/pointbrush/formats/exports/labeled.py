@@ -241,6 +241,7 @@ class Palette:
                 "id": entry.id,
                 "name": entry.name,
                 "category": category_of(entry),
+                "categoryless": not entry.category,
                 "category_id": int(self._category[entry.id]),
                 "instance": int(self._instance[entry.id]),
                 "color": entry.color,

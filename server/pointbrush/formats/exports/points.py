@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.datasets import LAS
+from pointbrush.formats.exports.about import ROW
 from pointbrush.formats.exports.labeled import (
     ExportFrame,
     LabeledFrame,
@@ -130,7 +131,10 @@ def _arrays(block: LabeledFrame, palette: Palette) -> dict[str, NDArray[Any]]:
 
 
 def write_cuts(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
-    """``00003_pin-1/NNNNNN.ply`` for each label and frame where it has points."""
+    """``00003_pin-1/NNNNNN.ply`` for each label and frame where it has points.
+
+    The field ``row`` is the number of each point in its frame.
+    """
     folders = {entry.id: _folder(entry) for entry in palette.entries}
     for frame in frames:
         sizes = frame.sizes
@@ -143,9 +147,11 @@ def write_cuts(frames: Iterable[ExportFrame], palette: Palette, output: Output) 
 
 
 def _points(frame: ExportFrame, palette: Palette, label: int) -> Iterator[Columns]:
+    first = 0
     for block in frame.blocks():
         mine = np.flatnonzero((block.label == label) & ~block.deleted)
-        yield point_columns(block, palette, mine)
+        yield point_columns(block, palette, mine) | {ROW: (first + mine).astype(np.uint32)}
+        first += block.count
 
 
 def _folder(entry: PaletteEntry) -> str:

@@ -15,6 +15,7 @@ from typing import Annotated, BinaryIO, cast
 
 from fastapi import Query, Request, Response
 from fastapi.responses import StreamingResponse
+from pydantic import BaseModel
 from starlette.types import Receive, Scope, Send
 
 from pointbrush.errors import TooManyRequestsError, UnavailableError
@@ -193,6 +194,29 @@ async def respond(
         ended()
         raise
     return ExportResponse(first, pipe, ended, headers)
+
+
+class ExportOut(BaseModel):
+    """An export format: what its files contain, and what of points and labels they cannot hold."""
+
+    format: str
+    title: str
+    content: str
+    cannot_hold: list[str]
+
+
+@router.get("/exports")
+def list_exports() -> list[ExportOut]:
+    """The export formats, in the order in which they are offered."""
+    return [
+        ExportOut(
+            format=each.name,
+            title=each.title,
+            content=each.content,
+            cannot_hold=list(each.cannot_hold),
+        )
+        for each in EXPORTS.values()
+    ]
 
 
 @router.get(

@@ -25,6 +25,7 @@ from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
+from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.source import reported
 from pointbrush.jobs import Job, JobRunner
@@ -136,12 +137,16 @@ class ReadLabelsWork:
         columns = (f"{request.field}=label",) if request.field else ()
         classes, chosen = ClassNumbers(), Corrections(columns=columns)
         options = ReadOptions(limits=self.limits, chosen=chosen, class_number=classes.number)
-        frames = frames_of(files.paths, len(recording), recording.manifest.timestamps)
+        if files.export is None:
+            frames = frames_of(files.paths, len(recording), recording.manifest.timestamps)
+        else:
+            frames = [files.export.frames[path] for path in files.paths]
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
-            if frame is None:
+            if frame is None or frame >= len(recording):
                 channel.item(Unmatched(path.name))
             else:
                 labels = _of_points(files.read(path, options), recording, frame)
+                labels = _of_export(labels, files.export, recording, frame)
                 channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
         if classes.names:
@@ -154,7 +159,7 @@ class ReadLabelsWork:
         named = sorted({box.name for file in found for part in file for box in part.boxes})
         names = {number: ClassName(name) for number, name in enumerate(named, start=1)}
         number_of = {name.name: number for number, name in names.items()}
-        channel.item(LabelFiles(files.format, (), names, {}))
+        channel.item(LabelFiles(files.format, (), names, dict(files.own)))
         up = recording.manifest.T_room_local[1, :3]
         by_name = frames_of(files.paths, len(recording), recording.manifest.timestamps)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
@@ -165,7 +170,10 @@ class ReadLabelsWork:
                     continue
                 xyz = _source_points(recording, frame)
                 which = points_of(part.boxes, xyz, up, no_ground=self.request.no_ground)
-                keys = tuple((number_of[box.name], box.instance) for box in part.boxes)
+                keys = tuple(
+                    (box.label, 0) if box.label else (number_of[box.name], box.instance)
+                    for box in part.boxes
+                )
                 rows = np.flatnonzero(which >= 0)
                 channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
@@ -185,6 +193,29 @@ def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLa
         labels,
         category=labels.category[rows],
         instance=None if instance is None else instance[rows],
+    )
+
+
+def _of_export(
+    labels: PointLabels, export: OwnExport | None, recording: Recording, frame: int
+) -> PointLabels:
+    """Labels of all points of a frame, where an export of ours has those of some."""
+    if labels.rows is not None:
+        whole = np.zeros(recording.manifest.points[frame], np.int64)
+        if len(labels.rows) and int(labels.rows.max()) >= len(whole):
+            raise BadInputError(
+                f"{labels.file}: expected rows below {len(whole):,}, the points of frame {frame}, "
+                f"got {int(labels.rows.max()):,}"
+            )
+        whole[labels.rows] = labels.category
+        return replace(labels, category=whole, rows=None)
+    if export is None:
+        return labels
+    instance = labels.instance
+    return replace(
+        labels,
+        category=export.spread(frame, labels.category),
+        instance=None if instance is None else export.spread(frame, instance),
     )
 
 
@@ -315,8 +346,13 @@ class _Chosen:
         cls, store: LabelStore, recording: Recording, found: list[FrameLabels], files: LabelFiles
     ) -> _Chosen:
         palette = store.palette(recording.manifest.id)
-        by_name = {(label.name, label.category): label.id for label in palette}
+        by_name: dict[tuple[str, str], list[int]] = {}
+        for label in palette:
+            by_name.setdefault((label.name, label.category), []).append(label.id)
         taken = {label.id for label in palette}
+        reserved = {
+            i for i, own in files.own.items() if i in by_name.get((own.name, own.category), ())
+        }
         ids: dict[Key, int] = {}
         fresh: list[Label] = []
         unnamed: set[int] = set()
@@ -325,11 +361,18 @@ class _Chosen:
             name, category, color, wanted = _called(key, files)
             if key[0] not in files.names and key[0] not in files.own:
                 unnamed.add(key[0])
-            known = by_name.get((name, category))
+            alike = by_name.setdefault((name, category), [])
+            own = key[0] in files.own
+            free = (each for each in alike if each not in reserved)
+            known = wanted if own and wanted in alike else next(free, None)
+            if own and known is not None:
+                # Labels of ours that share a name are several: each takes one of the palette.
+                alike.remove(known)
             if known is None:
                 known = wanted if wanted and wanted not in taken else _free(taken)
                 taken.add(known)
-                by_name[name, category] = known
+                if not own:
+                    alike.append(known)
                 made = Label(known, name, category, color or default_color(known))
                 if key[0] in files.own:
                     made = replace(made, instance=files.own[key[0]].instance)

@@ -1,0 +1,74 @@
+"""The file ``export.json``: format, files by frame, and what the format cannot hold."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from typing import BinaryIO
+
+from pointbrush.formats.exports.labeled import ExportFrame
+from pointbrush.formats.exports.output import Output
+from pointbrush.formats.npy import write_column
+from pointbrush.formats.table import Table
+
+NAME = "export.json"
+VERSION = 1
+ROW = "row"
+"""Field of a cut's points: the number of each in its frame."""
+DELETED = "deleted"
+"""Folder of the masks (N,) bool over the points of frames of which some are left out; key of their
+names."""
+
+
+class FrameLog:
+    """An Output that notes which files are written while each frame is at work.
+
+    ``masks``: write the mask of deleted points of a frame that has some, as the format itself
+    holds the other points alone.
+    """
+
+    def __init__(self, output: Output, *, masks: bool) -> None:
+        self._output, self._masks = output, masks
+        self._current: list[str] | None = None
+        self.files: dict[int, list[str]] = {}
+        """Names of the files by the frame's number in its recording."""
+        self.masks: dict[int, str] = {}
+        """Names of the masks of deleted points."""
+
+    def file(self, name: str) -> AbstractContextManager[BinaryIO]:
+        """Open ``name`` for writing."""
+        if self._current is not None:
+            self._current.append(name)
+        return self._output.file(name)
+
+    def frames(self, frames: Iterable[ExportFrame]) -> Iterator[ExportFrame]:
+        """Pass frames on, each with a list of files of its own."""
+        for frame in frames:
+            self._current = self.files.setdefault(frame.index, [])
+            yield frame
+            if self._masks and frame.kept < frame.count:
+                self._write_mask(frame)
+        self._current = None
+
+    def _write_mask(self, frame: ExportFrame) -> None:
+        masks = Table(frame.count, lambda: ({DELETED: block.deleted} for block in frame.blocks()))
+        self.masks[frame.index] = f"{DELETED}/{frame.stem}.npy"
+        with self._output.file(self.masks[frame.index]) as file:
+            write_column(file, masks)
+
+
+def write_about(output: Output, format: str, log: FrameLog, cannot_hold: Sequence[str]) -> None:
+    """Write ``export.json``; ``log`` has seen all frames."""
+    document = {
+        "format": format,
+        "version": VERSION,
+        "cannot_hold": list(cannot_hold),
+        "frames": [
+            {"frame": index, "files": names}
+            | ({DELETED: log.masks[index]} if index in log.masks else {})
+            for index, names in log.files.items()
+        ],
+    }
+    with output.file(NAME) as file:
+        file.write(json.dumps(document, indent=1, ensure_ascii=False).encode())

@@ -1,0 +1,126 @@
+"""Exports of pointbrush that come back: which file is of which frame, by their ``export.json``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.exports.about import DELETED, NAME
+
+BOXES = "boxes.json"
+_READ_AS: Mapping[str, tuple[str, str]] = MappingProxyType({
+    "ply": ("points", "*.ply"), "npz": ("points", "*.npz"), "pcd": ("points", "*.pcd"),
+    "las": ("points", "*.las"), "laz": ("points", "*.laz"), "csv": ("points", "*.csv"),
+    "cut": ("points", "*.ply"), "semantickitti": ("semantickitti", "*.label"),
+    "labels-only": ("npy", "label/*.npy"), "pointcept": ("npy", "instance.npy"),
+    "openpcdet": ("openpcdet", "labels/*.txt"), "boxes": ("boxes", BOXES),
+})  # fmt: skip
+"""Format of labels as which each export is read, and which of its files have the labels."""
+MAX_BYTES = 64 << 20
+LEVELS = 4
+"""Folders above a file in which its ``export.json`` may lie."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OwnExport:
+    """An export of pointbrush in files.
+
+    ``root`` is its folder; ``frames`` are the numbers of the frames by the paths of their files;
+    ``deleted`` the masks of frames of which points were left out.
+    """
+
+    root: Path
+    format: str
+    frames: Mapping[Path, int]
+    deleted: Mapping[int, Path]
+
+    def label_files(self, place: Path) -> tuple[str, list[Path]]:
+        """Find the format of labels and the files at ``place`` that have them, by frame.
+
+        Raises BadInputError for an export that is not known.
+        """
+        if self.format not in _READ_AS:
+            raise BadInputError(
+                f"{NAME}: expected one of {', '.join(_READ_AS)}, got {self.format[:40]!r}"
+            )
+        name, pattern = _READ_AS[self.format]
+        above = place.absolute()
+        files = [*self.frames, self.root / BOXES]
+        chosen = [p for p in files if p.is_relative_to(above) and p.match(pattern)]
+        return name, [path for path in chosen if path.is_file()]
+
+    def spread(self, frame: int, values: NDArray[Any]) -> NDArray[Any]:
+        """Spread values of the points kept over all points of their frame; 0 for deleted ones.
+
+        Raises BadInputError for a mask of another number of points.
+        """
+        if frame not in self.deleted:
+            return values
+        path = self.deleted[frame]
+        gone = np.load(path, allow_pickle=False)
+        if gone.dtype != np.bool_ or gone.ndim != 1 or int((~gone).sum()) != len(values):
+            raise BadInputError(
+                f"{path.parent.name}/{path.name}: expected a mask that leaves {len(values):,} "
+                f"points, got {gone.dtype} {gone.shape}"
+            )
+        spread = np.zeros(len(gone), values.dtype)
+        spread[~gone] = values
+        return spread
+
+
+def own_export(place: Path) -> OwnExport | None:
+    """Find the export of pointbrush that a file or folder belongs to; None where there is none.
+
+    Raises BadInputError for a damaged ``export.json``.
+    """
+    absolute = place.absolute()
+    beside = absolute.with_name(f"{absolute.stem}.{NAME}")
+    above = [*([absolute] if absolute.is_dir() else []), *list(absolute.parents)[:LEVELS]]
+    for told in (beside, *(folder / NAME for folder in above)):
+        if told.is_file():
+            return _parse(told, alone=absolute if told == beside else None)
+    return None
+
+
+def _parse(told: Path, alone: Path | None) -> OwnExport:
+    """Read ``export.json``; ``alone``: the one file of points, whose frame is the only one."""
+    try:
+        if told.stat().st_size > MAX_BYTES:
+            raise ValueError(f"more than {MAX_BYTES} bytes")
+        document = json.loads(told.read_text("utf-8"))
+        frames: dict[Path, int] = {}
+        deleted: dict[int, Path] = {}
+        for entry in document["frames"]:
+            number = int(entry["frame"])
+            frames |= {_place(told, name, alone): number for name in entry["files"]}
+            if DELETED in entry:
+                deleted[number] = _place(told, entry[DELETED], alone)
+        return OwnExport(
+            told.parent,
+            str(document["format"]),
+            MappingProxyType(frames),
+            MappingProxyType(deleted),
+        )
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise BadInputError(
+            f"{told.name}: expected frames and files of an export, got another file: {error}"
+        ) from None
+
+
+def _place(told: Path, name: str, alone: Path | None) -> Path:
+    """Find the place of a file of an export, in its folder or, of a single file, beside that."""
+    if alone is not None:
+        beside = alone.with_name(f"{alone.stem}.{name.replace('/', '.')}")
+        return alone if name.endswith(alone.suffix) else beside
+    path = told.parent / name
+    if not path.resolve().is_relative_to(told.parent.resolve()):
+        raise ValueError(f"a file outside the export: {name[:80]}")
+    return path

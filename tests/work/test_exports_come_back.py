@@ -1,0 +1,138 @@
+"""Every export, brought into a copy without labels, gives back names, categories and points."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from uuid import uuid4
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from pointbrush.formats import EXPORTS
+from pointbrush.labels import Label
+from pointbrush.labels.palette import default_color
+from pointbrush.labels.taxonomy import Category
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+
+NAMES = st.text("abcäö汽 /_-.0'\"#", min_size=1, max_size=30).filter(str.strip)
+INSTANCES = 300
+FIRST = 1
+"""Number in the name of the first file: frames do not count from it."""
+OBJECTS = INSTANCES + 9
+OWNER = np.repeat(np.arange(OBJECTS + 1), 6)
+"""Object of each point, 0 for scenery."""
+SPACING = 3.0
+"""Metres between the objects' centres, which are half a metre wide: boxes do not overlap."""
+
+
+@dataclass(frozen=True)
+class Hostile:
+    """A palette that exports have trouble with: ``labels`` are (name, category); ``deleted``: so
+    are some points."""
+
+    labels: list[tuple[str, str]]
+    deleted: bool
+
+
+@st.composite
+def hostile(draw: st.DrawFn) -> Hostile:
+    drawn = draw(st.lists(st.tuples(NAMES, NAMES | st.just("")), min_size=1, max_size=4))
+    fixed = [
+        ("car", "car"), ("car", "car"), ("tree", ""), ("void", "unlabeled"), ("x" * 200, "y" * 200),
+    ]  # fmt: skip
+    return Hostile(fixed + drawn, draw(st.booleans()))
+
+
+@pytest.fixture(scope="module")
+def copies(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
+    """Make workspaces that hold one recording of two frames, without labels."""
+    rng = np.random.default_rng(0)
+    side = int(np.ceil(np.sqrt(OBJECTS + 1)))
+    middle = np.column_stack([OWNER % side, OWNER // side, np.zeros(len(OWNER))]) * SPACING
+    xyz = (middle + rng.uniform(-0.25, 0.25, (len(OWNER), 3))).astype(np.float32)
+    source, made = (tmp_path_factory.mktemp(name) for name in ("source", "made"))
+    for step in range(2):
+        np.save(source / f"{FIRST + step:06d}.npy", xyz + np.float32([0, 0, step]))
+    with closing(Workspace(Settings(workspace=made))) as workspace:
+        done = workspace.runner.wait(workspace.import_paths([source], name="scan").id, 120)
+        assert done.state == "done", done.error
+
+    def copy() -> Path:
+        place = tmp_path_factory.mktemp("copy") / "workspace"
+        shutil.copytree(made, place)
+        return place
+
+    return copy
+
+
+def painted(workspace: Workspace, which: Hostile) -> None:
+    """Label the objects of both frames; labels of one category with 300 instances among them."""
+    workspace.put_categories([Category(60_000, "unlabeled", datasets={"semantickitti": 0})])
+    wanted = which.labels + [(f"pin {number}", "pin") for number in range(1, INSTANCES + 1)]
+    labels = [
+        Label(number, name, category, default_color(number))
+        for number, (name, category) in enumerate(wanted, start=1)
+    ]
+    workspace.store.apply(
+        "scan",
+        edit_id=str(uuid4()),
+        author="ann",
+        kind="label",
+        writes=(),
+        summary="",
+        labels=labels,
+    )
+    ids = [label.id for label in labels]
+    label = np.array([0, *ids, *[0] * (OBJECTS - len(ids))], np.uint16)[OWNER]
+    for frame in range(2):
+        workspace.put_annotation("scan", frame, label, author="ann")
+    workspace.update_label("scan", "ann", ids[0], locked=True)
+    workspace.update_label("scan", "ann", ids[2], visible=False)
+    if which.deleted:
+        deleted = np.zeros(len(OWNER), np.bool_)
+        deleted[[0, 7, 11]] = True
+        workspace.put_annotation("scan", 1, deleted, layer="deleted", author="ann")
+
+
+Told = tuple[str, str]
+
+
+def told(workspace: Workspace, frame: int) -> Iterator[tuple[Told, frozenset[int]]]:
+    """Name and category of each label of a frame, with its points that are not deleted."""
+    label = workspace.annotation("scan", frame)[0]
+    alive = ~workspace.annotation("scan", frame, "deleted")[0]
+    palette = {each.id: (each.name, each.category) for each in workspace.palette("scan")}
+    for number in np.unique(label[label > 0]).tolist():
+        yield palette[number], frozenset(np.flatnonzero((label == number) & alive).tolist())
+
+
+@pytest.mark.parametrize("kind", sorted(EXPORTS.keys() - {"openpcdet"}))
+@settings(
+    max_examples=2,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+    derandomize=True,
+    phases=[Phase.generate],
+)
+@given(which=hostile())
+def test_an_export_comes_back_into_a_copy(
+    copies: Callable[[], Path], kind: str, which: Hostile
+) -> None:
+    one = copies()
+    with closing(Workspace(Settings(workspace=one))) as workspace:
+        painted(workspace, which)
+        workspace.export("scan", kind, one / "out")
+        before = [sorted(told(workspace, frame), key=repr) for frame in range(2)]
+    with closing(Workspace(Settings(workspace=copies()))) as again:
+        job = again.import_labels("scan", one / "out", "bob")
+        done = again.runner.wait(job.id, 120)
+        assert done.state == "done", done.error
+        after = [sorted(told(again, frame), key=repr) for frame in range(2)]
+    assert after == before
