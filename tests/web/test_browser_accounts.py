@@ -202,3 +202,13 @@ def test_a_session_of_before_accounts_were_kept_tells_the_account(opened: Opened
         mine.cookies.delete(name)
         opened.visit(mine)
         assert opened.undo(mine) == 200
+
+
+def test_a_browser_keeps_few_accounts_of_other_workspaces(opened: Opened) -> None:
+    with httpx.Client() as browser:
+        for number in range(12):
+            browser.cookies.set(f"pointbrush_account_http_{number:08x}", "x", domain="127.0.0.1")
+        opened.visit(browser)
+        kept = [name for name in browser.cookies if name.startswith("pointbrush_account")]
+        assert len(kept) == 8
+        assert {f"pointbrush_account_http_{number:08x}" for number in range(5, 12)} < set(kept)

@@ -105,7 +105,7 @@ class Gate:
         if principal.shared:
             account = self._account_of_browser(connection)
             session = self.sessions.begin(account, None, secret)
-            kept = [self._browsers.cookie(connection, account)]
+            kept = self._browsers.cookies(connection, account)
             return self._sharer(account), [_session_cookie(connection, session), *kept]
         token = self._workspace.store.tokens.check(secret)
         session = self.sessions.begin(principal.author, token, secret)

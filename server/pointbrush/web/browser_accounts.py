@@ -18,6 +18,9 @@ PURPOSE = "browser account"
 DAYS = 400
 """The longest that browsers keep a cookie; each sign-in begins them anew."""
 MARK_BYTES = 4
+PREFIX = "pointbrush_account_"
+MOST_COOKIES = 8
+"""Accounts of a browser on one host, each of another database; a cookie has 120 bytes."""
 
 
 class BrowserAccounts:
@@ -33,9 +36,15 @@ class BrowserAccounts:
         right = self._signature(account)
         return account if hmac.compare_digest(signature.encode(), right.encode()) else None
 
-    def cookie(self, connection: HTTPConnection, account: str) -> Cookie:
-        """Return the cookie by which the browser keeps ``account``."""
-        return Cookie(self._name(connection), f"{account}.{self._signature(account)}", DAYS)
+    def cookies(self, connection: HTTPConnection, account: str) -> list[Cookie]:
+        """Return the cookie by which the browser keeps ``account``, and those that it is to drop.
+
+        Every server of the host is sent all cookies: the oldest of other databases go.
+        """
+        mine = self._name(connection)
+        others = [name for name in connection.cookies if name.startswith(PREFIX) and name != mine]
+        dropped = [Cookie(name, "", 0) for name in others[: -(MOST_COOKIES - 1)]]
+        return [Cookie(mine, f"{account}.{self._signature(account)}", DAYS), *dropped]
 
     def _name(self, connection: HTTPConnection) -> str:
         """Name the cookie by the key: browsers send cookies to every port of a host.
@@ -45,7 +54,7 @@ class BrowserAccounts:
         browser does not let a plain answer replace an encrypted one's.
         """
         mark = hmac.digest(self._keys.get(PURPOSE), b"name", "sha256")[:MARK_BYTES].hex()
-        return f"pointbrush_account_{'https' if connection.url.is_secure else 'http'}_{mark}"
+        return f"{PREFIX}{'https' if connection.url.is_secure else 'http'}_{mark}"
 
     def _signature(self, account: str) -> str:
         message = f"account {account}".encode("utf-8", "surrogateescape")

@@ -17,7 +17,7 @@ class Cookie:
     name: str
     value: str
     days: int
-    """For which the browser keeps it."""
+    """For which the browser keeps it; 0: it is dropped."""
 
 
 def set_cookie(connection: HTTPConnection, response: Response, cookie: Cookie) -> None:
