@@ -1,103 +1,25 @@
-"""Named columns as files have them, turned into a PointFrame.
-
-Names of PLY properties, PCD and LAS fields, CSV headers and structured NumPy arrays differ by
-program; one table here says which are understood.
-"""
+"""Named columns as files have them, turned into a PointFrame."""
 
 from __future__ import annotations
 
 import logging
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.corrections import LEFT_OUT, meanings
+from pointbrush.formats.column_roles import name_left_out, roles, with_meanings
+from pointbrush.formats.label_values import instances_of, number_of
 from pointbrush.formats.options import ColorRange, Extras, ReadOptions
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
 log = logging.getLogger(__name__)
 
-ROLES: dict[str, tuple[str, ...]] = {
-    "x": (
-        *("x", "px", "posx", "pos_x", "position_x", "point_x", "//x", "#x", "x_m", "easting"),
-        *("points_m_xyz:0", "points:0", "points_0", "x_coord", "coord_x", "x_coordinate"),
-    ),
-    "y": (
-        *("y", "py", "posy", "pos_y", "position_y", "point_y", "y_m", "northing"),
-        *("points_m_xyz:1", "points:1", "points_1", "y_coord", "coord_y", "y_coordinate"),
-    ),
-    "z": (
-        *("z", "pz", "posz", "pos_z", "position_z", "point_z", "z_m", "elevation", "height"),
-        *("points_m_xyz:2", "points:2", "points_2", "z_coord", "coord_z", "z_coordinate"),
-    ),
-    "red": ("red", "r", "diffuse_red", "scalar_red", "color_red", "rf", "colorred"),
-    "green": ("green", "g", "diffuse_green", "scalar_green", "color_green", "gf", "colorgreen"),
-    "blue": ("blue", "b", "diffuse_blue", "scalar_blue", "color_blue", "bf", "colorblue"),
-    "rgb": ("rgb", "rgba"),
-    "intensity": (
-        *("intensity", "scalar_intensity", "intensities", "reflectance", "scalar_reflectance"),
-        *("reflectivity", "remission", "scalar_scalar_intensity", "i"),
-    ),
-    "label": (
-        *("label", "scalar_label", "labels", "label_id", "semantic", "semantic_label"),
-        *("sem_label", "class_id", "scalar_scalar_label", "class", "scalar_class", "segment"),
-        *("scalar_segment", "semantic_class", "objtag", "obj_tag", "object_tag", "sem_class"),
-    ),
-    "instance": (
-        *("instance", "scalar_instance", "instance_id", "instance_label", "ins_label"),
-        *("object_id", "scalar_scalar_instance", "objidx", "obj_idx", "object_index"),
-        *("treeid", "tree_id"),
-    ),
-}
-LIKE_LABELS = re.compile(
-    r"label|class|segm|semantic|instance|category|annot|obj(ect)?_?(id|tag|idx)|^tag$", re.ASCII
-)
-"""Names of fields that look like labels."""
-NO_LABEL = (-1, -100, 65535, 4294967295)
-"""Numbers that mark "none" in labels and instances."""
 CARLA = {"CosAngle", "ObjIdx", "ObjTag"}
 """Fields of CARLA's semantic lidar."""
-GREATEST_INSTANCE = 65535
-TOLD = 8
-"""Numbers that a warning lists."""
-
-
-def roles(names: Iterable[str]) -> dict[str, str]:
-    """Role → the name in the file that plays it; the earliest synonym in ROLES wins."""
-    by_lower: dict[str, str] = {}
-    for name in names:
-        by_lower.setdefault(name.strip().strip("\"'").lower(), name)
-    found: dict[str, str] = {}
-    for role, synonyms in ROLES.items():
-        for synonym in synonyms:
-            if synonym in by_lower:
-                found[role] = by_lower[synonym]
-                break
-    return found
-
-
-def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -> None:
-    """Say which fields look like labels and are not read as such."""
-    if "label" in found:
-        return
-    used = set(found.values())
-    left = [
-        column
-        for column in columns
-        if column not in used
-        and LIKE_LABELS.search(column.strip().lower())
-        and (not isinstance(columns, Mapping) or columns[column].any())
-    ]
-    if left:
-        log.warning(
-            "%s: the fields %s are left out; columns %s=label reads one as labels",
-            name, ", ".join(left), left[0],
-        )  # fmt: skip
 
 
 def frame_from_columns(
@@ -119,20 +41,7 @@ def frame_from_columns(
     """
     columns = with_meanings(name, columns, options)
     found = roles(columns)
-    whole = columns.get("xyz")
-    if whole is not None and whole.ndim == 2:
-        xyz = whole
-    elif all(axis in found for axis in "xyz"):
-        xyz = _stack(name, [columns[found[axis]] for axis in "xyz"])
-    else:
-        raise BadInputError(
-            f"{name}: expected the fields x, y and z, got {', '.join(columns) or 'no fields'}"
-        )
-    if set(columns) >= CARLA:
-        log.warning(
-            "%s: CARLA's axes are left-handed: the recording is mirrored, y is to the right; turn "
-            "the sign of y in its points, poses and boxes before", name,
-        )  # fmt: skip
+    xyz = _coordinates(name, columns, found)
     keep = finite_points(name, xyz, missing=missing or options.drop_invalid)
     if missing:
         keep = without_zeros(xyz, keep)
@@ -141,12 +50,7 @@ def frame_from_columns(
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}
     instance, whole_instance = None, False
     if "instance" in parts:
-        instance, whole_instance = _instances(name, _take(parts["instance"], keep))
-        if "label" not in parts and instance is not None:
-            log.warning(
-                "%s: the instances of %s have no classes and make no labels; columns %s=label "
-                "makes each one a label", name, found["instance"], found["instance"],
-            )  # fmt: skip
+        instance, whole_instance = instances_of(name, _take(parts["instance"], keep))
     extras, known = extras or Extras(), options.known
     other = _other(columns, found, keep, whole_instance)
     if options.columns_found is not None:
@@ -170,29 +74,21 @@ def frame_from_columns(
     )
 
 
-def with_meanings(
-    name: str, columns: Mapping[str, Array], options: ReadOptions
-) -> Mapping[str, Array]:
-    """Columns by what a person says they are; those that are to be left out are not among them."""
-    if not options.chosen.columns:
-        return columns
-    meaning = meanings(list(columns), options.chosen.columns, name)
-    # What a column is said to be, no other one is.
-    said = {new for old, new in meaning.items() if new != old}
-    return {
-        meaning[old]: values
-        for old, values in columns.items()
-        if meaning[old] != LEFT_OUT and not (meaning[old] == old and old in said)
-    }
-
-
-def label_columns(name: str, columns: Mapping[str, Array], options: ReadOptions) -> set[str]:
-    """Names in the file of the columns that are read as labels and instances."""
-    chosen = options.chosen.columns
-    meaning = meanings(list(columns), chosen, name) if chosen else {each: each for each in columns}
-    found = roles(meaning.values())
-    wanted = {found.get("label"), found.get("instance")}
-    return {column for column, means in meaning.items() if means in wanted}
+def _coordinates(name: str, columns: Mapping[str, Array], found: Mapping[str, str]) -> Array:
+    """Coordinates (N, 3); raises BadInputError where there are none."""
+    whole = columns.get("xyz")
+    if set(columns) >= CARLA:
+        log.warning(
+            "%s: CARLA's axes are left-handed: the recording is mirrored, y is to the right; turn "
+            "the sign of y in its points, poses and boxes before", name,
+        )  # fmt: skip
+    if whole is not None and whole.ndim == 2:
+        return whole
+    if all(axis in found for axis in "xyz"):
+        return _stack(name, [columns[found[axis]] for axis in "xyz"])
+    raise BadInputError(
+        f"{name}: expected the fields x, y and z, got {', '.join(columns) or 'no fields'}"
+    )
 
 
 def _described(
@@ -295,60 +191,6 @@ def unpack_rgb(values: Array) -> NDArray[np.uint8]:
     else:
         packed = (values.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
     return np.stack([packed >> 16 & 255, packed >> 8 & 255, packed & 255], axis=1).astype(np.uint8)
-
-
-def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.uint16]:
-    """Labels or instances as uint16; NaN and ``NO_LABEL`` mark "none" and become 0.
-
-    Raises BadInputError for fractions and for numbers outside 0..greatest.
-    """
-    if values.dtype.kind == "f":
-        # Of half precision, whose numbers end before 65535.
-        values = values.astype(np.promote_types(values.dtype, np.float32), copy=False)
-        values = np.where(np.isnan(values), 0, values)
-        fractions = np.flatnonzero((values != np.rint(values)) | np.isinf(values))
-        if fractions.size:
-            at = int(fractions[0])
-            raise BadInputError(f"{name}: expected whole {what}s, got {values[at]} at point {at}")
-    elif values.dtype.kind not in "uib":
-        raise BadInputError(f"{name}: expected {what}s as numbers, got {values.dtype}")
-    values = without_marks(values)
-    if len(values) and (values.min() < 0 or values.max() > greatest):
-        raise BadInputError(
-            f"{name}: expected {what}s 0 to {greatest}, got {values.min():g} to {values.max():g}"
-        )
-    return values.astype(np.uint16)
-
-
-def without_marks(values: Array) -> Array:
-    """Labels or instances with 0 for the numbers that mark "none"."""
-    marks = [mark for mark in NO_LABEL if mark >= 0 or values.dtype.kind in "fi"]
-    marked = np.isin(values, marks)
-    return np.where(marked, 0, values) if marked.any() else values
-
-
-def _instances(name: str, values: Array) -> tuple[NDArray[np.uint16] | None, bool]:
-    """Instance numbers as uint16, None where no point has one, and whether all are kept.
-
-    Numbers that 16 bits do not hold (a no-data value, the id of a database) become 0, with a
-    warning that lists them.
-    """
-    if values.dtype.kind in "fiu":
-        values = without_marks(np.where(np.isnan(values), 0, values))
-        outside = (values < 0) | (values > GREATEST_INSTANCE)
-        if outside.any():
-            numbers = np.unique(values[outside])
-            listed = ", ".join(f"{number:.10g}" for number in numbers[:TOLD])
-            log.warning(
-                "%s: expected instance numbers 0 to %d; %d points of %d other numbers (%s%s) have "
-                "no instance", name, GREATEST_INSTANCE, np.count_nonzero(outside), len(numbers),
-                listed, ", …" * (len(numbers) > TOLD),
-            )  # fmt: skip
-            values = np.where(outside, 0, values)
-            if not values.any():
-                return None, False
-            return number_of(name, "instance", values, GREATEST_INSTANCE), False
-    return number_of(name, "instance", values, GREATEST_INSTANCE), True
 
 
 def intensity_of(values: Array) -> NDArray[np.float32]:

@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import frame_from_columns, label_columns
+from pointbrush.formats.column_roles import label_columns
+from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.las_header import (
     COLORS,
     LasHeader,

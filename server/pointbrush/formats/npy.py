@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.columns import frame_from_columns, name_left_out
+from pointbrush.formats.column_roles import name_left_out
+from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import Extras, ReadOptions, require_count
 from pointbrush.formats.table import Table
 from pointbrush.formats.unnamed import plain_columns

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.class_maps import GREATEST_CLASS
-from pointbrush.formats.columns import number_of
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.exports.about import ROW
+from pointbrush.formats.label_values import number_of
 from pointbrush.formats.npy import require_array_header
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.columns import frame_from_columns, roles
+from pointbrush.formats.column_roles import roles
+from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.corrections import Corrections, meanings
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count

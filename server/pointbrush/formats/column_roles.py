@@ -1,0 +1,121 @@
+"""Roles of columns by their names, as programs call them.
+
+Names of PLY properties, PCD and LAS fields, CSV headers and structured NumPy arrays differ by
+program; one table here says which are understood.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from numpy.typing import NDArray
+
+from pointbrush.formats.corrections import LEFT_OUT, meanings
+from pointbrush.formats.options import ReadOptions
+
+Array = NDArray[Any]
+log = logging.getLogger(__name__)
+
+ROLES: dict[str, tuple[str, ...]] = {
+    "x": (
+        *("x", "px", "posx", "pos_x", "position_x", "point_x", "//x", "#x", "x_m", "easting"),
+        *("points_m_xyz:0", "points:0", "points_0", "x_coord", "coord_x", "x_coordinate"),
+    ),
+    "y": (
+        *("y", "py", "posy", "pos_y", "position_y", "point_y", "y_m", "northing"),
+        *("points_m_xyz:1", "points:1", "points_1", "y_coord", "coord_y", "y_coordinate"),
+    ),
+    "z": (
+        *("z", "pz", "posz", "pos_z", "position_z", "point_z", "z_m", "elevation", "height"),
+        *("points_m_xyz:2", "points:2", "points_2", "z_coord", "coord_z", "z_coordinate"),
+    ),
+    "red": ("red", "r", "diffuse_red", "scalar_red", "color_red", "rf", "colorred"),
+    "green": ("green", "g", "diffuse_green", "scalar_green", "color_green", "gf", "colorgreen"),
+    "blue": ("blue", "b", "diffuse_blue", "scalar_blue", "color_blue", "bf", "colorblue"),
+    "rgb": ("rgb", "rgba"),
+    "intensity": (
+        *("intensity", "scalar_intensity", "intensities", "reflectance", "scalar_reflectance"),
+        *("reflectivity", "remission", "scalar_scalar_intensity", "i"),
+    ),
+    "label": (
+        *("label", "scalar_label", "labels", "label_id", "semantic", "semantic_label"),
+        *("sem_label", "class_id", "scalar_scalar_label", "class", "scalar_class", "segment"),
+        *("scalar_segment", "semantic_class", "objtag", "obj_tag", "object_tag", "sem_class"),
+    ),
+    "instance": (
+        *("instance", "scalar_instance", "instance_id", "instance_label", "ins_label"),
+        *("object_id", "scalar_scalar_instance", "objidx", "obj_idx", "object_index"),
+        *("treeid", "tree_id"),
+    ),
+}
+LIKE_LABELS = re.compile(
+    r"label|class|segm|semantic|instance|category|annot|obj(ect)?_?(id|tag|idx)|^tag$", re.ASCII
+)
+"""Names of fields that look like labels."""
+
+
+def roles(names: Iterable[str]) -> dict[str, str]:
+    """Role → the name in the file that plays it; the earliest synonym in ROLES wins."""
+    by_lower: dict[str, str] = {}
+    for name in names:
+        by_lower.setdefault(name.strip().strip("\"'").lower(), name)
+    found: dict[str, str] = {}
+    for role, synonyms in ROLES.items():
+        for synonym in synonyms:
+            if synonym in by_lower:
+                found[role] = by_lower[synonym]
+                break
+    return found
+
+
+def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -> None:
+    """Say which fields look like labels and are not read as such."""
+    if "label" in found:
+        return
+    instance = columns.get(found.get("instance", "")) if isinstance(columns, Mapping) else None
+    if instance is not None and instance.any():
+        log.warning(
+            "%s: the instances of %s have no classes and make no labels; columns %s=label makes "
+            "each one a label", name, found["instance"], found["instance"],
+        )  # fmt: skip
+    used = set(found.values())
+    left = [
+        column
+        for column in columns
+        if column not in used
+        and LIKE_LABELS.search(column.strip().lower())
+        and (not isinstance(columns, Mapping) or columns[column].any())
+    ]
+    if left:
+        log.warning(
+            "%s: the fields %s are left out; columns %s=label reads one as labels",
+            name, ", ".join(left), left[0],
+        )  # fmt: skip
+
+
+def with_meanings(
+    name: str, columns: Mapping[str, Array], options: ReadOptions
+) -> Mapping[str, Array]:
+    """Columns by what a person says they are; those that are to be left out are not among them."""
+    if not options.chosen.columns:
+        return columns
+    meaning = meanings(list(columns), options.chosen.columns, name)
+    # What a column is said to be, no other one is.
+    said = {new for old, new in meaning.items() if new != old}
+    return {
+        meaning[old]: values
+        for old, values in columns.items()
+        if meaning[old] != LEFT_OUT and not (meaning[old] == old and old in said)
+    }
+
+
+def label_columns(name: str, columns: Mapping[str, Array], options: ReadOptions) -> set[str]:
+    """Names in the file of the columns that are read as labels and instances."""
+    chosen = options.chosen.columns
+    meaning = meanings(list(columns), chosen, name) if chosen else {each: each for each in columns}
+    found = roles(meaning.values())
+    wanted = {found.get("label"), found.get("instance")}
+    return {column for column, means in meaning.items() if means in wanted}
