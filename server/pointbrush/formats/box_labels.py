@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.kitti import camera_from_velodyne, read_calibration
+from pointbrush.formats.kitti_cameras import camera_from_velodyne, read_calibration
 from pointbrush.formats.options import read_bytes
 from pointbrush.formats.poses import rigid_of
 

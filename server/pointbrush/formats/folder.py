@@ -14,7 +14,7 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.bag_listing import list_bags
 from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
 from pointbrush.formats.feather import argoverse_poses
-from pointbrush.formats.kitti import kitti_pictures
+from pointbrush.formats.kitti_cameras import kitti_pictures
 from pointbrush.formats.listing import INNER, FrameFile, Listing
 from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
 from pointbrush.formats.options import Extras, ReadOptions

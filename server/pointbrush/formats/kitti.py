@@ -1,4 +1,4 @@
-"""Float records of KITTI (``.bin``, SemanticKITTI ``.label``) and XYZRGB, and KITTI's cameras.
+"""Float records of KITTI (``.bin``, SemanticKITTI ``.label``), nuScenes, radar and XYZRGB.
 
 A KITTI record is x y z reflectance as float32; an XYZRGB one is x y z r g b, colours 0..1 or
 0..255: a file where none exceeds 1 is taken as 0..1.
@@ -6,10 +6,7 @@ A KITTI record is x y z reflectance as float32; an XYZRGB one is x y z r g b, co
 
 from __future__ import annotations
 
-import logging
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,19 +15,10 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
-from pointbrush.formats.options import Limits, ReadOptions, read_bytes, require_count
+from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import labels_of_packed, own_palette
-from pointbrush.formats.pictures import Camera, PictureSource, of_files
-from pointbrush.formats.poses import rigid_of
 from pointbrush.frame import PointFrame
 
-log = logging.getLogger(__name__)
-Floats = NDArray[np.float64]
-MOUNTINGS = ("Tr_velo_cam", "Tr_velo_to_cam", "Tr")
-"""Names of the transform from the scanner to the first camera."""
-RECTIFICATIONS = ("R_rect", "R0_rect", "R_rect_00")
-SIZES = {12: (3, 4), 9: (3, 3)}
-PICTURES = (".png", ".jpg", ".jpeg")
 RECORD = 16
 WIDE = (5, 6, 7)
 """Floats of records with more than KITTI's four."""
@@ -219,107 +207,3 @@ def read_xyzrgb(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     """Read x y z red green blue; raises BadInputError for a size that is not whole records."""
     columns = _table_columns(path.name, read_bytes(path), XYZRGB_FIELDS, options)
     yield frame_from_columns(path.name, columns, options)
-
-
-def read_calibration(path: Path) -> dict[str, Floats]:
-    """The matrices of a calibration file, lines ``name: 9 or 12 numbers``; others are left out."""
-    found: dict[str, Floats] = {}
-    for line in path.read_text("utf-8", "replace").splitlines():
-        words = line.replace(":", " ").split()
-        if len(words) - 1 in SIZES:
-            try:
-                numbers = np.array([float(word) for word in words[1:]])
-            except ValueError:
-                continue
-            if np.isfinite(numbers).all():
-                found[words[0]] = numbers.reshape(SIZES[len(numbers)])
-    return found
-
-
-def camera_from_velodyne(matrices: Mapping[str, Floats]) -> Floats | None:
-    """``T_camera_velodyne`` (4, 4) of the first camera, rectified; None where it is not given."""
-    name = next((key for key in MOUNTINGS if key in matrices), None)
-    if name is None or matrices[name].shape != (3, 4):
-        return None
-    T_cam_velo, R_rect = np.eye(4), np.eye(4)
-    T_cam_velo[:3] = matrices[name]
-    for key in RECTIFICATIONS:
-        if key in matrices and matrices[key].shape == (3, 3):
-            R_rect[:3, :3] = matrices[key]
-            break
-    return np.asarray(R_rect @ T_cam_velo)
-
-
-def kitti_pictures(files: Sequence[Path], folder: Path, limits: Limits) -> PictureSource | None:
-    """The pictures beside KITTI's scans in ``folder``; None where there are none.
-
-    Knows the layouts of odometry (``calib.txt``, ``image_2``), object (``calib/000000.txt``),
-    tracking (``calib/0000.txt``, ``image_02/0000``) and raw recordings (``image_02/data``).
-    """
-    raw = folder.parent.name == "velodyne_points"
-    inner = folder.name if folder.parent.name == "velodyne" else ""
-    top = folder.parent.parent if raw or inner else folder.parent
-    places = {
-        place.name: place / ("data" if raw else inner)
-        for place in sorted(top.glob("image_*"))
-        if re.fullmatch(r"image_0?[0-9]", place.name)
-    }
-    if not places:
-        return None
-    calibrations = _calibrations(files, top, inner, raw=raw)
-    rows: list[dict[Camera, Path]] = [{} for _ in files]
-    cameras: dict[tuple[str, int], Camera] = {}
-    for name, place in places.items():
-        for index, (file, matrices) in enumerate(zip(files, calibrations, strict=True)):
-            found = next((p for e in PICTURES if (p := place / f"{file.stem}{e}").is_file()), None)
-            if found is not None:
-                key = (name, id(matrices))
-                cameras[key] = cameras.get(key) or _camera(name, matrices)
-                rows[index][cameras[key]] = found
-    named = {camera.name: camera for camera in reversed(cameras.values())}
-    if named and all(camera.T_camera_frame is None for camera in named.values()):
-        log.warning(
-            "%s: pictures of %d cameras are kept without their place: there is no 'Tr' of the "
-            "scanner in a calibration; points cannot be projected into them",
-            top.name, len(named),
-        )  # fmt: skip
-    return of_files(top, rows, [named[name] for name in sorted(named)], limits)
-
-
-def _calibrations(
-    files: Sequence[Path], top: Path, inner: str, *, raw: bool
-) -> list[Mapping[str, Floats]]:
-    """The matrices that hold for each scan; {} where there is no file of them."""
-    if raw:
-        path = top.parent / "calib_cam_to_cam.txt"
-        matrices = read_calibration(path) if path.is_file() else {}
-        mounting = rigid_of(top.parent / "calib_velo_to_cam.txt")
-        if mounting is not None:
-            matrices[MOUNTINGS[0]] = mounting[:3]
-        return [matrices] * len(files)
-    whole = [top / "calib.txt", top / "calib" / f"{inner}.txt"]
-    found = next((path for path in whole if path.is_file()), None)
-    if found is not None:
-        return [read_calibration(found)] * len(files)
-    each = [top / "calib" / f"{file.stem}.txt" for file in files]
-    return [read_calibration(path) if path.is_file() else {} for path in each]
-
-
-def _camera(name: str, matrices: Mapping[str, Floats]) -> Camera:
-    """The camera ``image_N`` by its projection P_N, whose last column is its place."""
-    number = int(name.removeprefix("image_"))
-    P = next(
-        (matrices[key] for key in (f"P{number}", f"P_rect_{number:02d}") if key in matrices), None
-    )
-    if P is None or P.shape != (3, 4):
-        return Camera(name)
-    K = P[:, :3]
-    if abs(np.linalg.det(K)) < 1e-9:
-        raise BadInputError(f"calibration: expected a projection P{number}, got a singular one")
-    T_cam_velo = camera_from_velodyne(matrices)
-    camera = Camera(name, K)
-    if T_cam_velo is None:
-        return camera
-    moved = np.eye(4)
-    moved[:3, 3] = np.linalg.solve(K, P[:, 3])
-    return replace(camera, T_camera_frame=moved @ T_cam_velo)
