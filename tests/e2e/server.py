@@ -46,13 +46,13 @@ def free_port() -> int:
         return port
 
 
-def serve(workspace: Path, port: int, log: Path) -> None:
+def serve(workspace: Path, port: int, log: Path, token: str) -> None:
     """Run the command as from a terminal of its own, with ``log`` for a screen."""
     os.setsid()
     with log.open("ab") as screen:
         for stream in (1, 2):
             os.dup2(screen.fileno(), stream)
-    os.environ["POINTBRUSH_TOKEN"] = TOKEN
+    os.environ["POINTBRUSH_TOKEN"] = token
     # Few of these tests track: a worker that is made ready costs as much as all else of a server.
     web_server.expect_tracking = lambda _: None
     sys.exit(main(["serve", "--workspace", str(workspace), "--port", str(port)]))
@@ -85,6 +85,7 @@ class LiveServer:
     def __init__(self, workspace: Path) -> None:
         self.workspace = workspace
         self.port = free_port()
+        self.token = TOKEN
         self.log = workspace.parent / f"{workspace.name}.log"
         self._process: BaseProcess | None = None
         self._client: httpx.Client | None = None
@@ -95,10 +96,11 @@ class LiveServer:
 
     @property
     def page_url(self) -> str:
-        return f"{self.url}/?token={TOKEN}"
+        return f"{self.url}/?token={self.token}"
 
     def start(self) -> None:
-        self._process = FORKSERVER.Process(target=serve, args=(self.workspace, self.port, self.log))
+        how = (self.workspace, self.port, self.log, self.token)
+        self._process = FORKSERVER.Process(target=serve, args=how)
         self._process.start()
         # One for all requests: its making reads the system's certificates.
         self._client = httpx.Client(base_url=self.url, timeout=20)
@@ -142,7 +144,7 @@ class LiveServer:
         self, method: str, path: str, extra: dict[str, str] | None = None, **options: Any
     ) -> httpx.Response:
         assert self._client is not None, "the server does not run"
-        headers = {"Authorization": f"Bearer {TOKEN}", **(extra or {})}
+        headers = {"Authorization": f"Bearer {self.token}", **(extra or {})}
         response = self._client.request(method, f"/api/v1/{path}", headers=headers, **options)
         response.raise_for_status()
         return response

@@ -54,3 +54,25 @@ def test_a_second_tab_of_one_browser_takes_back_the_strokes_of_the_first(
     tab.settled()
     assert painted(server, 0) == 0
     assert tab.complaints == []
+
+
+def test_undo_goes_on_after_a_restart_with_another_token(
+    desk: Desk, server: LiveServer, truth: Truth
+) -> None:
+    name_person(desk, server)
+    x, y, z = truth(0, PERSON)
+    desk.paint([[x, y, z], [x, y + 0.1, z]])
+    desk.settled()
+    assert painted(server, 0) > 0
+    desk.page.close()
+    server.stop()
+    server.token = "the token of another start"
+    server.start()
+
+    again = Desk(desk.context, server.page_url)
+    again.ready()
+    again.press("Control+z")
+    again.until("pb.labels()[1] === undefined")
+    again.settled()
+    assert painted(server, 0) == 0
+    assert again.complaints == []
