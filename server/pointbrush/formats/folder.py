@@ -12,15 +12,11 @@ import numpy as np
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.bag_listing import list_bags
+from pointbrush.formats.beside import find_tables, pictures_beside, poses_beside
 from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
-from pointbrush.formats.feather import argoverse_poses
-from pointbrush.formats.kitti_cameras import kitti_pictures
-from pointbrush.formats.listing import INNER, FrameFile, Listing
-from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
+from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
-from pointbrush.formats.pictures import FILE as CAMERAS_FILE
-from pointbrush.formats.pictures import PictureSource, read_cameras_file
-from pointbrush.formats.poses import Poses, find_poses, named_file, read_poses
+from pointbrush.formats.poses import named_file
 from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
@@ -196,11 +192,7 @@ def list_files(
 
     Raises BadInputError for several formats, or a timestamp file that does not fit.
     """
-    entries = [format_named(format) if format else format_of(path) for path in files]
-    names = sorted({entry.name for entry in entries})
-    if len(names) > 1:
-        raise BadInputError(f"path: expected files of one format, got {' and '.join(names)}")
-    entry = entries[0]
+    entry = _format_of(files, format)
     whole = len(files) > 1 or {path.name for path in _files(folder, options)} <= {
         files[0].name,
         *SIDECARS,
@@ -213,9 +205,9 @@ def list_files(
     order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
     if entry.bag is not None:
         return list_bags(entry, entry.bag, [files[i] for i in order], options)
-    tables = _tables(entry, folder) if whole else None
+    tables = find_tables(entry, folder) if whole else None
     told = whole or options.chosen.poses_file is not None
-    poses = _poses(entry, files, folder, times, options, tables) if told else None
+    poses = poses_beside(entry, files, folder, times, options, tables) if told else None
     frames = [
         FrameFile(
             partial(_empty if empty[i] else entry.read, files[i]),
@@ -227,7 +219,7 @@ def list_files(
         for i in order
     ]
     ordered = [files[i] for i in order]
-    pictures = _pictures(entry, ordered, folder, options, tables) if whole else None
+    pictures = pictures_beside(entry, ordered, folder, options, tables) if whole else None
     by_time = find_time_file(folder) if times else None
     said = by_time.name if by_time else "the times in the file names" if times else ""
     times = sorted(times) if times else None
@@ -246,69 +238,16 @@ def list_files(
     )
 
 
-def _tables(entry: Format, folder: Path) -> Tables | None:
-    """nuScenes' tables beside sweeps; damaged ones are told in a warning."""
-    try:
-        return read_tables(folder) if entry.name in ("nuscenes", "bin") else None
-    except BadInputError as error:
-        log.warning("%s: the tables are not used: %s", folder.name, error)
-        return None
-
-
-def _pictures(
-    entry: Format,
-    files: Sequence[Path],
-    folder: Path,
-    options: ReadOptions,
-    tables: Tables | None,
-) -> PictureSource | None:
-    """Pictures of cameras beside the frames; those of a layout that do not fit are told of."""
-    names = [path.name for path in files]
-    for place in (folder, folder.parent) if folder.name.lower() in INNER else (folder,):
-        if (place / CAMERAS_FILE).is_file():
-            return read_cameras_file(place / CAMERAS_FILE, names, options.limits)
-    try:
-        if entry.name in ("nuscenes", "bin") and folder.parent.name in ("samples", "sweeps"):
-            return nuscenes_pictures(tables, files, folder, options.limits)
-        if entry.name in ("kitti", "bin"):
-            return kitti_pictures(files, folder, options.limits)
-    except BadInputError as error:
-        log.warning("%s: the pictures are not used: %s", folder.name, error)
-    return None
+def _format_of(files: Sequence[Path], format: str | None) -> Format:
+    """The format that is named, else the one of all files; raises BadInputError for several."""
+    entries = [format_named(format) if format else format_of(path) for path in files]
+    names = sorted({entry.name for entry in entries})
+    if len(names) > 1:
+        raise BadInputError(f"path: expected files of one format, got {' and '.join(names)}")
+    return entries[0]
 
 
 def _empty(path: Path, options: ReadOptions) -> Iterator[PointFrame]:  # noqa: ARG001 – a reader
     """A frame of no points."""
     known = options.known
     yield PointFrame(np.empty((0, 3), np.float32), pose=known.pose, timestamp=known.timestamp)
-
-
-def _poses(
-    entry: Format,
-    files: Sequence[Path],
-    folder: Path,
-    times: list[float] | None,
-    options: ReadOptions,
-    tables: Tables | None,
-) -> Poses | None:
-    """Poses beside the frames, or those that a person names; those of a KITTI layout and named
-    ones must fit, others are told in a warning if not."""
-    if options.chosen.poses == "none":
-        return None
-    names = [path.name for path in files]
-    named = named_file(options)
-    if named is not None:
-        return read_poses(named, names, times)
-    kitti = entry.name in ("kitti", "bin")
-    try:
-        if entry.name == "feather":
-            return argoverse_poses(folder.parent.parent, names, options.limits)
-        told = nuscenes_poses(tables, files)
-        if told is not None:
-            return told
-        return find_poses(folder, names, times, above=kitti)
-    except BadInputError as error:
-        if kitti:
-            raise
-        log.warning("%s: the poses are not used: %s", folder.name, error)
-        return None

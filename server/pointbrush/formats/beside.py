@@ -1,0 +1,82 @@
+"""Poses and pictures that lie beside the frames of a folder."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from pathlib import Path
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.feather import argoverse_poses
+from pointbrush.formats.kitti_cameras import kitti_pictures
+from pointbrush.formats.listing import INNER
+from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
+from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.pictures import FILE as CAMERAS_FILE
+from pointbrush.formats.pictures import PictureSource, read_cameras_file
+from pointbrush.formats.poses import Poses, find_poses, named_file, read_poses
+from pointbrush.formats.registry import Format
+
+log = logging.getLogger(__name__)
+
+
+def find_tables(entry: Format, folder: Path) -> Tables | None:
+    """nuScenes' tables beside sweeps; damaged ones are told in a warning."""
+    try:
+        return read_tables(folder) if entry.name in ("nuscenes", "bin") else None
+    except BadInputError as error:
+        log.warning("%s: the tables are not used: %s", folder.name, error)
+        return None
+
+
+def pictures_beside(
+    entry: Format,
+    files: Sequence[Path],
+    folder: Path,
+    options: ReadOptions,
+    tables: Tables | None,
+) -> PictureSource | None:
+    """Pictures of cameras beside the frames; those of a layout that do not fit are told of."""
+    names = [path.name for path in files]
+    for place in (folder, folder.parent) if folder.name.lower() in INNER else (folder,):
+        if (place / CAMERAS_FILE).is_file():
+            return read_cameras_file(place / CAMERAS_FILE, names, options.limits)
+    try:
+        if entry.name in ("nuscenes", "bin") and folder.parent.name in ("samples", "sweeps"):
+            return nuscenes_pictures(tables, files, folder, options.limits)
+        if entry.name in ("kitti", "bin"):
+            return kitti_pictures(files, folder, options.limits)
+    except BadInputError as error:
+        log.warning("%s: the pictures are not used: %s", folder.name, error)
+    return None
+
+
+def poses_beside(
+    entry: Format,
+    files: Sequence[Path],
+    folder: Path,
+    times: list[float] | None,
+    options: ReadOptions,
+    tables: Tables | None,
+) -> Poses | None:
+    """Poses beside the frames, or those that a person names; those of a KITTI layout and named
+    ones must fit, others are told in a warning if not."""
+    if options.chosen.poses == "none":
+        return None
+    names = [path.name for path in files]
+    named = named_file(options)
+    if named is not None:
+        return read_poses(named, names, times)
+    kitti = entry.name in ("kitti", "bin")
+    try:
+        if entry.name == "feather":
+            return argoverse_poses(folder.parent.parent, names, options.limits)
+        told = nuscenes_poses(tables, files)
+        if told is not None:
+            return told
+        return find_poses(folder, names, times, above=kitti)
+    except BadInputError as error:
+        if kitti:
+            raise
+        log.warning("%s: the poses are not used: %s", folder.name, error)
+        return None
