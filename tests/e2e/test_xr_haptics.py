@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.e2e.headset import HAPTICS, PAINTING, TICK, Wear
-from tests.e2e.recording import PERSON, Truth, painted
+from tests.e2e.recording import PERSON, PIN, Truth, painted
 from tests.e2e.server import LiveServer
 
 
@@ -14,6 +14,10 @@ def test_frames_and_strokes_whatever_pulses_a_browser_has(
     put_on: Wear, server: LiveServer, truth: Truth, browser_name: str
 ) -> None:
     headset = put_on(haptics=browser_name)
+    headset.ask(
+        "(window.sounds = 0, window.OscillatorNode = class extends window.OscillatorNode {"
+        " constructor(...all) { super(...all); window.sounds += 1; } }, null)"
+    )
     headset.flick(1, 0)
     headset.until("pb.state.frame.value === 1 && pb.shown().frame === 1")
     headset.flick(-1, 0)
@@ -25,6 +29,27 @@ def test_frames_and_strokes_whatever_pulses_a_browser_has(
     if browser_name == "Chromium":
         assert lengths.count(TICK) >= 2
         assert PAINTING in lengths
+        assert headset.ask("window.sounds") == 0
+    else:
+        # What cannot be felt is heard, unless that is not wished, and the brush glows.
+        headset.until("window.sounds >= 2")
+        glows = "hs.headset.cockpit.painter.look.sphere.material.opacity > 1"
+        headset.paint([truth(0, PIN)], release=False)
+        headset.until(glows)
+        headset.trigger(0)
+        headset.settled()
+    headset.click("palette", "Comfort")
+    headset.click("palette", "Sound where nothing is felt")
+    before = headset.ask("window.sounds")
+    headset.flick(1, 0)
+    headset.until(f"window.sounds > {before}")
+    headset.click("palette", "Sound with each pulse")
+    headset.until("hs.areas('palette').some((area) => area.name === 'No sound')")
+    before = headset.ask("window.sounds")
+    headset.flick(-1, 0)
+    headset.until("pb.state.frame.value === 0")
+    headset.frames()
+    assert headset.ask("window.sounds") == before
     assert headset.ask("pb.state.notices.value.filter((n) => n.kind === 'error').length") == 0
 
 

@@ -258,8 +258,12 @@ def test_a_held_wand_with_joints_keeps_its_pad_and_alone_switches_labels_on_it(
     active = "pb.state.activeLabel.value"
     first = headset.ask(active)
     radius = headset.ask("pb.state.brush.value.radius")
+    headset.pulses()
     press_pad(headset, 0, 0.8)
     headset.until(f"{active} !== {first}")
+    # The change is shown at the brush, and felt.
+    headset.until("hs.headset.cockpit.tipSign.sign.text === 'other'")
+    assert "right" in {pulse["hand"] for pulse in headset.pulses()}
     press_pad(headset, 0, -0.8)
     headset.until(f"{active} === {first}")
     press_pad(headset, 0.8, 0)

@@ -20,9 +20,26 @@ describe('depth in the headset', () => {
   it('begins at most 5 cm from the eyes, and ends behind the recording, however large', () => {
     const camera = new PerspectiveCamera();
     for (const size of [0.3, 10, 250, 566, 5000]) {
-      setPlanes(camera, size);
+      setPlanes(camera, size, false);
       expect(camera.near).toBeLessThanOrEqual(0.05);
       expect(camera.far).toBeGreaterThan(2 * size);
+    }
+  });
+
+  it('is told to the session by swapped planes where it is reversed', () => {
+    const camera = new PerspectiveCamera();
+    setPlanes(camera, STREET, true);
+    expect([camera.near, camera.far]).toEqual([farFor(STREET), NEAR]);
+  });
+
+  it('is the same from a session that took the swapped planes', () => {
+    const told = new PerspectiveCamera(90, 1);
+    setPlanes(told, STREET, true);
+    told.updateProjectionMatrix();
+    const untold = eye();
+    for (const { projectionMatrix } of [told, untold]) reverseDepth(projectionMatrix);
+    for (const away of [NEAR, 1, 30, 400, farFor(STREET)]) {
+      expect(depth(told, away)).toBeCloseTo(depth(untold, away), 6);
     }
   });
 

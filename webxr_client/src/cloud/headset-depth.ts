@@ -17,11 +17,15 @@ export function farFor(size: number): number {
   return 2 ** Math.ceil(Math.log2(Math.max(LEAST_FAR, FAR_SIZES * size)));
 }
 
-/** Turn a projection's depth from −1 (near) … 1 (far) to 1 (near) … 0 (far). */
+/**
+ * Turn a projection's depth from −1 … 1 to 1 (near) … 0 (far).  A session that was told of reversed
+ * depth has 1 at the near plane already; the first picture's, or that of a browser without it, −1.
+ */
 export function reverseDepth({ elements }: Matrix4): void {
+  const sign = elements[10] > 0 ? 1 : -1;
   for (let column = 0; column < 4; column++) {
     const w = elements[4 * column + 3]!;
-    elements[4 * column + 2] = (w - elements[4 * column + 2]!) / 2;
+    elements[4 * column + 2] = (w + sign * elements[4 * column + 2]!) / 2;
   }
 }
 
@@ -35,10 +39,14 @@ export function setReversed(renderer: WebGLRenderer, on: boolean): void {
   renderer.state.buffers.depth.setReversed(on);
 }
 
-/** Bring the planes to a headset's camera; three.js asks the session for them. */
-export function setPlanes(camera: PerspectiveCamera, size: number): void {
-  camera.near = NEAR;
-  camera.far = farFor(size);
+/**
+ * Bring the planes to a headset's camera, which three.js tells the session.  Reversed depth is told by
+ * a `depthNear` beyond `depthFar` (WebXR: `XRRenderState`), so that the compositor reads it rightly.
+ */
+export function setPlanes(camera: PerspectiveCamera, size: number, reversed: boolean): void {
+  const far = farFor(size);
+  camera.near = reversed ? far : NEAR;
+  camera.far = reversed ? NEAR : far;
 }
 
 const marked = new WeakSet<Camera>();

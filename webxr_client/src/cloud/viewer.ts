@@ -313,7 +313,7 @@ export class Viewer {
   private drawHeadset(): void {
     const eyes = this.renderer.xr.getCamera().cameras;
     this.uniforms.setViewport(eyes[0].viewport.w);
-    setPlanes(this.camera, this.extent * this.world.scale.x);
+    setPlanes(this.camera, this.extent * this.world.scale.x, this.reversible);
     setReversed(this.renderer, this.reversible);
     if (this.reversible) reverseEyes(eyes);
     this.eyeDome.quad.visible = false;

@@ -19,6 +19,12 @@ const FAR = 30;
 const PICK_LENGTH = 4;
 const POINTER_SIZE = 0.006;
 const OPACITY = 0.28;
+/**
+ * Times brighter the sphere is while it glows, and for how long, milliseconds: cues that follow each
+ * other keep it alight instead of letting it flicker.
+ */
+const GLOW = 2.4;
+const GLOW_MS = 300;
 
 export class BrushLook {
   readonly sphere: Mesh<SphereGeometry, MeshBasicMaterial>;
@@ -31,6 +37,7 @@ export class BrushLook {
   private readonly color = new Color();
   private shownColor = '';
   private last = 0;
+  private glowsUntil = 0;
   private readonly seen: Seen;
 
   constructor(
@@ -61,6 +68,7 @@ export class BrushLook {
     const far = floor || way.far;
     this.sphere.visible = brushes && !far;
     this.sphere.position.copy(tip);
+    this.sphere.material.opacity = now < this.glowsUntil ? GLOW : 1;
     const { scale } = this.sphere;
     scale.x = scale.y = scale.z = drawn ? POINTER_SIZE : radius[0]! * this.place.scale;
     if (!brushes || drawn) {
@@ -76,6 +84,11 @@ export class BrushLook {
       uniforms.lightBall(this.place.toLocal(tip, this.scratch), radius[0]!);
     }
     return this.newColor();
+  }
+
+  /** Glow for a moment: something happened that no hand can feel. */
+  glow(): void {
+    this.glowsUntil = performance.now() + GLOW_MS;
   }
 
   /** Nothing points. */

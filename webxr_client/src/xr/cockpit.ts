@@ -6,12 +6,12 @@ import { actions } from '../actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../listeners';
 import { follow, peek } from '../watch';
-import { notify, state } from '../state';
+import { state } from '../state';
 import { roomWay } from '../tools/ways';
 import { Buttons, LabelSwitch } from './buttons';
-import { Feelings, type Pulse as Haptic } from './haptics';
+import { Cues } from './cues';
+import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './haptics';
 import { Hud } from './hud';
-import { ObjectSign } from './object-sign';
 import { Locomotion } from './locomotion';
 import { Painter } from './painter';
 import { Place } from './place';
@@ -24,11 +24,17 @@ import { Rig } from './rig';
 import { RoomPanels } from './room-panels';
 import { xrSettings } from './settings';
 import { standBefore } from './standing';
+import { RoomScale } from './room-scale';
+import { TipSign } from './tip-sign';
 import { Lessons } from './lessons';
-import { placeModel, resetWorld, scaleAbout, WorldGrab } from './world';
+import { resetWorld, WorldGrab } from './world';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;
+/** Two pinches that begin within this, milliseconds, are one gesture. */
+const TOGETHER_MS = 250;
+/** A press was the system's gesture when the system answers it within this, milliseconds. */
+const SYSTEM_MS = 600;
 
 export class Cockpit {
   readonly rig = new Rig();
@@ -44,7 +50,9 @@ export class Cockpit {
   private readonly buttons: Buttons;
   private readonly labelSwitch = new LabelSwitch();
   private readonly hud = new Hud();
-  private readonly objectSign = new ObjectSign();
+  private readonly cues = new Cues(this.rig);
+  private readonly tipSign: TipSign;
+  private readonly scale: RoomScale;
   private readonly presence: Presence;
   private readonly feelings: Feelings;
   private readonly pulse: Pulse;
@@ -59,7 +67,7 @@ export class Cockpit {
 
   constructor(
     private readonly engine: Engine,
-    session: XRSession,
+    private readonly session: XRSession,
     private readonly poses: Poses,
     /** Whether the headset knows where the floor is. */
     private readonly floor: boolean,
@@ -67,19 +75,26 @@ export class Cockpit {
   ) {
     const { viewer } = engine;
     this.place = new Place(viewer);
-    const feel = (strength: number, ms: number): void => this.brush?.pulse(strength, ms);
+    const feel = (strength: number, ms: number): void =>
+      this.cues.give(this.brush, this.painter, strength, ms);
     this.painter = new Painter(engine, this.place, feel);
     this.pointers = new Pointers(session, poses, this.rig, viewer.scene, this.lessons, {
       brushGone: () => this.painter.finish(),
       say: (text) => this.hud.say(text),
     });
+    this.scale = new RoomScale(viewer, this.rig, (settles) => {
+      this.interrupt();
+      if (settles) this.settle(peek(xrSettings).seated);
+      else this.panels.settle();
+    });
     this.panels = new RoomPanels(this.rig, session, viewer.world, {
-      scaleTo: (scale) => this.scaleTo(scale),
-      reset: () => this.reset(),
+      scaleTo: (scale) => this.scale.to(scale),
+      reset: () => this.scale.reset(),
       recentre: () => this.stand(),
       go: () => this.locomotion.ask(),
     });
     const feelPulse = ({ strength, milliseconds }: Haptic): void => feel(strength, milliseconds);
+    this.tipSign = new TipSign(() => feelPulse(LEVEL_TICK));
     this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline(), feelPulse);
     this.presence = new Presence(engine.link, viewer.afterwards);
     this.feelings = new Feelings(feelPulse);
@@ -97,7 +112,7 @@ export class Cockpit {
     const { viewer } = this.engine;
     const { group } = this.rig;
     viewer.scene.add(group);
-    group.add(viewer.camera, this.hud.group, this.objectSign.group);
+    group.add(viewer.camera, this.hud.group, this.tipSign.group);
     this.panels.addTo(group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
@@ -133,6 +148,10 @@ export class Cockpit {
         open = value?.id ?? open;
       }),
     );
+    const { session } = this;
+    const seen = (): void => this.visible(session.visibilityState);
+    session.addEventListener('visibilitychange', seen);
+    undo.push(() => session.removeEventListener('visibilitychange', seen));
     let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {
@@ -144,6 +163,16 @@ export class Cockpit {
         this.pointers.assign();
       }),
     );
+  }
+
+  /**
+   * The system came in between, or went.  A press that it answers at once was its own gesture and paints
+   * nothing; what nobody sees does not play on.
+   */
+  private visible(visibility: XRVisibilityState): void {
+    if (visibility === 'visible') return;
+    this.painter.withdraw(performance.now(), SYSTEM_MS);
+    if (visibility === 'hidden' && peek(state.playing)) actions.togglePlay();
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────
@@ -182,8 +211,8 @@ export class Cockpit {
     for (const panel of this.panels.all) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
     parts.add(() => pointers.teach(seconds, this.painter.painting));
-    parts.add(() =>
-      this.objectSign.update(this.rig, this.painter.tip, this.brush?.tracked === true),
+    parts.add((now) =>
+      this.tipSign.update(this.rig, this.painter.tip, this.brush?.tracked === true, now),
     );
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
@@ -219,7 +248,7 @@ export class Cockpit {
     const { brush, other } = this.pointers;
     const { world } = this.engine.viewer;
     const was = this.grab.active;
-    if (other?.hasGrip === false && other.edge.click === 1) this.painter.withdraw(now);
+    if (other?.hasGrip === false && other.edge.click === 1) this.painter.withdraw(now, TOGETHER_MS);
     // Both triggers make a box between the hands.
     const busy = this.painter.painting || roomWay().name === 'box';
     const grown = this.grab.update(
@@ -234,7 +263,8 @@ export class Cockpit {
 
   private go(): void {
     const { brush, other } = this.pointers;
-    this.locomotion.update(other, brush, this.pointing(brush), this.seconds);
+    const { locomotion, grab, seconds } = this;
+    locomotion.update(other, brush, this.pointing(brush), grab.active, seconds);
   }
 
   /** Whether a pointer is on a panel. */
@@ -263,42 +293,19 @@ export class Cockpit {
     this.presence.update(now, rig, pointers, painter.tip, this.engine.viewer.world);
   }
 
-  // ── the world ──────────────────────────────────────────────────────────────────────────────
-
-  private scaleTo(scale: number): void {
-    this.interrupt();
-    const { viewer } = this.engine;
-    const { world } = viewer;
-    const { head, ahead } = this.rig;
-    const info = peek(state.sequence);
-    const grown = scale / world.scale.x;
-    if (scale < 1 && info) placeModel(world, scale, viewer.bounds(info), head, ahead);
-    else scaleAbout(world, scale, head.clone().addScaledVector(ahead, 0.6).setY(0));
-    this.panels.settle();
-    actions.setRadius(peek(state.brush).radius / grown);
-  }
-
-  /** 1:1 on the floor, before the middle, facing it. */
-  reset(): void {
-    const { world } = this.engine.viewer;
-    actions.setRadius(peek(state.brush).radius * world.scale.x);
-    resetWorld(world);
-    this.stand();
-    notify('info', 'Back at true scale', 'The recording stands on the floor, and you before it.');
-  }
-
   dispose(): void {
     const { viewer } = this.engine;
     for (const run of this.undo) run();
     this.presence.gone();
     this.painter.dispose();
     this.feelings.dispose();
+    this.cues.dispose();
     this.pulse.dispose();
     this.locomotion.dispose();
     this.pointers.dispose();
     this.panels.dispose();
     this.hud.dispose();
-    this.objectSign.dispose();
+    this.tipSign.dispose();
     viewer.camera.removeFromParent();
     this.rig.group.removeFromParent();
     resetWorld(viewer.world);

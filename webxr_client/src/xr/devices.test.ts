@@ -3,6 +3,7 @@ import { deviceFor } from './devices';
 import { controller } from './kinds';
 import { Pointer } from './pointer';
 import { Poses } from './poses';
+import { Rig } from './rig';
 
 /** Profiles as browsers list them: the controller's own, then what it falls back to. */
 const CONTROLLERS: readonly (readonly [string, readonly string[], number, string])[] = [
@@ -18,6 +19,9 @@ const CONTROLLERS: readonly (readonly [string, readonly string[], number, string
   ['an unknown pad', ['acme'], 2, 'vive'],
 ];
 
+/** Of somebody who looks ahead. */
+const EYES = new Rig();
+
 const NAMES = ['trigger', 'squeeze', 'touchpad', 'stick', 'a', 'b'] as const;
 type Pressed = Partial<Record<(typeof NAMES)[number], number>>;
 
@@ -32,10 +36,10 @@ function holding(profiles: readonly string[], pressed: Pressed, axes: number[]):
   const frame = { getPose: () => ({ transform: { matrix } }) } as unknown as XRFrame;
   const rig = pointer.grip.matrix.clone();
   poses.read(frame, {} as unknown as XRReferenceSpace);
-  pointer.update(poses, rig);
+  pointer.update(poses, rig, EYES);
   gamepad.axes = axes;
   NAMES.forEach((name, i) => (buttons[i]!.value = pressed[name] ?? 0));
-  pointer.update(poses, rig);
+  pointer.update(poses, rig, EYES);
   return pointer;
 }
 

@@ -63,7 +63,19 @@ describe('a pulse on the gamepads that browsers give', () => {
     ['a hand without a gamepad', null],
     ['an input without one', undefined],
   ])('is nothing for %s', (_, gamepad) => {
-    expect(() => pulse(gamepad, 1, 25)).not.toThrow();
+    expect(pulse(gamepad, 1, 25)).toBe(false);
+  });
+
+  it('is told to be none once an actuator has refused, until it gives one again', async () => {
+    const refused = new DOMException('not visible', 'InvalidStateError');
+    const act = vi.fn(() => Promise.reject<boolean>(refused));
+    const gamepad = { hapticActuators: [{ pulse: act }] };
+    expect(pulse(gamepad, 1, 25)).toBe(true);
+    await new Promise((resolve) => setTimeout(resolve));
+    act.mockImplementation(resolves);
+    expect(pulse(gamepad, 1, 25)).toBe(false);
+    await new Promise((resolve) => setTimeout(resolve));
+    expect(pulse(gamepad, 1, 25)).toBe(true);
   });
 
   it('costs nothing where the actuator throws or refuses', async () => {

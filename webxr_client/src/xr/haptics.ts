@@ -101,28 +101,34 @@ interface Vibrating {
 /** The effect that every vibrating gamepad of the specification knows. */
 const RUMBLE = 'dual-rumble';
 
-/** Let a gamepad pulse, strength 0..1; without an actuator, or with one that fails, nothing happens. */
-export function pulse(gamepad: unknown, strength: number, milliseconds: number): void {
+/** Gamepads whose actuator refused last; it may be able to another time, as when the page is seen again. */
+const refusing = new WeakSet<object>();
+
+/** Let a gamepad pulse, strength 0..1; false where nothing can be felt, so far as is known. */
+export function pulse(gamepad: unknown, strength: number, milliseconds: number): boolean {
+  if (typeof gamepad !== 'object' || gamepad === null) return false;
   try {
-    const answer = start(gamepad as Vibrating | null | undefined, strength, milliseconds);
-    if (answer instanceof Promise) answer.catch(ignore);
+    const answer = start(gamepad, strength, milliseconds);
+    if (answer instanceof Promise) {
+      answer.then(
+        () => refusing.delete(gamepad),
+        () => refusing.add(gamepad),
+      );
+    }
+    return answer !== undefined && !refusing.has(gamepad);
   } catch {
-    // An actuator that cannot pulse (any more) has nothing to tell.
+    return false;
   }
 }
 
-function start(gamepad: Vibrating | null | undefined, strength: number, duration: number): unknown {
-  const actuator = gamepad?.hapticActuators?.[0] ?? gamepad?.vibrationActuator;
+function start(gamepad: Vibrating, strength: number, duration: number): unknown {
+  const actuator = gamepad.hapticActuators?.[0] ?? gamepad.vibrationActuator;
   const power = Math.min(1, Math.max(0, strength));
-  if (actuator?.pulse) return actuator.pulse(power, duration);
+  if (actuator?.pulse) return actuator.pulse(power, duration) ?? true;
   if (!actuator?.playEffect) return undefined;
   const effect = actuator.effects?.includes(RUMBLE) === false ? actuator.effects[0] : RUMBLE;
   if (effect === undefined) return undefined;
   const triggers = { leftTrigger: power, rightTrigger: power };
   const parameters = { startDelay: 0, duration, strongMagnitude: power, weakMagnitude: power };
-  return actuator.playEffect(effect, { ...parameters, ...triggers });
-}
-
-function ignore(): void {
-  return;
+  return actuator.playEffect(effect, { ...parameters, ...triggers }) ?? true;
 }

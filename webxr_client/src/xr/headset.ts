@@ -6,13 +6,19 @@ import { follow, peek } from '../watch';
 import { isStroke, notify, patch, state } from '../state';
 import { Cockpit } from './cockpit';
 import { Poses } from './poses';
+import { RefreshRate } from './refresh';
 import { xrSettings } from './settings';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 
-const WANTED: XRSessionInit = {
-  optionalFeatures: ['local-floor', 'bounded-floor', 'hand-tracking', 'layers'],
-};
+const FEATURES = ['local-floor', 'bounded-floor', 'layers'] as const;
+
+/** What is asked of a session: browsers may ask the person about hands, so only where they are wanted. */
+function wanted(): XRSessionInit {
+  const { hands } = peek(xrSettings);
+  return { optionalFeatures: hands ? [...FEATURES, 'hand-tracking'] : [...FEATURES] };
+}
+
 /** More pictures a second than this are not worth points. */
 const BEST_RATE = 90;
 const DEFAULT_RATE = 72;
@@ -80,7 +86,7 @@ export class Headset {
     if (!xr.offerSession || this.offered || !supported || session === 'starting') return;
     const mode = enters === 'AR' ? 'immersive-ar' : 'immersive-vr';
     this.offered = true;
-    const taken = await xr.offerSession(mode, WANTED).catch(() => null);
+    const taken = await xr.offerSession(mode, wanted()).catch(() => null);
     this.offered = false;
     // Entered by the button, the browser takes its offer back.
     if (!taken) return;
@@ -93,7 +99,7 @@ export class Headset {
     if (!xr || state.xr.peek().session === 'running' || state.xr.peek().session === 'starting')
       return;
     patch(state.xr, { session: 'starting', detail: '' });
-    await this.attempt(async () => this.begin(await xr.requestSession(mode, WANTED), mode));
+    await this.attempt(async () => this.begin(await xr.requestSession(mode, wanted()), mode));
   }
 
   private async attempt(begin: () => Promise<void>): Promise<void> {
@@ -129,10 +135,11 @@ export class Headset {
     xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
     xr.setFramebufferScaleFactor(peek(xrSettings).sharpness);
     await xr.setSession(session);
-    pacing.show(1000 / (await chooseRate(session)));
-    session.addEventListener('frameratechange', () => {
-      pacing.show(1000 / (session.frameRate ?? DEFAULT_RATE));
-    });
+    pacing.show(1000 / (session.frameRate ?? DEFAULT_RATE));
+    session.addEventListener('frameratechange', () => this.paceBy(session, DEFAULT_RATE));
+    void chooseRate(session).then((rate) => this.paceBy(session, rate));
+    const stopMeasuring = this.measureRate(session);
+    session.addEventListener('end', stopMeasuring, { once: true });
     viewer.backdrop.showSky(mode === 'immersive-vr');
     const poses = new Poses(await session.requestReferenceSpace('viewer'));
     // It may have ended while it began.
@@ -142,6 +149,23 @@ export class Headset {
     // At the desk one may have been looking about; here one walks.
     if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
     patch(state.xr, { session: 'running', detail: '' });
+  }
+
+  /** Let pictures be in time for the session's rate, or for `otherwise` where it tells none. */
+  private paceBy(session: XRSession, otherwise: number): void {
+    if (this.session === session) this.engine.pacing.show(1000 / (session.frameRate ?? otherwise));
+  }
+
+  /** Where the browser tells no rate, the pictures' own times do; returns what ends that. */
+  private measureRate(session: XRSession): () => void {
+    if (session.frameRate) return () => undefined;
+    const refresh = new RefreshRate();
+    const stop = this.engine.viewer.ticks.add((now) => {
+      if (!refresh.note(now)) return;
+      stop();
+      this.paceBy(session, refresh.rate);
+    });
+    return stop;
   }
 
   /** Draw the edges as coarse as is wished; the budget of points begins anew with each change. */
@@ -197,7 +221,7 @@ async function hasFloor(session: XRSession): Promise<boolean> {
   }
 }
 
-/** Take the best frame rate that is worth it; returns what there is. */
+/** Ask for the best frame rate that is worth it; some browsers never answer. Returns what there is. */
 async function chooseRate(session: XRSession): Promise<number> {
   const rates = session.supportedFrameRates;
   if (!rates) return session.frameRate ?? DEFAULT_RATE;

@@ -29,6 +29,8 @@ export interface Kind {
   readonly holds: boolean;
   /** Its ray begins where one sees something, and is drawn. */
   readonly drawn: boolean;
+  /** A pinch with the palm turned to the eyes is the system's. */
+  readonly systemPinch: boolean;
   /** It comes and goes by itself, which nobody must be told. */
   readonly fleeting: boolean;
   /** Places of its buttons and pads. */
@@ -49,6 +51,7 @@ export const SELECTS = {
   reach: 'far',
   holds: false,
   drawn: false,
+  systemPinch: false,
   fleeting: true,
   device: () => deviceFor(['generic-button'], 0, false),
   press: (_gamepad, _device, selecting) => (selecting ? 1 : 0),

@@ -26,6 +26,7 @@ export const controller: Kind = {
   momentary: false,
   holds: true,
   drawn: true,
+  systemPinch: false,
   fleeting: false,
   device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, false),
   // Without the button that selects, only the events tell.
@@ -45,6 +46,7 @@ const hand: Kind = {
   momentary: false,
   holds: true,
   drawn: true,
+  systemPinch: true,
   fleeting: true,
   device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, true),
   press: (gamepad, device, selecting) =>

@@ -113,9 +113,15 @@ export class Locomotion {
 
   /**
    * The hand that does not paint: lean forward to aim, let go to be there; sideways to turn.  `brush`
-   * aims when that was asked for, unless it is `busy` with a panel.
+   * aims when that was asked for, unless it is `busy` with a panel.  `dragged`: the room moves in a hand.
    */
-  update(hand: Pointer | null, brush: Pointer | null, busy: boolean, seconds: Float64Array): void {
+  update(
+    hand: Pointer | null,
+    brush: Pointer | null,
+    busy: boolean,
+    dragged: boolean,
+    seconds: Float64Array,
+  ): void {
     const { move, snap } = peek(xrSettings);
     const x = hand ? hand.pad.x : 0;
     const y = hand ? hand.pad.y : 0;
@@ -125,7 +131,7 @@ export class Locomotion {
     if (hand && gliding) this.glide(hand, y * seconds[0]!);
     else this.teleport(hand, smooth ? 0 : y);
     if (this.asked && !this.aiming) this.pressToGo(busy ? null : brush);
-    this.shade(gliding || turning, seconds);
+    this.shade(gliding || turning || dragged, seconds);
   }
 
   /** In steps of `snap` degrees, or evenly when it is 0; true while it goes on. */
@@ -204,7 +210,7 @@ export class Locomotion {
     this.ring.position.copy(this.target).setY(0.01);
   }
 
-  /** Narrow the view while it moves by itself. */
+  /** Narrow the view while it moves otherwise than by the head. */
   private shade(moving: boolean, seconds: Float64Array): void {
     const goal = moving && peek(xrSettings).vignette ? 1 : 0;
     this.strength += (goal - this.strength) * Math.min(1, seconds[0]! * 8);

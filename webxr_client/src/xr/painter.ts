@@ -22,8 +22,6 @@ import type { Level } from './pressure';
 const SAMPLE_STEP = 0.15;
 const RAY_EVERY_MS = 16;
 const PICK_RADIUS = 0.03;
-/** Two pinches that begin within this are one gesture. */
-const TOGETHER_MS = 250;
 /** A far pointer looks for the surface so often, and finds points that are so near to its ray. */
 const DEPTH_EVERY_MS = 60;
 const DEPTH_RADIUS = 0.03;
@@ -101,6 +99,11 @@ export class Painter {
 
   get painting(): boolean {
     return this.level > 0;
+  }
+
+  /** Let the brush glow for a moment. */
+  glow(): void {
+    this.look.glow();
   }
 
   /** Metres of ray to show, or −1. */
@@ -195,10 +198,13 @@ export class Painter {
     hand?.disarm();
   }
 
-  /** The stroke is given up if it began just now: its press was half of a gesture of two hands. */
-  withdraw(now: number): void {
-    if (!this.stroke || now - this.pressedAt > TOGETHER_MS) return;
-    this.stroke.cancel();
+  /**
+   * The stroke is given up if it began within so many milliseconds: its press was half of a gesture of
+   * two hands, or the system's.
+   */
+  withdraw(now: number, milliseconds: number): void {
+    if (!this.painting || now - this.pressedAt > milliseconds) return;
+    this.stroke?.cancel();
     this.stroke = null;
     this.finish();
     this.free = false;

@@ -4,6 +4,7 @@ import { pulse } from './haptics';
 import { chords, type Device, type PadPlace } from './devices';
 import { buttonValue, type Kind, type Reach } from './kind';
 import { Repeat, Switch, takeChord, Thumb, type Chord, type Pad } from './pad';
+import { pinchesForSystem, type Eyes } from './palm';
 import type { Poses } from './poses';
 import { Pressure } from './pressure';
 import type { Present } from './roles';
@@ -44,6 +45,9 @@ export class Pointer implements Present {
   readonly depth = Float64Array.of(DEPTH);
   /** Depth of its press, 0..1; 0 until it is armed. */
   trigger = 0;
+  /** It is pressed, armed or not. */
+  pinching = false;
+  private palmTurned = false;
   /** It is pressed where the headset only guesses that it is; what points from the eyes never is. */
   guessed = false;
   readonly pad: Pad = { x: 0, y: 0, click: false };
@@ -130,7 +134,7 @@ export class Pointer implements Present {
   }
 
   /** Take in this frame; `rig` is where the headset's space lies in the scene. */
-  update(poses: Poses, rig: Matrix4): void {
+  update(poses: Poses, rig: Matrix4, eyes: Eyes): void {
     const { input, grip, matrix } = this;
     // An input that has gone lets go where it was seen last.
     if (!this.leaving) {
@@ -142,6 +146,8 @@ export class Pointer implements Present {
         const held = poses.grip(input, grip.matrix);
         if (!held) grip.matrix.copy(matrix);
         this.takePose(rig, held);
+        this.palmTurned =
+          this.kind.systemPinch && held && pinchesForSystem(grip.matrix, this.side, eyes);
       }
     }
     grip.visible = this.tracked;
@@ -180,7 +186,9 @@ export class Pointer implements Present {
     const pressed = this.kind.press(gamepad, device, this.selecting);
     this.selectSeen = true;
     if (this.selectEnds) this.selecting = this.selectEnds = false;
-    if (pressed < RELEASED) this.armed = true;
+    this.pinching = pressed >= RELEASED;
+    // A pinch that begins with the palm turned to the eyes is the system's until it is let go.
+    if (!this.pinching) this.armed = !this.palmTurned;
     this.trigger = this.armed ? pressed : 0;
     readThumb(this.thumb, device, gamepad, pad);
     this.labels = this.sizes = 0;
@@ -231,6 +239,7 @@ export class Pointer implements Present {
   /** Nothing is pressed on what is not there. */
   private rest(): void {
     const { edge, pad } = this;
+    this.pinching = false;
     this.trigger = pad.x = pad.y = this.labels = this.sizes = 0;
     pad.click = this.chorded = false;
     this.thumb.rest();
@@ -242,9 +251,9 @@ export class Pointer implements Present {
     edge.secondary = this.secondaryButton.update(0);
   }
 
-  /** A felt pulse; strength 0..1. */
-  pulse(strength: number, milliseconds: number): void {
-    pulse(this.source.gamepad, strength, milliseconds);
+  /** Let it pulse, strength 0..1; false where nothing can be felt. */
+  pulse(strength: number, milliseconds: number): boolean {
+    return pulse(this.source.gamepad, strength, milliseconds);
   }
 }
 

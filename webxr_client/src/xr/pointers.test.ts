@@ -48,9 +48,28 @@ describe('who comes and goes', () => {
     expect(worn.pointers.brush?.source).toBe(right.xr);
     worn.change([bare], [right]);
     expect(worn.pointers.brush?.source).toBe(bare.xr);
-    expect(worn.said).toEqual(['The right controller is away']);
+    worn.go(2);
+    expect(worn.said).toEqual([]);
     worn.change([], [bare]);
     expect(worn.pointers.brush).toBeNull();
+  });
+
+  it('a controller that stays away is missed after a second, one that a menu took is not', () => {
+    const right = controller('right');
+    const worn = new Worn(right);
+    worn.show('visible-blurred');
+    worn.change([], [right]);
+    worn.go(5);
+    worn.show('visible');
+    worn.go(0.5);
+    worn.change([right]);
+    worn.go(2);
+    expect(worn.said).toEqual([]);
+    worn.change([], [right]);
+    worn.go(0.5);
+    expect(worn.said).toEqual([]);
+    worn.go(0.6);
+    expect(worn.said).toEqual(['The right controller is away']);
   });
 
   it('the wished hand is asked anew, and a trigger that is held does not paint for it', () => {

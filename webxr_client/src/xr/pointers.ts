@@ -12,8 +12,16 @@ import { xrSettings, type Side } from './settings';
 import type { Lessons, Part } from './lessons';
 import type { Object3D } from 'three';
 
-/** Seconds after which a controller out of the headset's sight is missed. */
+/** Seconds after which a controller out of the headset's sight, or gone, is missed. */
 const MISSED = 1;
+
+/** A controller that has gone, and may be back in a moment: system menus take all of them. */
+interface Gone {
+  readonly name: string;
+  readonly side: Side | 'none';
+  /** Seconds since, while the session is visible. */
+  readonly seconds: Float64Array;
+}
 const NOBODY: Roles<Pointer> = { brush: null, other: null, palette: null };
 
 /** Sources that are tracked and do not press: a controller beside the hand that laid it down. */
@@ -29,6 +37,7 @@ export interface Changes {
 export class Pointers {
   readonly bodies: Body[] = [];
   private roles = NOBODY;
+  private readonly gone: Gone[] = [];
   private readonly undo: (() => void)[] = [];
 
   constructor(
@@ -135,7 +144,12 @@ export class Pointers {
     if (pointer.momentary) return;
     this.drop(body);
     const { name, fleeting } = pointer.kind;
-    if (!fleeting) this.changes.say(`The ${nameOf(pointer, name)} is away`);
+    if (fleeting) return;
+    this.gone.push({
+      name: nameOf(pointer, name),
+      side: pointer.side,
+      seconds: new Float64Array(1),
+    });
   }
 
   private drop(body: Body): void {
@@ -172,10 +186,23 @@ export class Pointers {
     this.sweep();
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
-      body.pointer.update(this.poses, matrixWorld);
+      body.pointer.update(this.poses, matrixWorld, this.rig);
       body.pointer.judge(this.poses, frame, space);
       body.follow(frame, space, matrixWorld);
       this.miss(body, seconds);
+    }
+    if (this.session.visibilityState === 'visible') this.missGone(seconds);
+  }
+
+  /** Say that a controller has gone, unless it or a hand in its place was there again in a moment. */
+  private missGone(seconds: Float64Array): void {
+    for (let i = this.gone.length - 1; i >= 0; i--) {
+      const { name, side, seconds: since } = this.gone[i]!;
+      since[0] = since[0]! + seconds[0]!;
+      const back = side !== 'none' && this.of(side) !== null;
+      if (!back && since[0] < MISSED) continue;
+      this.gone.splice(i, 1);
+      if (!back) this.changes.say(`The ${name} is away`);
     }
   }
 

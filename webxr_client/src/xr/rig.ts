@@ -4,8 +4,6 @@ import type { Poses } from './poses';
 import { turnBy } from './vectors';
 
 const UP = new Vector3(0, 1, 0);
-/** Radians in one picture that are no even turn. */
-const JUMP = 0.1;
 
 export class Rig {
   readonly group = new Group();
@@ -14,9 +12,11 @@ export class Rig {
   readonly headInRig = new Vector3(0, 1.6, 0);
   /** Rotation of the head, in the scene. */
   readonly turned = new Quaternion();
+  /** Direction of the eyes in the headset's own space, of unit length. */
+  readonly gaze = new Vector3(0, 0, -1);
   /** Level direction of the eyes, in the scene. */
   readonly ahead = new Vector3(0, 0, -1);
-  /** Count of moves and turns made at once, rather than evenly. */
+  /** Count of moves and turns other than by walking: a stroke would be swept along with them. */
   jumps = 0;
   private readonly pose = new Matrix4();
   private readonly scratch = new Vector3();
@@ -30,7 +30,10 @@ export class Rig {
     this.turned.setFromRotationMatrix(this.pose).premultiply(this.group.quaternion);
     const { elements } = this.pose;
     // The third column of the rotation, reversed and laid level.
-    const { ahead } = this;
+    const { ahead, gaze } = this;
+    gaze.x = -elements[8];
+    gaze.y = -elements[9];
+    gaze.z = -elements[10];
     ahead.x = -elements[8];
     ahead.y = 0;
     ahead.z = -elements[10];
@@ -63,7 +66,7 @@ export class Rig {
     group.position.copy(this.head).sub(scratch);
     group.rotateY(angle);
     this.ahead.applyAxisAngle(UP, angle);
-    if (Math.abs(angle) > JUMP) this.jumps += 1;
+    this.jumps += 1;
     this.refresh();
   }
 
@@ -73,8 +76,10 @@ export class Rig {
     this.refresh();
   }
 
+  /** Glide by a way of the scene. */
   move(by: Vector3): void {
     this.group.position.add(by);
+    this.jumps += 1;
     this.refresh();
   }
 

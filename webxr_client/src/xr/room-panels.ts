@@ -6,7 +6,8 @@ import { watch } from '../watch';
 import { faceEyes } from './facing';
 import type { WorldControls } from './pages/view';
 import { PalettePanel } from './palette-panel';
-import { PaletteSpot, palmFacing, Placement, PLACEMENT, timelineBelow } from './placement';
+import { palmFacing } from './palm';
+import { PaletteSpot, Placement, PLACEMENT, timelineBelow } from './placement';
 import type { Panel } from './panel';
 import { QuestionPanel } from './question-panel';
 import type { Rig } from './rig';
@@ -26,6 +27,8 @@ const HELD = {
 export interface Holder {
   readonly side: Side | 'none';
   readonly tracked: boolean;
+  /** It pinches, for whatever it may be. */
+  readonly pinching: boolean;
   readonly grip: { readonly position: Vector3; readonly matrix: Matrix4 };
 }
 
@@ -119,7 +122,8 @@ export class RoomPanels {
     const { mesh } = this.palette;
     const { headInRig } = this.rig;
     const there = holder?.tracked === true;
-    const palm = there ? palmFacing(holder.grip.matrix, holder.side, headInRig) : 0;
+    const free = there && !holder.pinching;
+    const palm = free ? palmFacing(holder.grip.matrix, holder.side, headInRig) : 0;
     const spot = this.spot.update(there, painting, palm, seconds);
     const was = mesh.visible;
     mesh.visible = spot !== 'away';

@@ -15,6 +15,10 @@ export interface XrSettings {
   /** Narrow the view while one is moved. */
   readonly vignette: boolean;
   readonly seated: boolean;
+  /** Bare hands are asked for when one enters; browsers may ask the person about that. */
+  readonly hands: boolean;
+  /** Sounds where a pulse cannot be felt, beside each pulse, or never. */
+  readonly sound: 'instead' | 'always' | 'off';
   /** Pixels drawn for one of the display along each side, from the next session on. */
   readonly sharpness: number;
   /** Coarser picture towards the edges of the view, 0 to 1. */
@@ -32,6 +36,8 @@ export const DEFAULTS: XrSettings = {
   snap: 30,
   vignette: true,
   seated: false,
+  hands: true,
+  sound: 'instead',
   sharpness: 1,
   foveation: 0.5,
   stopUnsure: true,

@@ -33,7 +33,7 @@ export function drawComfort(ui: Ui, x: number, top: number, inner: number): void
 
 type CheckRow = readonly [name: string, on: boolean, fields: Partial<XrSettings>];
 
-function checksOf({ hand, move, vignette, seated, tips }: XrSettings): readonly CheckRow[] {
+function checksOf({ hand, hands, move, vignette, seated, tips }: XrSettings): readonly CheckRow[] {
   const left = hand === 'left';
   const glides = move === 'smooth';
   return [
@@ -42,18 +42,25 @@ function checksOf({ hand, move, vignette, seated, tips }: XrSettings): readonly 
     ['Glide', glides, { move: glides ? 'teleport' : 'smooth' }],
     ['Vignette', vignette, { vignette: !vignette }],
     ['Button tips', tips, { tips: !tips }],
+    ['Bare hands', hands, { hands: !hands }],
   ];
 }
 
 /** Shares of the display's own pixels, and of the edges' coarseness with its names. */
 const SHARPNESS = [0.8, 1, 1.2, 1.4] as const;
 const FOVEATION = [0, 0.5, 1] as const;
+const SOUNDS = {
+  instead: 'Sound where nothing is felt',
+  always: 'Sound with each pulse',
+  off: 'No sound',
+} as const;
 const EDGES = ['sharp', 'softer', 'soft'] as const;
 
 function buttonsOf({
   snap,
   sharpness,
   foveation,
+  sound,
 }: XrSettings): readonly (readonly [string, Partial<XrSettings>])[] {
   const turn = snap > 0 ? `Turn ${snap}°` : 'Turn evenly';
   const edges = EDGES[FOVEATION.indexOf(foveation as (typeof FOVEATION)[number])] ?? '';
@@ -63,6 +70,7 @@ function buttonsOf({
       `Sharpness ${Math.round(100 * sharpness)} %, when entered anew`,
       { sharpness: next<number>(SHARPNESS, sharpness) },
     ],
+    [SOUNDS[sound], { sound: next<XrSettings['sound']>(['instead', 'always', 'off'], sound) }],
     [`Edges ${edges}`, { foveation: next<number>(FOVEATION, foveation) }],
   ];
 }

@@ -1,37 +1,54 @@
-/** At the tip: which level of an object is shown, how large it is, what comes next. */
+/** Text at the brush: the label that was chosen just now, or the level of an object. */
 import { Group, Vector3 } from 'three';
 import { shortCount } from '../panels/format';
-import { state } from '../state';
+import { activeLabel, state } from '../state';
 import { faceEyes } from './facing';
 import type { Rig } from './rig';
 import { Sign } from './sign';
 import { SIZES } from './sizes';
 import { follow } from '../watch';
 
+/** Milliseconds for which a new label's name is shown. */
+const LABEL_MS = 1500;
 const BESIDE = { right: 0.02, up: 0.09, away: SIZES.tips.away };
 
-export class ObjectSign {
+export class TipSign {
   readonly group = new Group();
   private readonly sign = new Sign({ em: SIZES.tips.em, order: 125 });
   private readonly at = new Vector3();
   private text = '';
-  private readonly unfollow: () => void;
+  private label = '';
+  private labelUntil = 0;
+  private readonly unfollow: (() => void)[];
 
-  constructor() {
+  /** `changed`: another label is active from now on. */
+  constructor(changed: () => void) {
     this.group.add(this.sign.mesh);
-    this.unfollow = follow(() => void (this.text = objectText()));
+    let before = state.activeLabel.peek();
+    this.unfollow = [
+      follow(() => void (this.text = objectText())),
+      follow(() => {
+        const now = state.activeLabel.value;
+        if (now === before) return;
+        before = now;
+        this.label = activeLabel.peek()?.name ?? '';
+        this.labelUntil = performance.now() + LABEL_MS;
+        changed();
+      }),
+    ];
   }
 
   /** `tip` in the scene; hidden while the hand has nothing to show. */
-  update(rig: Rig, tip: Vector3, visible: boolean): void {
-    this.sign.write(visible ? this.text : '');
+  update(rig: Rig, tip: Vector3, visible: boolean, now: number): void {
+    const text = now < this.labelUntil ? this.label : this.text;
+    this.sign.write(visible ? text : '');
     if (!this.sign.mesh.visible) return;
     rig.group.worldToLocal(this.at.copy(tip));
     faceEyes(this.group, this.at, rig.headInRig, BESIDE);
   }
 
   dispose(): void {
-    this.unfollow();
+    for (const stop of this.unfollow) stop();
     this.sign.dispose();
     this.group.removeFromParent();
   }

@@ -1,0 +1,108 @@
+"""In the headset: how a session begins, what it asks for, and what goes on while one is away."""
+
+from __future__ import annotations
+
+from tests.e2e.headset import Headset, Wear
+from tests.e2e.recording import PERSON, Truth, painted
+from tests.e2e.server import LiveServer
+
+RIG = "hs.headset.cockpit.rig"
+COCKPIT = "hs.headset.cockpit"
+
+
+def enter_anew(headset: Headset, before: str) -> None:
+    """Leave, change what the browser does, and enter again."""
+    headset.ask("void hs.headset.exit()")
+    headset.until("pb.state.xr.value.session === 'none'")
+    headset.ask(before)
+    headset.ask("void hs.headset.enter()")
+    headset.until("hs.headset.cockpit && hs.frames() > 2")
+
+
+def test_a_session_begins_though_the_rate_is_never_answered_and_asks_for_wanted_hands(
+    put_on: Wear,
+) -> None:
+    headset = put_on()
+    enter_anew(
+        headset,
+        "(XRSession.prototype.updateTargetFrameRate = () => new Promise(() => {}),"
+        " window.asked = [], window.request = navigator.xr.requestSession.bind(navigator.xr),"
+        " navigator.xr.requestSession = (mode, init) =>"
+        " (window.asked.push(init.optionalFeatures), window.request(mode, init)), null)",
+    )
+    assert "hand-tracking" in headset.ask("window.asked[0]")
+    headset.click("palette", "Comfort")
+    headset.click("palette", "Bare hands")
+    enter_anew(headset, "null")
+    assert "hand-tracking" not in headset.ask("window.asked[1]")
+    assert "local-floor" in headset.ask("window.asked[1]")
+
+
+def test_reversed_depth_is_told_to_the_session(put_on: Wear) -> None:
+    headset = put_on()
+    headset.ask("(pb.engine.viewer.reversible = true, pb.setDrawing(true), null)")
+    near, far = "session.renderState.depthNear", "session.renderState.depthFar"
+    session = "const session = pb.engine.viewer.renderer.xr.getSession();"
+    headset.until(f"(() => {{ {session} return {near} > {far} && {far} <= 0.05; }})()")
+
+
+def test_nothing_plays_on_unseen_and_a_press_that_opens_a_menu_paints_nothing(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    headset.reach(truth(0, PERSON))
+    # The press, and in the next picture the system's menu.
+    headset.for_a_picture(
+        "device.controllers.right.updateButtonValue('trigger', 1)",
+        "device.updateVisibilityState('visible-blurred')",
+    )
+    headset.until(f"!{COCKPIT}.painter.painting")
+    headset.trigger(0)
+    headset.ask("device.updateVisibilityState('visible')")
+    headset.settled()
+    assert painted(server, 0) == 0
+    headset.ask("pb.engine.playback.play()")
+    headset.until("pb.state.playing.value")
+    headset.ask("device.updateVisibilityState('hidden')")
+    headset.until("!pb.state.playing.value")
+    headset.ask("device.updateVisibilityState('visible')")
+    headset.frames()
+    assert not headset.ask("pb.state.playing.value")
+
+
+def test_turning_evenly_ends_the_stroke_and_dragging_the_room_narrows_the_view(
+    put_on: Wear, server: LiveServer, truth: Truth
+) -> None:
+    headset = put_on()
+    for pressed in ("Comfort", "Turn 30°", "Turn 45°", "Turn 90°"):
+        headset.click("palette", pressed)
+    headset.paint([truth(0, PERSON)], release=False)
+    headset.until(f"{COCKPIT}.painter.painting")
+    headset.lean(1, 0, "left")
+    headset.until(f"!{COCKPIT}.painter.painting")
+    headset.lean(0, 0, "left")
+    headset.trigger(0)
+    headset.settled()
+    vignette = f"{COCKPIT}.locomotion.vignette.visible"
+    headset.until(f"!{vignette}")
+    headset.ask("device.controllers.left.updateButtonValue('squeeze', 1)")
+    headset.until(vignette)
+    headset.ask("device.controllers.left.updateButtonValue('squeeze', 0)")
+    headset.until(f"!{vignette}")
+
+
+def test_doll_then_reset_leaves_one_where_one_stood(put_on: Wear) -> None:
+    headset = put_on()
+    headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 1.0, -1.3])
+    headset.lean(0, -1, "left")
+    headset.until(f"{COCKPIT}.locomotion.ring.visible")
+    headset.lean(0, 0, "left")
+    headset.until(f"!{COCKPIT}.locomotion.ring.visible")
+    before = headset.ask(f"{RIG}.head.toArray()")
+    headset.click("palette", "View")
+    headset.click("palette", "Doll")
+    headset.until("pb.engine.viewer.world.scale.x < 1")
+    headset.click("palette", "Reset")
+    headset.until("pb.engine.viewer.world.scale.x === 1")
+    after = headset.ask(f"{RIG}.head.toArray()")
+    assert max(abs(a - b) for a, b in zip(before, after, strict=True)) < 0.02
