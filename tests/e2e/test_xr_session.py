@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from tests.e2e.headset import Headset, Wear
-from tests.e2e.recording import PERSON, Truth, painted
+from io import BytesIO
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Browser
+
+from tests.e2e.headset import Headset, Wear, wear
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
 
 RIG = "hs.headset.cockpit.rig"
@@ -106,3 +112,35 @@ def test_doll_then_reset_leaves_one_where_one_stood(put_on: Wear) -> None:
     headset.until("pb.engine.viewer.world.scale.x === 1")
     after = headset.ask(f"{RIG}.head.toArray()")
     assert max(abs(a - b) for a, b in zip(before, after, strict=True)) < 0.02
+
+
+def test_a_ray_is_two_pixels_wide_at_least(browser: Browser, server: LiveServer) -> None:
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    headset = wear(browser, server.page_url, size=(1000, 500), drawn=True)
+    headset.ready()
+    headset.enter()
+    at = headset.ask("hs.onPanel('timeline', 0.3, 0.4)")["at"]
+    headset.move("right", [0.35, 1.35, -0.35], at)
+    # Nothing else is drawn, in either eye.
+    headset.ask(
+        """(() => {
+          const { viewer } = pb.engine;
+          const { ray, on } = hs.headset.cockpit.pointers.bodies
+            .find(({ pointer }) => pointer.side === 'right');
+          viewer.ticks.add(() => viewer.scene.traverse(({ material }) => {
+            if (material) material.colorWrite = material === ray.line.mesh.material;
+          }));
+          pb.setDrawing(true);
+          return on !== null;
+        })()"""
+    )
+    headset.frames(3)
+    shown = Image.open(BytesIO(headset.page.screenshot())).convert("L")
+    headset.context.close()
+    assert headset.complaints == []
+    bright = np.asarray(shown, dtype=float) > 60
+    # Across what is rather level it is measured in columns.
+    widths = bright[:, :500].sum(axis=0)
+    columns = widths[widths > 0]
+    assert len(columns) > 20
+    assert np.median(columns) >= 2

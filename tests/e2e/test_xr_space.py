@@ -69,9 +69,9 @@ def test_teleports_by_the_arc_and_turns_in_steps(put_on: Wear) -> None:
     headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 1.0, -1.3])
     way = "hs.headset.cockpit.locomotion"
     headset.lean(0, -1, "left")
-    headset.until(f"{way}.arc.visible && {way}.ring.visible")
+    headset.until(f"{way}.arc.mesh.visible && {way}.ring.visible")
     headset.lean(0, 0, "left")
-    headset.until(f"!{way}.arc.visible && !{way}.ring.visible")
+    headset.until(f"!{way}.arc.mesh.visible && !{way}.ring.visible")
     # The picture was black for a moment, and is there again.
     headset.until(f"{way}.sinceJump[0] >= 100 && !{way}.vignette.visible")
     after = headset.ask(f"[{RIG}.head.x, {RIG}.head.z]")

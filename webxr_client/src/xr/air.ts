@@ -1,20 +1,11 @@
 /** Shapes drawn in the air: a lasso, or a box by its corners or between both hands. */
-import {
-  BufferGeometry,
-  DynamicDrawUsage,
-  Float32BufferAttribute,
-  Line,
-  LineBasicMaterial,
-  Matrix4,
-  PerspectiveCamera,
-  Quaternion,
-  Vector3,
-} from 'three';
+import { Matrix4, PerspectiveCamera, Quaternion, Vector3 } from 'three';
 import type { Viewer } from '../cloud/viewer';
 import type { Brush, SequenceInfo } from '../protocol/messages';
 import type { Way } from '../tools/ways';
 import type { Place } from './place';
 import type { Pointer } from './pointer';
+import { Ribbon } from './ribbon';
 import { within } from './vectors';
 
 const CORNERS = 4000;
@@ -23,7 +14,7 @@ const SMALLEST = 0.005;
 const BOX_PATH = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4] as const;
 
 export class AirShape {
-  readonly line: Line<BufferGeometry, LineBasicMaterial>;
+  readonly line = new Ribbon(CORNERS, { order: 96 });
   private boxes = false;
   private readonly lasso = new AirLasso();
   private readonly start = new Vector3();
@@ -33,15 +24,7 @@ export class AirShape {
   constructor(
     private readonly viewer: Viewer,
     private readonly place: Place,
-  ) {
-    const geometry = new BufferGeometry();
-    const corners = new Float32BufferAttribute(new Float32Array(3 * CORNERS), 3);
-    geometry.setAttribute('position', corners.setUsage(DynamicDrawUsage));
-    this.line = new Line(geometry, new LineBasicMaterial({ depthTest: false, transparent: true }));
-    this.line.frustumCulled = false;
-    this.line.renderOrder = 96;
-    this.line.visible = false;
-  }
+  ) {}
 
   begin(way: Way, tip: Vector3): void {
     this.boxes = way.name === 'box';
@@ -66,7 +49,7 @@ export class AirShape {
   }
 
   hide(): void {
-    this.line.visible = false;
+    this.line.show(0);
   }
 
   /** Fields of a stroke of this shape besides its brush; null when it encloses nothing. */
@@ -94,35 +77,21 @@ export class AirShape {
   private drawLast(tip: Vector3): void {
     const end = this.lasso.corners.length / 3 - 1;
     if (end >= CORNERS) return;
-    this.line.geometry.getAttribute('position').setXYZ(end, tip.x, tip.y, tip.z);
-    this.shown(end + 1);
+    this.line.put(end, tip.x, tip.y, tip.z);
+    this.line.show(end + 1);
   }
 
   private drawBox(): void {
-    const { from, to } = this;
-    const corners = this.line.geometry.getAttribute('position');
+    const { from, line, to } = this;
     for (let i = 0; i < BOX_PATH.length; i++) {
       const bits = BOX_PATH[i]!;
-      corners.setXYZ(
-        i,
-        bits & 1 ? to.x : from.x,
-        bits & 2 ? to.y : from.y,
-        bits & 4 ? to.z : from.z,
-      );
+      line.put(i, bits & 1 ? to.x : from.x, bits & 2 ? to.y : from.y, bits & 4 ? to.z : from.z);
     }
-    this.shown(BOX_PATH.length);
-  }
-
-  private shown(count: number): void {
-    this.line.geometry.getAttribute('position').needsUpdate = true;
-    this.line.geometry.setDrawRange(0, count);
-    this.line.visible = count > 1;
+    line.show(BOX_PATH.length);
   }
 
   dispose(): void {
-    this.line.removeFromParent();
-    this.line.geometry.dispose();
-    this.line.material.dispose();
+    this.line.dispose();
   }
 }
 

@@ -38,7 +38,7 @@ export class Body {
   ) {
     this.tips = new Tips(lessons, pointer);
     rig.add(pointer.grip);
-    scene.add(this.ray.line);
+    scene.add(this.ray.line.mesh);
     this.model = pointer.kind.model(pointer.source, pointer.device);
     if (this.model) (this.model.gripped ? pointer.grip : rig).add(this.model.object);
   }

@@ -12,6 +12,7 @@ import { Buttons, LabelSwitch } from './buttons';
 import { Cues } from './cues';
 import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './haptics';
 import { Hud } from './hud';
+import { followInterruptions } from './interruptions';
 import { Locomotion } from './locomotion';
 import { Painter } from './painter';
 import { Place } from './place';
@@ -131,27 +132,17 @@ export class Cockpit {
     this.pointers.listen();
     this.divide();
     undo.push(this.engine.viewer.ticks.add((now, frame) => this.update(now, frame)));
-    // The headset's own way to recentre moved its space: the next picture has the new poses.
     const space = this.engine.viewer.renderer.xr.getReferenceSpace();
-    const moved = (): void => {
-      this.standing = false;
-      this.interrupt();
-    };
-    space?.addEventListener('reset', moved);
-    undo.push(() => space?.removeEventListener('reset', moved));
-    // Another recording lies elsewhere: one stands before it once its first frame is there.
-    let open = peek(state.sequence)?.id;
     undo.push(
-      follow(() => {
-        const { value } = state.sequence;
-        if (value && value.id !== open) moved();
-        open = value?.id ?? open;
+      followInterruptions(this.session, space, {
+        moved: () => {
+          this.standing = false;
+          this.interrupt();
+        },
+        // A press that the system answers at once was its own gesture: it paints nothing.
+        covered: () => this.painter.withdraw(performance.now(), SYSTEM_MS),
       }),
     );
-    const { session } = this;
-    const seen = (): void => this.visible(session.visibilityState);
-    session.addEventListener('visibilitychange', seen);
-    undo.push(() => session.removeEventListener('visibilitychange', seen));
     let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {
@@ -163,16 +154,6 @@ export class Cockpit {
         this.pointers.assign();
       }),
     );
-  }
-
-  /**
-   * The system came in between, or went.  A press that it answers at once was its own gesture and paints
-   * nothing; what nobody sees does not play on.
-   */
-  private visible(visibility: XRVisibilityState): void {
-    if (visibility === 'visible') return;
-    this.painter.withdraw(performance.now(), SYSTEM_MS);
-    if (visibility === 'hidden' && peek(state.playing)) actions.togglePlay();
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────

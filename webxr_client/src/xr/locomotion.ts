@@ -1,8 +1,9 @@
 /** Moving oneself: teleport by an arc, turn in steps, glide if one likes that better. */
 import { peek } from '../watch';
-import { BufferGeometry, DoubleSide, DynamicDrawUsage, Float32BufferAttribute, GLSL3, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
+import { DoubleSide, GLSL3, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
 import { Switch } from './pad';
 import type { Pointer } from './pointer';
+import { Ribbon } from './ribbon';
 import type { Rig } from './rig';
 import { xrSettings } from './settings';
 import { within } from './vectors';
@@ -45,7 +46,7 @@ void main() {
 }`;
 
 export class Locomotion {
-  private readonly arc: Line<BufferGeometry, LineBasicMaterial>;
+  private readonly arc = new Ribbon(SEGMENTS, { color: 0x5ea2ff, order: 70 });
   private readonly ring: Mesh<RingGeometry, MeshBasicMaterial>;
   private readonly vignette: Mesh<PlaneGeometry, RawShaderMaterial>;
   private aiming = false;
@@ -63,10 +64,6 @@ export class Locomotion {
   private pressed = false;
 
   constructor(private readonly rig: Rig) {
-    const geometry = new BufferGeometry();
-    const places = new Float32BufferAttribute(new Float32Array(3 * SEGMENTS), 3);
-    geometry.setAttribute('position', places.setUsage(DynamicDrawUsage));
-    this.arc = new Line(geometry, new LineBasicMaterial({ color: 0x5ea2ff, depthTest: false }));
     const flat = new MeshBasicMaterial({ color: 0x5ea2ff, side: DoubleSide, depthTest: false });
     this.ring = new Mesh(new RingGeometry(0.16, 0.22, 40), flat);
     this.ring.rotation.x = -Math.PI / 2;
@@ -81,19 +78,20 @@ export class Locomotion {
     });
     this.vignette = new Mesh(new PlaneGeometry(2, 2), veil);
     this.vignette.renderOrder = 80;
-    for (const object of [this.arc, this.ring, this.vignette]) {
+    for (const object of [this.ring, this.vignette]) {
       object.frustumCulled = false;
       object.visible = false;
     }
-    this.arc.renderOrder = this.ring.renderOrder = 70;
+    this.ring.renderOrder = 70;
   }
 
   addTo(scene: Object3D): void {
-    scene.add(this.arc, this.ring, this.vignette);
+    scene.add(this.arc.mesh, this.ring, this.vignette);
   }
 
   dispose(): void {
-    for (const object of [this.arc, this.ring, this.vignette]) {
+    this.arc.dispose();
+    for (const object of [this.ring, this.vignette]) {
       object.removeFromParent();
       object.geometry.dispose();
       object.material.dispose();
@@ -182,15 +180,14 @@ export class Locomotion {
   }
 
   private aim(hand: Pointer | null): void {
-    this.arc.visible = hand !== null;
     if (hand) this.throwArc(hand);
     else this.valid = false;
-    this.ring.visible = this.arc.visible && this.valid;
+    this.arc.show(hand ? SEGMENTS : 0);
+    this.ring.visible = this.valid;
   }
 
   /** Down to the floor: thrown by a hand, straight on from the eyes. */
   private throwArc(hand: Pointer): void {
-    const places = this.arc.geometry.getAttribute('position');
     const { origin, direction } = hand;
     const [speed, gravity] = hand.reach === 'far' ? STRAIGHT : THROWN;
     const fall = direction.y * speed;
@@ -201,12 +198,11 @@ export class Locomotion {
       const t = (flight * i) / (SEGMENTS - 1);
       this.point.copy(origin).addScaledVector(direction, speed * t);
       this.point.y -= (gravity / 2) * t * t;
-      places.setXYZ(i, this.point.x, this.point.y, this.point.z);
+      this.arc.put(i, this.point.x, this.point.y, this.point.z);
     }
-    places.needsUpdate = true;
     this.target.copy(this.point).setY(0);
     this.valid = within(this.target, this.rig.head, FARTHEST);
-    this.arc.material.color.setHex(this.valid ? 0x5ea2ff : 0xff7b72);
+    this.arc.paint(this.valid ? 0x5ea2ff : 0xff7b72);
     this.ring.position.copy(this.target).setY(0.01);
   }
 

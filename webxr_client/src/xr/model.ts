@@ -1,7 +1,8 @@
 /** Simple bodies for controllers and hands: own geometry, nothing is fetched. */
-import { BufferGeometry, CapsuleGeometry, CylinderGeometry, Float32BufferAttribute, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, TorusGeometry, type Object3D, type Vector3 } from 'three'; // prettier-ignore
+import { type BufferGeometry, CapsuleGeometry, CylinderGeometry, Mesh, MeshBasicMaterial, TorusGeometry, type Object3D, type Vector3 } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Device } from './devices';
+import { Ribbon } from './ribbon';
 import { tint } from './tint';
 
 const BODY = 0x2b3440;
@@ -58,43 +59,24 @@ export function controllerModel(device: Device): Mesh {
 export class Ray {
   /** Metres that it reaches. */
   readonly length = new Float64Array(1);
-  readonly line: Line<BufferGeometry, LineBasicMaterial>;
-
-  constructor() {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute('position', new Float32BufferAttribute(new Float32Array(6), 3));
-    const material = new LineBasicMaterial({
-      color: 0xffffff,
-      transparent: true,
-      opacity: 0.75,
-      depthTest: false,
-    });
-    this.line = new Line(geometry, material);
-    this.line.frustumCulled = false;
-    this.line.renderOrder = 120;
-    this.line.visible = false;
-  }
+  readonly line = new Ribbon(2, { opacity: 0.75, order: 120 });
 
   /** Lie along a hand's ray; no length hides it. */
   show(origin: Vector3, direction: Vector3): void {
+    const { line } = this;
     const length = this.length[0]!;
-    this.line.visible = length > 0;
-    if (length <= 0) return;
-    const ends = this.line.geometry.getAttribute('position');
-    const { array } = ends;
-    array[0] = origin.x;
-    array[1] = origin.y;
-    array[2] = origin.z;
-    array[3] = origin.x + direction.x * length;
-    array[4] = origin.y + direction.y * length;
-    array[5] = origin.z + direction.z * length;
-    ends.needsUpdate = true;
+    line.put(0, origin.x, origin.y, origin.z);
+    line.put(
+      1,
+      origin.x + direction.x * length,
+      origin.y + direction.y * length,
+      origin.z + direction.z * length,
+    );
+    line.show(length > 0 ? 2 : 0);
   }
 
   dispose(): void {
-    this.line.removeFromParent();
-    this.line.geometry.dispose();
-    this.line.material.dispose();
+    this.line.dispose();
   }
 }
 

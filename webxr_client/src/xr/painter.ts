@@ -77,7 +77,7 @@ export class Painter {
   }
 
   addTo(scene: Object3D): void {
-    scene.add(this.look.sphere, this.air.line);
+    scene.add(this.look.sphere, this.air.line.mesh);
   }
 
   dispose(): void {
@@ -137,7 +137,7 @@ export class Painter {
     const way = this.level > 0 ? this.way : roomWay();
     if (this.level === 0) this.askAhead(!blocked, way, hand, now);
     const color = this.look.show(!blocked, way, hand, this.tip, this.radius, now);
-    if (color !== null) this.air.line.material.color.set(color);
+    if (color !== null) this.air.line.paint(color);
   }
 
   /** Whether the place of the brush, or of a box's other corner, is guessed. */
