@@ -93,6 +93,9 @@ def parser() -> argparse.ArgumentParser:
     labels_.add_argument(
         "--no-ground", action="store_true", help="leave the ground out of each box"
     )
+    labels_.add_argument(
+        "--by-order", action="store_true", help="files are frames in their order, not by name"
+    )
     labels_.add_argument("--field", help="the field of the points that is labels")
     labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
 

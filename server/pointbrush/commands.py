@@ -83,6 +83,7 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             names=None if given.map is None else read_map(given.map),
             dry_run=given.dry_run,
             no_ground=given.no_ground,
+            by_order=given.by_order,
             field=given.field,
         )
         result = follow(workspace.job, job)

@@ -133,8 +133,11 @@ def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) ->
     if result["unmatched_files"]:
         print(f"files of no frame: {', '.join(result['unmatched_files'])}")
     done = "found" if dry_run else "imported"
+    count = result["labelled"] if dry_run else result.get("changed", 0)
+    if locked := result.get("locked"):
+        print(f"points of locked labels stayed: {', '.join(locked)}")
     print(
-        f"{done} {result['labelled']:,} labelled points in {result['matched']} of {frames} "
+        f"{done} {count:,} labelled points in {result['matched']} of {frames} "
         f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
     )
 

@@ -62,6 +62,7 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             map=None if given.map is None else _text(given.map),
             field=given.field,
             no_ground=given.no_ground,
+            by_order=given.by_order,
             dry_run=given.dry_run,
         )
         result = _followed(client, job)

@@ -250,18 +250,36 @@ def test_counts_that_do_not_fit_name_file_and_frame(workspace: Workspace, tmp_pa
     assert workspace.palette("drive") == []
 
 
-def test_files_are_matched_by_the_numbers_in_their_names(
+def test_files_are_matched_by_their_names_and_a_stranger_is_refused(
     workspace: Workspace, tmp_path: Path
 ) -> None:
     folder = kitti(tmp_path / "made")
     (folder / "labels" / "000000.label").rename(folder / "labels" / "000009.label")
     (folder / "labels" / "000001.label").unlink()
     job = run(workspace, folder)
-    assert job.result["unmatched"] == 3
+    assert job.state == "failed"
+    assert "1 of no frame: 000009.label" in job.error
+    assert workspace.palette("drive") == []
+    (folder / "labels" / "000009.label").unlink()
+    job = run(workspace, folder)
+    assert job.result["files"] == [{"file": "000002.label", "frame": 2}]
     assert job.result["unmatched_frames"] == [0, 1]
-    assert job.result["unmatched_files"] == ["000009.label"]
     assert set(labels(workspace, 0)) == {""}
     assert "road" in labels(workspace, 2)
+
+
+def test_a_locked_label_that_keeps_its_points_is_named(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    kept = workspace.create_label("drive", "me", name="kept").id
+    label = workspace.annotation("drive", 0)[0]
+    label[:] = kept
+    workspace.put_annotation("drive", 0, label, author="me")
+    workspace.update_label("drive", "me", kept, locked=True)
+    job = run(workspace, kitti(tmp_path / "made"))
+    assert job.result["locked"] == ["kept"]
+    assert 0 < job.result["changed"] < job.result["labelled"]
+    assert set(labels(workspace, 0)) == {"kept"}
 
 
 def test_maps_are_json_or_lines(tmp_path: Path) -> None:

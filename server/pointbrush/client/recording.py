@@ -233,11 +233,18 @@ class Recording(Part[L]):
         map: str | None = None,
         field: str | None = None,
         no_ground: bool = False,
+        by_order: bool = False,
         dry_run: bool = False,
         patience: float = PATIENCE,
     ) -> Steps[Job]:
         """Start what ``import_labels`` waits for; returns the job."""
-        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
+        given = {
+            "format": format,
+            "map": map,
+            "field": field,
+            "no_ground": no_ground or None,
+            "by_order": by_order or None,
+        }
         return (yield from self._label_import(files, given, dry_run, patience))
 
     @steps
@@ -249,6 +256,7 @@ class Recording(Part[L]):
         map: str | None = None,
         field: str | None = None,
         no_ground: bool = False,
+        by_order: bool = False,
         dry_run: bool = False,
         progress: bool = False,
         patience: float = PATIENCE,
@@ -257,10 +265,16 @@ class Recording(Part[L]):
 
         ``files``: a text is a path of the server, anything else is uploaded.  ``map`` names
         classes: JSON, YAML, XML of point_labeler, or lines ``number name``; ``field`` is that of
-        the points that is labels; ``no_ground`` leaves the ground out of boxes.  ``patience``: as
-        of ``track``.
+        the points that is labels; ``no_ground`` leaves the ground out of boxes; ``by_order`` takes
+        files for frames in their order, not by their names.  ``patience``: as of ``track``.
         """
-        given = {"format": format, "map": map, "field": field, "no_ground": no_ground or None}
+        given = {
+            "format": format,
+            "map": map,
+            "field": field,
+            "no_ground": no_ground or None,
+            "by_order": by_order or None,
+        }
         job = yield from self._label_import(files, given, dry_run, patience)
         return (yield from finished(job, progress=progress, patience=patience))
 

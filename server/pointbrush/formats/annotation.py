@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-
-import numpy as np
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.box_labels import BOX_READERS, is_box_file
 from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
 from pointbrush.formats.names import LABEL_FORMATS
-from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.own_export import OwnExport, own_export
 from pointbrush.formats.palette import SourceLabel, own_palette
@@ -137,32 +134,3 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
     if format in BOX_READERS:
         return is_box_file(path, format)
     return format_by_name(path) is not None
-
-
-def frames_of(
-    paths: Sequence[Path], frames: int, times: Sequence[float | None] = ()
-) -> list[int | None]:
-    """Return the frame that each file is of: one each in order, or by the numbers that name them.
-
-    nuScenes' files named by tokens are of the frames of their times in the tables; ``times`` are
-    those of the frames, seconds.  None for a file whose number or time is of no frame.
-    """
-    stamps = label_times(paths)
-    if stamps:
-        return _by_time([stamps[path] for path in paths], times, frames)
-    if len(paths) == frames:
-        return list(range(frames))
-    found: list[int | None] = []
-    for path in paths:
-        digits = re.findall(r"\d+", path.stem)
-        number = int(digits[-1][:9]) if digits else -1
-        found.append(number if 0 <= number < frames else None)
-    return found
-
-
-def _by_time(stamps: list[float], times: Sequence[float | None], frames: int) -> list[int | None]:
-    known = {round(t * 1e3): index for index, t in enumerate(times) if t is not None}
-    if not known and len(stamps) == frames:
-        ranks = np.argsort(np.argsort(stamps))
-        return [int(rank) for rank in ranks]
-    return [known.get(round(stamp * 1e3)) for stamp in stamps]

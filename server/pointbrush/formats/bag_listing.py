@@ -39,7 +39,10 @@ def list_bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptio
     return Listing(
         entry.name,
         [
-            FrameFile(partial(_clouds, bag, clouds, path, list(islice(left, len(clouds.stamps)))))
+            FrameFile(
+                path.name,
+                partial(_clouds, bag, clouds, path, list(islice(left, len(clouds.stamps)))),
+            )
             for path, clouds in zip(files, found, strict=True)
         ],
         None,

@@ -210,6 +210,7 @@ def list_files(
     poses = poses_beside(entry, files, folder, times, options, tables) if told else None
     frames = [
         FrameFile(
+            files[i].name,
             partial(_empty if empty[i] else entry.read, files[i]),
             Extras(
                 timestamp=times[i] if times else None,

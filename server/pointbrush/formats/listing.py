@@ -17,8 +17,9 @@ INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames"
 
 @dataclass(frozen=True, slots=True)
 class FrameFile:
-    """A file to read with ``read``, and what its folder tells of its frame."""
+    """The file ``name`` to read with ``read``, and what its folder tells of its frame."""
 
+    name: str
     read: Callable[[ReadOptions], Iterator[PointFrame]]
     known: Extras = field(default_factory=Extras)
 

@@ -63,6 +63,7 @@ def list_rgbd(folder: Path, poses_file: Path | None = None) -> Listing | None:
     cameras = cameras_of(pairs[0].depth, TUM_SCALE if tum else None)
     frames = [
         FrameFile(
+            pair.depth.name,
             partial(_read, pair, cameras),
             Extras(timestamp=pair.time, pose=poses.matrices[i] if poses else None),
         )

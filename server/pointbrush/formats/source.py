@@ -21,6 +21,7 @@ from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.folder import frames_among, list_files, list_folder
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import INNER, FrameFile, Listing
+from pointbrush.formats.matching import Origin
 from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
 from pointbrush.formats.pictures import PictureSource, joined
 from pointbrush.formats.registry import format_named
@@ -39,7 +40,7 @@ class Source:
     ``frames`` yields the frames in order, once; a reader's errors come from it.  ``count`` is
     their number and ``fps`` their rate, where the files tell; ``listings`` what was found where;
     ``scale`` metres for a unit of the files; ``classes`` the names of labels 1, 2, … where the
-    files call them by words, as far as frames have been read.
+    files call them by words, ``origins`` the file of each frame, as far as frames have been read.
     ``close`` removes temporary files; exhausting or dropping ``frames`` does too.
     """
 
@@ -50,6 +51,7 @@ class Source:
     listings: Sequence[Listing] = ()
     scale: float = 1.0
     classes: Sequence[str] = ()
+    origins: Sequence[Origin] = ()
     _temporary: list[Path] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -144,12 +146,15 @@ def open_source(
     count = sum(c for c in counts if c is not None) if None not in counts else None
     fps = listings[0].fps if len(listings) == 1 else None
     fps = fps or (rate_of(times) if count == len(times) else None)
-    frames = map(chosen.applied, _frames(listings, options))
-    name = source_name(paths)
-    return Source(frames, count, fps, name, listings, chosen.scale, classes.names, temporary)
+    origins: list[Origin] = []
+    frames = map(chosen.applied, _frames(listings, options, origins))
+    name, scale = source_name(paths), chosen.scale
+    return Source(frames, count, fps, name, listings, scale, classes.names, origins, temporary)
 
 
-def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFrame]:
+def _frames(
+    listings: list[Listing], options: ReadOptions, origins: list[Origin]
+) -> Iterator[PointFrame]:
     files = [file for listing in listings for file in listing.frames]
     several = len(files) > 1 or sum(listing.count or 0 for listing in listings) != 1
     colors = ColorRange() if several else None
@@ -159,6 +164,7 @@ def _frames(listings: list[Listing], options: ReadOptions) -> Iterator[PointFram
             chosen = replace(options, known=file.known, colors=colors)
             try:
                 for frame in islice(file.read(chosen), done, None):
+                    origins.append(Origin(file.name, done))
                     yield frame
                     done += 1
                 break

@@ -26,7 +26,7 @@ from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.large import LargeFrame
 from pointbrush.sequences.other import write_other
 from pointbrush.sequences.pictures import write_pictures
-from pointbrush.sequences.record import Record, make_manifest, record
+from pointbrush.sequences.record import FrameOrigin, Record, make_manifest, record
 
 if TYPE_CHECKING:
     from pointbrush.formats.pictures import PictureSource
@@ -58,12 +58,14 @@ def import_frames(
     up: str | None = None,
     pictures: PictureSource | None = None,
     classes: Sequence[str] = (),
+    origins: Sequence[FrameOrigin] = (),
 ) -> Manifest:
     """Import ``frames`` into the new folder ``target``; they are consumed one by one.
 
     ``progress`` gets a fraction 0..1 and a message after each frame; what it raises cancels.
     ``up`` is the axis ("x", "-x", … "-z") that points up, where it is known; ``pictures`` are kept
-    beside the frames; ``classes`` are names of the labels 1, 2, …, which may come with the frames.
+    beside the frames; ``classes`` are names of the labels 1, 2, …, and ``origins`` the files of the
+    frames, which may come with the frames.
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
     when there is no frame, UnavailableError when the disk is full, and what ``frames`` raises.
     """
@@ -80,7 +82,9 @@ def import_frames(
         if not records:
             raise BadInputError("expected at least one frame, got none")
         grid = grid_of.grid
-        manifest = make_manifest(records, grid, sequence_id, name, fps, source, up, classes)
+        manifest = make_manifest(
+            records, grid, sequence_id, name, fps, source, up, classes, origins
+        )
         kept = {} if pictures is None else write_pictures(folder, len(records), pictures.pictures())
         _complete(folder, manifest, records, kept)
     return manifest
@@ -97,6 +101,7 @@ def import_large(
     progress: Progress = _silent,
     source: str = "",
     up: str | None = None,
+    origins: Sequence[FrameOrigin] = (),
 ) -> Manifest:
     """Import one frame that comes in ``parts`` (a million points each is good), in little memory.
 
@@ -119,13 +124,14 @@ def import_large(
                 progress=progress,
                 source=source,
                 up=up,
+                origins=origins,
             )
         head.append(part)
     with new_folder(target) as folder:
         (folder / FRAMES).mkdir()
         grid = GridChooser()(head)
         records = [_store_large(chain(head, parts), 0, grid, folder, total_points, progress)]
-        manifest = make_manifest(records, grid, sequence_id, name, fps, source, up)
+        manifest = make_manifest(records, grid, sequence_id, name, fps, source, up, origins=origins)
         _complete(folder, manifest, records, {})
         progress(1.0, f"imported {manifest.points[0]:,} points")
     return manifest

@@ -20,7 +20,8 @@ FILE = "manifest.json"
 VERSION = 6
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
 further fields as it packs arrays, and the coordinates of octrees, 5 tells the format of depth
-images, 6 names the classes of labels that are words; all are read."""
+images, 6 names the classes of labels that are words, and the
+files of frames; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -48,6 +49,8 @@ class Manifest:
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
     ``large``           a frame is an octree of chunks.
     ``classes``         names of the labels 1, 2, … where the files call them by words.
+    ``files``           name of the file that each frame came from, ``places`` its place among the
+                        frames of that file; both empty where an older import did not keep them.
     ``imported_as``     ``id`` at the import: a restored recording may have got another one.
     """
 
@@ -76,6 +79,8 @@ class Manifest:
     created: str
     imported_as: str
     classes: list[str]
+    files: list[str]
+    places: list[int]
 
     @property
     def identity(self) -> str:
@@ -145,8 +150,16 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
     content.setdefault("depth_format", 1)
     # Labels in words were left out before.
     content.setdefault("classes", [])
+    content.setdefault("files", _files_of(content))
+    content.setdefault("places", [0] * len(content["files"]))
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
+
+
+def _files_of(content: dict[str, Any]) -> list[str]:
+    """Derive the names of files from the source of an older import, where it lists one a frame."""
+    names = [Path(source).name for source in content["source"].split(", ")]
+    return names if len(names) == content["frames"] and all(names) else []
 
 
 def _lattice(given: dict[str, Any] | None) -> Lattice | None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,15 @@ from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.room import RoomFinder
 
 _PREFIX = 4096
+
+
+class FrameOrigin(Protocol):
+    """The file that a frame came from, and its place among the frames of that file."""
+
+    @property
+    def file(self) -> str: ...  # noqa: D102
+    @property
+    def place(self) -> int: ...  # noqa: D102
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +116,7 @@ def make_manifest(
     source: str,
     up: str | None = None,
     classes: Iterable[str] = (),
+    origins: Sequence[FrameOrigin] = (),
 ) -> Manifest:
     """The manifest of a sequence of these frames, in their order; ``up`` as in ``RoomFinder``."""
     filled = [record for record in records if record.count]
@@ -144,4 +154,6 @@ def make_manifest(
         created=datetime.now(UTC).isoformat(timespec="microseconds"),
         imported_as=sequence_id,
         classes=list(classes),
+        files=[origin.file for origin in origins],
+        places=[origin.place for origin in origins],
     )

@@ -40,6 +40,7 @@ class LabelImportBody(Body):
     format: Annotated[str, Field(pattern=one_of(list(LABEL_FORMATS)))] | None = None
     map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
     no_ground: bool = False
+    by_order: bool = False
     field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     id: JobId | None = None
 
@@ -49,6 +50,7 @@ IMPORT_BODY = described(
     {
         "format": {"type": "string", "enum": list(LABEL_FORMATS)},
         "no_ground": {"type": "string", "enum": ["true", "false"]},
+        "by_order": {"type": "string", "enum": ["true", "false"]},
         "field": {"type": "string", "maxLength": 200},
         "id": {"type": "string", "format": "uuid"},
     },
@@ -90,6 +92,7 @@ async def import_labels(
             names=_names(body.map),
             dry_run=dry_run,
             no_ground=body.no_ground,
+            by_order=body.by_order,
             field=body.field,
             roots=roots,
             job_id=body.id,
@@ -113,6 +116,7 @@ async def _uploaded(
         ) as form:
             label_format, names = _fields(form)
             no_ground = form.get("no_ground") == "true"
+            by_order = form.get("by_order") == "true"
             field, job_id = form.get("field"), form.get("id")
             await run_in_threadpool(_save, form, folder)
         return await run_in_threadpool(
@@ -124,6 +128,7 @@ async def _uploaded(
             names=names,
             dry_run=dry_run,
             no_ground=no_ground,
+            by_order=by_order,
             field=field[:200] if isinstance(field, str) and field else None,
             cleanup=folder,
             job_id=job_id if isinstance(job_id, str) and job_id else None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from dataclasses import field as of_field
 from pathlib import Path
@@ -17,14 +17,15 @@ from pointbrush.formats import Limits, ReadOptions
 from pointbrush.formats.annotation import (
     LabelFiles,
     find_label_files,
-    frames_of,
 )
 from pointbrush.formats.archive import unpacked
-from pointbrush.formats.box_labels import BOX_READERS, points_of, read_boxes
+from pointbrush.formats.box_labels import BOX_READERS, FrameBoxes, points_of, read_boxes
 from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
+from pointbrush.formats.matching import FrameName, match
+from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.source import reported
@@ -33,7 +34,9 @@ from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
+from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.importing import IMPORTED, learn_own
 from pointbrush.work.imports.submitting import LABELS, UPLOAD, drop_upload
 from pointbrush.worker import Channel
@@ -54,6 +57,8 @@ class LabelRequest:
     names: Mapping[int, ClassName] = of_field(default_factory=dict)
     dry_run: bool = False
     no_ground: bool = False
+    by_order: bool = False
+    """Take files for frames in their order, whatever their names are."""
     field: str | None = None
     """Name of the field of points that is labels, where the files do not say so."""
     roots: tuple[Path, ...] = ()
@@ -137,12 +142,9 @@ class ReadLabelsWork:
         columns = (f"{request.field}=label",) if request.field else ()
         classes, chosen = ClassNumbers(), Corrections(columns=columns)
         options = ReadOptions(limits=self.limits, chosen=chosen, class_number=classes.number)
-        if files.export is None:
-            frames = frames_of(files.paths, len(recording), recording.manifest.timestamps)
-        else:
-            frames = [files.export.frames[path] for path in files.paths]
+        frames = self._frames(files, recording)
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
-            if frame is None or frame >= len(recording):
+            if frame >= len(recording):
                 channel.item(Unmatched(path.name))
             else:
                 labels = _of_points(files.read(path, options), recording, frame)
@@ -153,6 +155,28 @@ class ReadLabelsWork:
             names = dict(enumerate(map(ClassName, classes.names), start=1))
             channel.item(LabelFiles(files.format, (), names, {}))
 
+    def _frames(self, files: LabelFiles, recording: Recording) -> list[int]:
+        """Find the frame of each file.  Raises BadInputError as ``matching.match``."""
+        if files.export is not None:
+            return [files.export.frames.get(path, 0) for path in files.paths]
+        stamps = label_times(files.paths)
+        names = [f"{path.parent.name}/{path.name}" for path in files.paths]
+        times = [stamps[path] for path in files.paths] if stamps else None
+        known = frame_names(recording.manifest)
+        return match(names, known, by_order=self.request.by_order, times=times)
+
+    def _box_frames(
+        self, files: LabelFiles, found: Sequence[Sequence[FrameBoxes]], recording: Recording
+    ) -> dict[Path, int]:
+        """Find the frames of the files that do not say of which they are."""
+        silent = [
+            path
+            for path, parts in zip(files.paths, found, strict=True)
+            if any(part.frame is None for part in parts)
+        ]
+        asked = replace(files, paths=tuple(silent))
+        return dict(zip(silent, self._frames(asked, recording), strict=True))
+
     def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
         """Hand on the points inside boxes; a class has the number of its name's place."""
         found = [read_boxes(path, files.format) for path in files.paths]
@@ -161,11 +185,11 @@ class ReadLabelsWork:
         number_of = {name.name: number for number, name in names.items()}
         channel.item(LabelFiles(files.format, (), names, dict(files.own)))
         up = recording.manifest.T_room_local[1, :3]
-        by_name = frames_of(files.paths, len(recording), recording.manifest.timestamps)
+        frames = self._box_frames(files, found, recording)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
             for part in file:
-                frame = by_name[done] if part.frame is None else part.frame
-                if frame is None or not 0 <= frame < len(recording):
+                frame = frames[path] if part.frame is None else part.frame
+                if not 0 <= frame < len(recording):
                     channel.item(Unmatched(path.name))
                     continue
                 xyz = _source_points(recording, frame)
@@ -177,6 +201,12 @@ class ReadLabelsWork:
                 rows = np.flatnonzero(which >= 0)
                 channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+
+
+def frame_names(manifest: Manifest) -> list[FrameName]:
+    """What tells the frames of a recording from each other: their files and times."""
+    files = manifest.files or [""] * manifest.frames
+    return [FrameName(*told) for told in zip(files, manifest.timestamps, strict=True)]
 
 
 def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
@@ -308,8 +338,9 @@ class LabelImports:
                 return {}
             chosen = _Chosen.of(self._store, recording, found, called[0])
             report = _report(recording, found, unmatched, chosen) | {"warnings": warnings}
+            report["locked"] = _locked(self._store, recording, found)
             if request.dry_run or not report["labelled"]:
-                return report | {"edit": None}
+                return report | {"edit": None, "changed": 0}
             if called[0].dataset:
                 self._store.taxonomy.learn(called[0].dataset, chosen.classes)
             learn_own(self._store, called[0].own.values())
@@ -418,6 +449,20 @@ def _writes(
             yield frame.frame, Write(numbers, label=label[numbers], provenance=IMPORTED)
 
 
+def _locked(store: LabelStore, recording: Recording, found: list[FrameLabels]) -> list[str]:
+    """Names of locked labels that have points which ``found`` labels otherwise, and keep them."""
+    sequence = recording.manifest.id
+    locked = {label.id: label.name for label in store.palette(sequence) if label.locked}
+    ids: set[int] = set()
+    for frame in found if locked else ():
+        stored = recording[frame.frame]
+        kept = KeptAnnotation(store, sequence, frame.frame, ("label",)).read(0, stored.count)
+        label = np.empty(stored.count, np.uint16)
+        label[stored.source_index] = kept["label"]
+        ids |= locked.keys() & np.unique(label[frame.rows]).tolist()
+    return [locked[each] for each in sorted(ids)]
+
+
 def _report(
     recording: Recording, found: list[FrameLabels], unmatched: list[str], chosen: _Chosen
 ) -> dict[str, Any]:
@@ -435,6 +480,7 @@ def _report(
             {"frame": frame.frame, "file": frame.file, "points": len(frame.rows)}
             for frame in found[:TOLD]
         ],
+        "files": [{"file": frame.file, "frame": frame.frame} for frame in found],
         "matched": len(found),
         "unknown": len(chosen.unnamed),
         "unknown_classes": chosen.unnamed[:TOLD],

@@ -17,6 +17,7 @@ from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
+from pointbrush.formats.matching import Origin
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import SourceLabel, source_dataset, source_palette
 from pointbrush.formats.timing import ASSUMED
@@ -74,6 +75,7 @@ class ImportWork:
                 fps=self.fps or 1.0,
                 total_points=read_header(scan, limits).count,
                 progress=channel.progress,
+                origins=[Origin(scan.name)],
                 **about,
             )
             return []
@@ -88,6 +90,7 @@ class ImportWork:
                 progress=channel.progress,
                 pictures=source.pictures,
                 classes=source.classes,
+                origins=source.origins,
                 **about,
             )
         if said != ASSUMED or manifest.frames == 1:

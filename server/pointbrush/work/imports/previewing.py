@@ -24,13 +24,15 @@ from pointbrush.formats.names import AXES
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.pictures import PictureSource
 from pointbrush.formats.registry import format_named
-from pointbrush.formats.source import open_source, reported
+from pointbrush.formats.source import Source, open_source, reported
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import axis_of
 from pointbrush.work.imports.importing import PART_POINTS, large_scan
 from pointbrush.worker import local_processes
 
+TOLD = 100
+"""Files that are told of."""
 FRAMES = 3
 """Frames that are read."""
 SURVEYS = ("las", "e57")
@@ -79,6 +81,7 @@ class Preview:
     fps: float
     fps_from: str
     order: str
+    files: list[dict[str, Any]]
     points: list[dict[str, int]]
     columns: list[dict[str, str]]
     topics: list[dict[str, Any]]
@@ -130,6 +133,7 @@ def preview(request: PreviewRequest) -> Preview:
             fps=fps,
             fps_from=fps_from,
             order=listing.order,
+            files=_files(source),
             points=[{"points": len(f), "left_out": f.dropped} for f in frames],
             columns=[{"name": n, "meaning": meaning} for n, meaning in columns.items()],
             topics=_topics(listing),
@@ -141,6 +145,14 @@ def preview(request: PreviewRequest) -> Preview:
             corrections={k: v for k, v in asdict(chosen).items() if v not in (None, ())},
             warnings=list(warnings),
         )
+
+
+def _files(source: Source) -> list[dict[str, Any]]:
+    """The file of each frame, as far as it is known before all are read; the first TOLD."""
+    names = [file.name for listing in source.listings for file in listing.frames]
+    if source.count != len(names):
+        names = [origin.file for origin in source.origins]
+    return [{"file": name, "frame": frame} for frame, name in enumerate(names[:TOLD])]
 
 
 def _first_frames(request: PreviewRequest, frames: Iterator[PointFrame]) -> list[PointFrame]:

@@ -1,0 +1,76 @@
+"""Files that come beside frames: matched by name, time or number, or refused by name."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.matching import FrameName, match
+
+WORDS = st.text("abcxyz", min_size=1, max_size=6)
+
+
+def frames(*names: str) -> list[FrameName]:
+    return [FrameName(name) for name in names]
+
+
+@given(
+    names=st.lists(WORDS, min_size=2, max_size=8, unique=True),
+    chosen=st.randoms(use_true_random=False),
+    before=st.sampled_from(["", "label_", "seg-"]),
+    after=st.sampled_from(["", "_v1", ".label"]),
+)
+def test_some_files_in_any_order_go_to_the_frames_of_their_names(
+    names: list[str], chosen: object, before: str, after: str
+) -> None:
+    numbered = [f"{name}_{number:03d}.ply" for number, name in enumerate(names)]
+    some = chosen.sample(range(len(names)), chosen.randint(1, len(names)))  # type: ignore[attr-defined]
+    files = [f"{before}{numbered[k].removesuffix('.ply')}{after}.npy" for k in some]
+    assert match(files, frames(*numbered)) == some
+
+
+@given(st.lists(st.integers(0, 999), min_size=2, max_size=9, unique=True), st.data())
+def test_numbers_match_where_names_differ(numbers: list[int], data: st.DataObject) -> None:
+    known = frames(*(f"scan_{number:04d}_cam2.pcd" for number in numbers))
+    order = data.draw(st.permutations(range(len(numbers))))
+    files = [f"out/{numbers[k]}.txt" for k in order]
+    assert match(files, known) == list(order)
+
+
+def test_the_only_one_of_its_folder_is_of_the_frame_of_that_name() -> None:
+    files = ["train/b/segment.npy", "train/a/segment.npy"]
+    assert match(files, frames("a.ply", "b.ply")) == [1, 0]
+
+
+def test_times_are_matched_to_the_nearest_frame() -> None:
+    known = [FrameName(f"{k}.bin", 1_600_000_000 + k / 10) for k in range(5)]
+    files = ["1600000000.301000.json", "1600000000.099000.json"]
+    assert match(files, known) == [3, 1]
+
+
+def test_frames_of_one_file_are_counted() -> None:
+    assert match(["000002.label", "000000.label"], [FrameName("drive.bag")] * 3) == [2, 0]
+
+
+@pytest.mark.parametrize(
+    ("files", "named"),
+    [
+        (["a.label", "b.label"], "1 of no frame: b.label"),
+        (["x.label", "y.label"], "2 of no frame: x.label, y.label"),
+        (["a.label", "a.npy"], "several of one: a.label, a.npy"),
+    ],
+)
+def test_what_fits_no_frame_or_one_twice_is_named(files: list[str], named: str) -> None:
+    with pytest.raises(BadInputError, match=named) as refused:
+        match(files, frames("a.ply", "c.ply"))
+    assert "--by-order" in str(refused.value)
+
+
+def test_files_are_taken_in_their_order_only_when_asked() -> None:
+    known = frames("a.ply", "c.ply")
+    assert match(["x.npy", "y.npy"], known, by_order=True) == [0, 1]
+    with pytest.raises(BadInputError, match="expected 2 files, one a frame, got 1"):
+        match(["x.npy"], known, by_order=True)
+    assert match(["predicted.npy"], frames("hall.las")) == [0]
