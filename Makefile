@@ -118,7 +118,7 @@ unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
-	@$(PYTEST) --dist worksteal --reruns 1 tests/e2e
+	@$(PYTEST) --dist worksteal tests/e2e
 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench

@@ -5,13 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from httpx._config import DEFAULT_TIMEOUT_CONFIG
 from hypothesis import HealthCheck, settings
+
+from tests.waiting import PATIENCE
 
 # A busy machine must fail no test: how long something takes is the benchmarks' concern.
 settings.register_profile(
     "any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("any machine")
+# A call without a timeout of its own would give the server up after 5 s.
+for phase in ("connect", "read", "write", "pool"):
+    setattr(DEFAULT_TIMEOUT_CONFIG, phase, PATIENCE)
 
 TESTS = Path(__file__).parent
 SHARED = TESTS.parent.parent / "shared"

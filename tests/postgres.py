@@ -10,7 +10,6 @@ import signal
 import socket
 import subprocess
 import tempfile
-import time
 import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,6 +17,8 @@ from pathlib import Path
 
 import psycopg
 import pytest
+
+from tests.waiting import eventually
 
 SETTINGS = {
     "listen_addresses": "127.0.0.1",
@@ -28,7 +29,6 @@ SETTINGS = {
     "max_connections": "60",
     "log_min_messages": "fatal",
 }
-START_SECONDS = 30
 PR_SET_PDEATHSIG = 1
 
 
@@ -55,15 +55,15 @@ class PostgresServer:
             cwd=self.data,
             **_as_user(self.user),
         )
-        deadline = time.monotonic() + START_SECONDS
-        while True:
-            try:
-                psycopg.connect(self.url(), connect_timeout=2).close()
-                return
-            except psycopg.OperationalError:
-                if time.monotonic() > deadline or self.process.poll() is not None:
-                    raise
-                time.sleep(0.05)
+        eventually(lambda: self._answers() or self.process.poll() is not None, every=0.05)
+        assert self.process.poll() is None, "PostgreSQL did not start"
+
+    def _answers(self) -> bool:
+        try:
+            psycopg.connect(self.url(), connect_timeout=30).close()
+        except psycopg.OperationalError:
+            return False
+        return True
 
     def stop(self) -> None:
         if self.process is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.web.server import Server, config, listen
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE, eventually
 
 TOKEN = "test-token-of-the-owner"
 
@@ -74,15 +74,12 @@ def serving(settings: Settings) -> Iterator[Served]:
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()
     try:
-        deadline = time.monotonic() + 10
-        while not server.started:
-            assert time.monotonic() < deadline, "the server did not start"
-            assert thread.is_alive(), "the server stopped at its start"
-            time.sleep(0.01)
+        eventually(lambda: server.started or not thread.is_alive())
+        assert server.started, "the server stopped at its start"
         yield Served(f"http://127.0.0.1:{listener.getsockname()[1]}", app.state.token, workspace)
     finally:
         server.should_exit = True
-        thread.join(15)
+        thread.join(PATIENCE)
         listener.close()
         workspace.close()
         assert not thread.is_alive(), "the server did not stop"

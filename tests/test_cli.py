@@ -17,6 +17,7 @@ import plyfile
 import pytest
 
 from pointbrush.cli import main
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture(autouse=True)
@@ -84,7 +85,7 @@ class serving:  # noqa: N801 - reads as a phrase
 
     def __exit__(self, *_: object) -> None:
         self.process.send_signal(signal.SIGKILL)
-        self.process.wait(10)
+        self.process.wait(PATIENCE)
         assert self.process.stdout is not None
         self.process.stdout.close()
 

@@ -24,6 +24,7 @@ from pointbrush.jobs import Job, JobRunner
 from pointbrush.worker import Channel, DaskExecutor
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
+from tests.waiting import PATIENCE, eventually
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def submit(runner: JobRunner, seen: Seen, work: Count) -> Job:
 def test_a_job_reports_and_hands_over_everything_before_it_finishes(
     runner: JobRunner, seen: Seen
 ) -> None:
-    job = runner.wait(submit(runner, seen, Count(50)).id, 60)
+    job = runner.wait(submit(runner, seen, Count(50)).id, PATIENCE)
     assert (job.state, job.progress, job.result) == ("done", 1.0, {"items": 50})
     assert seen.items == list(range(50))
     assert [j.progress for j in seen.jobs] == sorted(j.progress for j in seen.jobs)
@@ -142,7 +143,7 @@ class Priority:
 def test_work_gives_way_to_the_server(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         job = runner.submit(Job("tracking", "s"), Priority(), seen.finish, seen.item)
-        assert runner.wait(job.id, 60).state == "done"
+        assert runner.wait(job.id, PATIENCE).state == "done"
     server = os.getpriority(os.PRIO_PROCESS, 0)
     assert seen.items[0] > server or server == 19  # which nothing can give way to
 
@@ -163,7 +164,7 @@ def test_a_worker_that_was_made_ready_does_the_next_job(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         runner.make_ready(leave_a_mark)
         job = runner.submit(Job("tracking", "s"), Mark(), seen.finish, seen.item)
-        assert runner.wait(job.id, 60).state == "done"
+        assert runner.wait(job.id, PATIENCE).state == "done"
     assert seen.items == ["ready"]
     others = multiprocessing.active_children()
     runner.make_ready(leave_a_mark)  # nothing begins any more
@@ -172,10 +173,9 @@ def test_a_worker_that_was_made_ready_does_the_next_job(seen: Seen) -> None:
 
 def test_cancel_stops_the_work_and_still_finishes(runner: JobRunner, seen: Seen) -> None:
     job = submit(runner, seen, Count(1000, pause=0.01))
-    while not seen.items:
-        time.sleep(0.01)
+    eventually(lambda: seen.items)
     runner.cancel(job.id)
-    job = runner.wait(job.id, 60)
+    job = runner.wait(job.id, PATIENCE)
     assert job.state == "cancelled"
     assert len(seen.items) < 1000
     assert (seen.finished, seen.done) == ([True], 1)
@@ -187,30 +187,30 @@ def test_a_queued_job_is_cancelled_before_it_starts(runner: JobRunner, seen: See
     first = submit(runner, seen, Count(1000, pause=0.01))
     others = [submit(runner, seen, Count(1)) for _ in range(3)]
     runner.cancel(others[-1].id)
-    assert runner.wait(others[-1].id, 60).state == "cancelled"
+    assert runner.wait(others[-1].id, PATIENCE).state == "cancelled"
     runner.cancel(first.id)
-    assert runner.wait(others[0].id, 60).state == "done"
+    assert runner.wait(others[0].id, PATIENCE).state == "done"
 
 
 def test_a_failure_is_one_sentence(runner: JobRunner, seen: Seen) -> None:
-    job = runner.wait(submit(runner, seen, Count(fail="input")).id, 60)
+    job = runner.wait(submit(runner, seen, Count(fail="input")).id, PATIENCE)
     assert (job.state, job.error) == ("failed", "steps: expected more, got few")
     assert (seen.finished, seen.done) == ([], 1)
 
 
 def test_a_bug_fails_the_job_not_the_runner(runner: JobRunner, seen: Seen) -> None:
-    job = runner.wait(submit(runner, seen, Count(fail="bug")).id, 60)
+    job = runner.wait(submit(runner, seen, Count(fail="bug")).id, PATIENCE)
     assert job.state == "failed"
     assert "ZeroDivisionError" in str(job.error)
-    assert runner.wait(submit(runner, seen, Count(1)).id, 60).state == "done"
+    assert runner.wait(submit(runner, seen, Count(1)).id, PATIENCE).state == "done"
 
 
 def test_a_worker_that_dies_fails_its_job_and_the_next_one_runs(
     runner: JobRunner, seen: Seen
 ) -> None:
-    job = runner.wait(submit(runner, seen, Count(fail="die")).id, 60)
+    job = runner.wait(submit(runner, seen, Count(fail="die")).id, PATIENCE)
     assert (job.state, "worker process died" in str(job.error)) == ("failed", True)
-    assert runner.wait(submit(runner, seen, Count(1)).id, 60).state == "done"
+    assert runner.wait(submit(runner, seen, Count(1)).id, PATIENCE).state == "done"
 
 
 def test_unknown_jobs_are_not_found(runner: JobRunner) -> None:
@@ -230,17 +230,13 @@ def test_workers_end_when_the_server_is_killed() -> None:
         assert server.stdout is not None
         worker = int(server.stdout.readline())
         server.kill()
-    deadline = time.monotonic() + 30
-    while Path(f"/proc/{worker}").exists() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not Path(f"/proc/{worker}").exists()
+    eventually(lambda: not Path(f"/proc/{worker}").exists())
 
 
 def test_close_cancels_what_runs(seen: Seen, scheduler: str) -> None:
     runner = JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)
     job = submit(runner, seen, Count(10_000, pause=0.01))
-    while not seen.items:
-        time.sleep(0.01)
+    eventually(lambda: seen.items)
     runner.close()
     assert runner.job(job.id).state == "cancelled"
 
@@ -267,6 +263,6 @@ def test_a_recording_is_tracked_on_the_cluster(cluster: str, tmp_path: Path) -> 
         stroke = {"id": str(uuid.uuid4()), "label": 1, "radius": 0.3}
         workspace.stroke("wall", 0, stroke | {"samples": [{"origin": [0, 0, 3]}]}, "anna")
         job = workspace.track("wall", start=0, stop=2, author="anna", method="icp")
-        job = workspace.runner.wait(job.id, 120)
+        job = workspace.runner.wait(job.id, PATIENCE)
         assert (job.state, job.error) == ("done", None)
         assert workspace.store.counts("wall")[1, 1][0] > 0

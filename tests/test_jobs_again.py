@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from waiting import eventually
 
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.worker import Channel
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
+from tests.waiting import PATIENCE, eventually
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def test_a_job_whose_worker_died_is_begun_once_more(
             restart=lambda _: seen.items.clear(),
         )  # fmt: skip
         other = runner.submit(Job("tracking", "t"), Count(2), lambda _job, _cancelled: {})
-        job, other = runner.wait(job.id, 120), runner.wait(other.id, 120)
+        job, other = runner.wait(job.id, PATIENCE), runner.wait(other.id, PATIENCE)
     assert (job.state, job.error, other.state) == ("done", None, "done")
     assert seen.items == list(range(6))
     assert (seen.finished, seen.done) == ([False], 1)
@@ -63,7 +63,7 @@ def started(*command: str) -> Iterator[None]:
     finally:
         process.terminate()
         try:
-            process.wait(10)
+            process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
@@ -100,18 +100,18 @@ def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
         "--host", "127.0.0.1",
     )  # fmt: skip
     with started(*scheduler_command):
-        eventually(lambda: listening(port), 60)
+        eventually(lambda: listening(port))
         runner = JobRunner(seen.jobs.append, scheduler=address)
         first = submit(runner, seen)
-        eventually(lambda: "expected workers" in runner.job(first.id).message, 60)
+        eventually(lambda: "expected workers" in runner.job(first.id).message)
         with started(*worker_command):
-            assert runner.wait(first.id, 120).state == "done"
+            assert runner.wait(first.id, PATIENCE).state == "done"
     with closing(runner):
-        eventually(lambda: not listening(port), 30)
+        eventually(lambda: not listening(port))
         second = submit(runner, seen)
-        eventually(lambda: "scheduler" in runner.job(second.id).message, 60)
+        eventually(lambda: "scheduler" in runner.job(second.id).message)
         with started(*scheduler_command), started(*worker_command):
-            job = runner.wait(second.id, 120)
+            job = runner.wait(second.id, PATIENCE)
             assert (job.state, job.error) == ("done", None)
 
 

@@ -22,6 +22,7 @@ from pointbrush.errors import (
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.workspace import Event, Provisional, Retracted, Workspace
+from tests.waiting import PATIENCE
 
 SEQUENCE = "ball"
 FRAMES = 8
@@ -69,7 +70,7 @@ def paint(workspace: Workspace, frame: int, label: int = 1, **fields: object) ->
 
 def track(workspace: Workspace, **options: object) -> dict[str, object]:
     request = {"start": 0, "stop": FRAMES - 1, "method": "icp", "author": "ada", **options}
-    job = workspace.runner.wait(workspace.track(SEQUENCE, **request).id, 60)  # type: ignore[arg-type]
+    job = workspace.runner.wait(workspace.track(SEQUENCE, **request).id, PATIENCE)  # type: ignore[arg-type]
     assert job.state == "done", job.error
     assert job.result is not None
     return job.result
@@ -263,7 +264,7 @@ def test_a_cancelled_run_keeps_or_drops_what_it_found(workspace: Workspace, keep
     workspace.cancel(job.id, keep=keep)
     go_on.set()
     assert ended.wait(60)
-    state = workspace.runner.wait(job.id, 60).state
+    state = workspace.runner.wait(job.id, PATIENCE).state
     # All frames may have been found before the cancel arrived; then the run is simply done.
     if state == "cancelled":
         assert bool((label(workspace, 2) == 1).any()) is keep
@@ -311,7 +312,7 @@ def test_labels_that_came_with_the_files_are_a_first_edit(
     given = np.repeat(np.array([0, 5], np.uint16), 25)
     np.savez(tmp_path / "labelled.npz", xyz=xyz, label=given)
     job = workspace.import_paths([tmp_path / "labelled.npz"])
-    assert workspace.runner.wait(job.id, 60).state == "done"
+    assert workspace.runner.wait(job.id, PATIENCE).state == "done"
     assert np.array_equal(workspace.annotation("labelled", 0)[0], given)
     assert set(workspace.annotation("labelled", 0, "provenance")[0].tolist()) == {0, 3}
     assert [entry.id for entry in workspace.palette("labelled")] == [5]
@@ -323,7 +324,7 @@ def test_exported_labels_keep_their_names_when_imported_again(
     paint(workspace, 0)
     workspace.export(SEQUENCE, "ply", tmp_path / "again")
     job = workspace.import_paths([tmp_path / "again"])
-    assert workspace.runner.wait(job.id, 60).state == "done"
+    assert workspace.runner.wait(job.id, PATIENCE).state == "done"
     first, again = workspace.palette(SEQUENCE), workspace.palette("again")
     painted = {int(label) for label in np.unique(workspace.annotation("again", 0)[0]) if label}
     assert painted
@@ -334,7 +335,7 @@ def test_exported_labels_keep_their_names_when_imported_again(
 
 def test_a_recording_without_any_point_is_refused(workspace: Workspace, tmp_path: Path) -> None:
     np.savez(tmp_path / "nothing.npz", xyz=np.empty((0, 3)))
-    job = workspace.runner.wait(workspace.import_paths([tmp_path / "nothing.npz"]).id, 60)
+    job = workspace.runner.wait(workspace.import_paths([tmp_path / "nothing.npz"]).id, PATIENCE)
     assert job.state == "failed"
     assert "expected points, got none in 1 frame(s)" in str(job.error)
     assert not (workspace.library.folder / "nothing").exists()

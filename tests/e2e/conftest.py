@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, expect, sync_playwright
 
 from pointbrush.formats import read
 from pointbrush.sequences import import_frames
@@ -17,6 +17,7 @@ from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import QUEST, Headset, Wear, wear
 from tests.e2e.recording import SEQUENCE, Truth
 from tests.e2e.server import LiveServer, complete
+from tests.waiting import PATIENCE
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
 PAGE = Path(__file__).parents[2] / "server" / "pointbrush" / "web" / "page" / "index.html"
@@ -61,6 +62,7 @@ def browser() -> Iterator[Browser]:
     if not Path(EXECUTABLE).exists():
         pytest.skip(f"no browser at {EXECUTABLE}")
     with sync_playwright() as playwright:
+        expect.set_options(timeout=1e3 * PATIENCE)
         chromium = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
         yield chromium
         chromium.close()

@@ -10,8 +10,8 @@ from typing import Any
 from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page
 
 from tests.e2e.chromium import TOUR_LEFT, UNDRAWN
+from tests.waiting import PATIENCE
 
-PATIENCE = 60.0
 RESULTS = Path(__file__).parents[2] / "test-results"
 
 
@@ -20,6 +20,7 @@ class Desk:
 
     def __init__(self, context: BrowserContext, url: str, *, newcomer: bool = False) -> None:
         self.context = context
+        context.set_default_timeout(1e3 * PATIENCE)
         if not newcomer:
             context.add_init_script(TOUR_LEFT)
         self.page: Page = context.new_page()

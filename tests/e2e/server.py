@@ -25,10 +25,9 @@ from pointbrush.settings import Settings
 from pointbrush.web import server as web_server
 from pointbrush.work.objects.preparing import StateFiles, prepare_file
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 TOKEN = "end-to-end-token-of-the-owner"
-START_SECONDS = 60
-STOP_SECONDS = 60
 # Servers are forked from a process that has imported everything: that is most of their start.
 FORKSERVER = multiprocessing.get_context("forkserver")
 FORKSERVER.set_forkserver_preload(
@@ -103,8 +102,8 @@ class LiveServer:
         self._process = FORKSERVER.Process(target=serve, args=how)
         self._process.start()
         # One for all requests: its making reads the system's certificates.
-        self._client = httpx.Client(base_url=self.url, timeout=20)
-        deadline = time.monotonic() + START_SECONDS
+        self._client = httpx.Client(base_url=self.url, timeout=PATIENCE)
+        deadline = time.monotonic() + PATIENCE
         while not self._answers():
             assert self._process.is_alive(), self.log.read_text()
             if time.monotonic() > deadline:
@@ -134,7 +133,7 @@ class LiveServer:
         assert self._client is not None
         self._client.close()
         send(self._process.pid, number)
-        self._process.join(STOP_SECONDS)
+        self._process.join(PATIENCE)
         assert self._process.exitcode is not None, "the server did not end"
         self._process = None
 

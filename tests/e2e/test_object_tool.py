@@ -81,13 +81,13 @@ def test_further_clicks_add_and_remove_and_stay_one_undo(
     pin = truth(0, PIN)
     desk.page.mouse.click(*desk.place(pin))
     index = int(np.linalg.norm(server.points(SEQUENCE, 0) - pin, axis=1).argmin())
-    eventually(lambda: server.annotation(SEQUENCE, 0)[index] == 1, 30)
+    eventually(lambda: server.annotation(SEQUENCE, 0)[index] == 1)
     assert painted(server, 0) > first
     desk.settled()
     desk.page.keyboard.down("Alt")
     desk.page.mouse.click(*desk.place(pin))
     desk.page.keyboard.up("Alt")
-    eventually(lambda: server.annotation(SEQUENCE, 0)[index] == 0, 30)
+    eventually(lambda: server.annotation(SEQUENCE, 0)[index] == 0)
     assert painted(server, 0) > 0
     desk.settled()
     desk.press("Control+z")
@@ -108,10 +108,10 @@ def test_the_eraser_removes_from_what_was_taken(
     for place, index in zip(places, (0, 1), strict=True):
         hover(desk, place, "pb.state.object.value?.ready")
         desk.page.mouse.click(*desk.place(place))
-        eventually(lambda index=index: stored()[: index + 1] == [1] * (index + 1), 30)
+        eventually(lambda index=index: stored()[: index + 1] == [1] * (index + 1))
     desk.press("c")
     desk.page.mouse.click(*desk.place(places[1]))
-    eventually(lambda: stored() == [1, 0], 30)
+    eventually(lambda: stored() == [1, 0])
 
 
 def test_a_stroke_is_completed_to_the_object(desk: Desk, server: LiveServer, truth: Truth) -> None:
@@ -126,7 +126,7 @@ def test_a_stroke_is_completed_to_the_object(desk: Desk, server: LiveServer, tru
     desk.page.get_by_text("Complete to object").wait_for()
     desk.press("Tab")
     desk.until("pb.state.object.value === null || !pb.state.object.value.completes")
-    eventually(lambda: painted(server, 0) > stroke, 30)
+    eventually(lambda: painted(server, 0) > stroke)
     assert overlap(server, [PERSON]) > 0.5
     desk.settled()
     desk.press("Escape")

@@ -15,6 +15,7 @@ from pointbrush.review import ReviewPanel
 from pointbrush.samples import generate
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 FRAMES = 5
 PIN = 1
@@ -25,7 +26,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     """The sample, its first frame painted, a pin tracked to the end."""
     with closing(Workspace(Settings(workspace=tmp_path_factory.mktemp("ws")))) as opened:
         job = opened.import_sample(frames=FRAMES)
-        assert opened.runner.wait(job.id, 120).state == "done"
+        assert opened.runner.wait(job.id, PATIENCE).state == "done"
         (manifest,) = opened.sequences()
         truth = np.asarray(generate("juggling", frames=1).truth[0])
         truth = truth[opened.recording(manifest.id)[0].source_index]
@@ -39,7 +40,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
             summary="painted",
         )
         job = opened.track(manifest.id, start=0, stop=FRAMES - 1, author="ada")
-        assert opened.runner.wait(job.id, 120).state == "done"
+        assert opened.runner.wait(job.id, PATIENCE).state == "done"
         yield opened
 
 
@@ -54,8 +55,8 @@ def test_the_steps_of_a_label_are_told_and_drawn(workspace: Workspace, browser: 
     with closing(opened(workspace, explain=PIN)) as panel:
         page = browser.new_page()
         page.goto(f"http://127.0.0.1:{panel.port}/")
-        expect(page.get_by_text("How pin 1 is found (auto)")).to_be_visible(timeout=30_000)
-        expect(page.get_by_text("predicted poses,")).to_be_visible(timeout=30_000)
+        expect(page.get_by_text("How pin 1 is found (auto)")).to_be_visible()
+        expect(page.get_by_text("predicted poses,")).to_be_visible()
         for name in ("Hypotheses", "Registered surface", "Background", "Claims"):
             expect(page.get_by_text(name, exact=True)).to_be_visible()
         expect(page.get_by_text("inliers", exact=True)).to_be_visible()
@@ -66,7 +67,7 @@ def test_iterations_of_icp_are_stepped_through(workspace: Workspace, browser: Br
     with closing(opened(workspace, explain=PIN, method="icp")) as panel:
         page = browser.new_page()
         page.goto(f"http://127.0.0.1:{panel.port}/")
-        expect(page.get_by_text("iteration 1 of")).to_be_visible(timeout=30_000)
+        expect(page.get_by_text("iteration 1 of")).to_be_visible()
         page.close()
 
 
@@ -80,12 +81,12 @@ def test_a_range_is_rejected_and_accepted(workspace: Workspace, browser: Browser
     with closing(opened(workspace)) as panel:
         page = browser.new_page()
         page.goto(f"http://127.0.0.1:{panel.port}/")
-        page.get_by_role("button", name="Accept").click(timeout=30_000)
-        expect(page.get_by_text("accepted frames 0 to 4")).to_be_visible(timeout=30_000)
+        page.get_by_role("button", name="Accept").click()
+        expect(page.get_by_text("accepted frames 0 to 4")).to_be_visible()
         assert [provenance(frame) for frame in range(FRAMES)] == [{1}] * FRAMES
         workspace.undo(sequence, "review")
         page.get_by_role("button", name="Reject").click()
-        expect(page.get_by_text("rejected frames 0 to 4")).to_be_visible(timeout=30_000)
+        expect(page.get_by_text("rejected frames 0 to 4")).to_be_visible()
         # What a person painted stays.
         assert [provenance(frame) for frame in range(FRAMES)] == [{1}] + [set()] * (FRAMES - 1)
         page.close()

@@ -117,7 +117,7 @@ def test_a_run_that_stopped_is_accepted_and_then_continued_at_the_desk(
     desk.page.get_by_role("button", name="Track…").click()
     desk.page.get_by_role("checkbox", name="Stop where it is unsure").check()
     desk.page.get_by_role("button", name="Track 1 label").click()
-    desk.page.get_by_text("Not sure of dust here").first.wait_for(timeout=60_000)
+    desk.page.get_by_text("Not sure of dust here").first.wait_for()
     assert desk.ask("pb.state.frame.value") == 1
     desk.page.get_by_role("button", name="Continue to 5").wait_for()
     found = painted(server, 1)

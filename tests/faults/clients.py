@@ -15,6 +15,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from pointbrush.streaming.schema import subprotocol
+from tests.waiting import PATIENCE
 
 SEQUENCE = "ball"
 FRAMES = 4
@@ -124,7 +125,7 @@ class RestTalk:
 
     def __init__(self, url: str, token: str) -> None:
         headers = {"Authorization": f"Bearer {token}"}
-        self.api = httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=60)
+        self.api = httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=PATIENCE)
         self.base = f"/sequences/{SEQUENCE}"
 
     def __enter__(self) -> RestTalk:
@@ -202,7 +203,7 @@ class SocketTalk(RestTalk):
     def until(self, kind: str, about: str | None = None) -> dict[str, Any]:
         """The message of this type (and final, about this id); raises RefusedError."""
         while True:
-            message: dict[str, Any] = msgpack.unpackb(self.socket.recv(timeout=60))
+            message: dict[str, Any] = msgpack.unpackb(self.socket.recv(timeout=PATIENCE))
             if message["type"] == "frame":
                 self.send(type="credit", frames=1)
             elif message["type"] == "error" and message["about"] == about:

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import httpx
 
+from tests.waiting import PATIENCE
+
 TOKEN = "test-token-of-the-owner"
-START_SECONDS = 60
 PLENTY = {"POINTBRUSH_REQUESTS_PER_SECOND": "100000", "POINTBRUSH_WORKERS": "1"}
 
 
@@ -65,7 +66,7 @@ class ServerProcess:
             self._said = self._stderr.read().decode(errors="replace")
         return self._said
 
-    def api(self, token: str = TOKEN, timeout: float = 30.0) -> httpx.Client:
+    def api(self, token: str = TOKEN, timeout: float = PATIENCE) -> httpx.Client:
         headers = {"Authorization": f"Bearer {token}"}
         return httpx.Client(base_url=f"{self.url}/api/v1", headers=headers, timeout=timeout)
 
@@ -73,10 +74,10 @@ class ServerProcess:
         """SIGKILL; no error when it has ended already."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGKILL)
-        self.process.wait(30)
+        self.process.wait(PATIENCE)
         self._close()
 
-    def stop(self, timeout: float = 30.0) -> int:
+    def stop(self, timeout: float = PATIENCE) -> int:
         """SIGTERM; returns the exit code."""
         self.process.send_signal(signal.SIGTERM)
         code = self.process.wait(timeout)

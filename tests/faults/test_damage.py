@@ -18,12 +18,12 @@ import httpx
 import msgpack
 import numpy as np
 import pytest
-from waiting import eventually
 
 from pointbrush.sequences import importer
 from tests.faults.clients import ENDED, SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.serving import add_sequence, settings_in
+from tests.waiting import PATIENCE, eventually
 
 POINTS, FRAMES, BAD = 60_000, 4, 2
 """Points of a frame: several pages of each array, so that a cut one is missing some."""
@@ -110,7 +110,7 @@ class Watching(SocketTalk):
 
     def watch(self, until: Callable[[], bool]) -> None:
         while not until():
-            message = msgpack.unpackb(self.socket.recv(timeout=60))
+            message = msgpack.unpackb(self.socket.recv(timeout=PATIENCE))
             if message["type"] == "frame":
                 self.frames.add(message["frame"])
                 self.send(type="credit", frames=1)
@@ -162,7 +162,7 @@ def test_points_cut_while_served(server: ServerProcess, seen: bool) -> None:
             now: dict[str, Any] = api.get(f"/jobs/{job['id']}").json()
             return now if now["state"] in ENDED else None
 
-        failed = eventually(ended, 60)
+        failed = eventually(ended)
         assert failed["state"] == "failed"
         assert f"frame {BAD} is damaged" in failed["error"]
     assert server.process.poll() is None
@@ -182,7 +182,7 @@ def test_an_octree_cut_while_served(octree: ServerProcess) -> None:
         cut(frame_file(octree, "000000.wire"))
         live.send(type="stroke_samples", id=edit, samples=STROKE["samples"])
         while True:
-            message = msgpack.unpackb(live.socket.recv(timeout=60))
+            message = msgpack.unpackb(live.socket.recv(timeout=PATIENCE))
             if message["type"] == "error" and message["about"] == edit:
                 break
         assert "frame 0 is damaged" in message["detail"]
@@ -204,7 +204,7 @@ def test_a_changed_bit_is_noticed_when_it_is_served(workspace: Path) -> None:
         require_told(points(api, 1), 1)
         require_told(chunks(api, 2), 2)
         # What is only looked up in is compared in the background.
-        eventually(lambda: chunks(api, 1).status_code == 500, 30)
+        eventually(lambda: chunks(api, 1).status_code == 500)
         require_told(chunks(api, 1), 1)
         assert points(api, 2).status_code == 200
         assert chunks(api, 3).status_code == 200
@@ -223,7 +223,7 @@ def test_a_changed_bit_in_an_octree_is_noticed(octree: ServerProcess) -> None:
     octree.kill()
     flip(frame_file(octree, "000000/rgb.npy"))
     with running(octree.workspace) as server, server.api() as api:
-        eventually(lambda: points(api, 0).status_code == 500, 30)
+        eventually(lambda: points(api, 0).status_code == 500)
         require_told(points(api, 0), 0)
 
 

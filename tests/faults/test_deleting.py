@@ -55,7 +55,7 @@ def test_deleted_on_one_server_while_another_tracks_and_shows_it(
         assert "is being tracked" in refused.json()["detail"]
         api.delete(f"/jobs/{job['id']}")
         ended = ("done", "failed", "cancelled")
-        eventually(lambda: api.get(f"/jobs/{job['id']}").json()["state"] in ended, 60)
+        eventually(lambda: api.get(f"/jobs/{job['id']}").json()["state"] in ended)
         with SocketTalk(here.url, TOKEN) as viewer:
             eventually(lambda: other.delete(ROOT).status_code == 204)
             with pytest.raises(RefusedError, match="deleted"):

@@ -14,7 +14,7 @@ from typing import Any
 
 import httpx
 import pytest
-from waiting import eventually
+from waiting import PATIENCE, eventually
 
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.faults.test_private import ended, scan, upload
@@ -58,7 +58,7 @@ def ticks(server: ServerProcess) -> int:
 
 def connect(server: ServerProcess) -> socket.socket:
     host, _, port = server.url.removeprefix("http://").partition(":")
-    return socket.create_connection((host, int(port)), timeout=30)
+    return socket.create_connection((host, int(port)), timeout=PATIENCE)
 
 
 def stroke(api: httpx.Client) -> httpx.Response:
@@ -80,7 +80,7 @@ def test_more_connections_than_files_are_refused_in_words(server: ServerProcess)
         with ExitStack() as held:
             for _ in range(FILES // 2 + 8):
                 held.enter_context(connect(server))
-            eventually(lambda: descriptors(server) > FILES // 2, 10)
+            eventually(lambda: descriptors(server) > FILES // 2)
             assert descriptors(server) < FILES
             with httpx.Client(base_url=server.url) as late:
                 require_words(late.get("/healthz"), "connections")
@@ -88,7 +88,7 @@ def test_more_connections_than_files_are_refused_in_words(server: ServerProcess)
             for _ in range(5):
                 assert stroke(early).status_code == 200
         with server.api() as api:
-            eventually(lambda: answers(api), 30)
+            eventually(lambda: answers(api))
             assert stroke(api).status_code == 200
     assert "Traceback" not in server.stderr
 
@@ -108,7 +108,7 @@ def test_a_flood_beyond_every_file_ends_nothing(server: ServerProcess) -> None:
     with server.api() as early:
         assert stroke(early).status_code == 200
         # A thread that still opens files to import them may take the loop's spare descriptor.
-        eventually(lambda: rests(server), 60)
+        eventually(lambda: rests(server))
         with limited(server, resource.RLIMIT_NOFILE, descriptors(server) + 2), ExitStack() as held:
             for _ in range(60):
                 held.enter_context(connect(server))
@@ -117,10 +117,10 @@ def test_a_flood_beyond_every_file_ends_nothing(server: ServerProcess) -> None:
                 assert answer.status_code in (200, 503), answer.text
             data = {"files": ("scan.npy", scan(200_000))}
             require_words(early.post("/sequences", files=data), "files open", "database")
-            eventually(lambda: rests(server), 20)  # an accept loop that spins never does
+            eventually(lambda: rests(server))  # an accept loop that spins never does
         for _ in range(3):
             with server.api() as api:
-                eventually(lambda: answers(api), 30)
+                eventually(lambda: answers(api))
                 assert stroke(api).status_code == 200
                 assert ended(api, upload(api, "scan.npy", scan()))["state"] == "done"
 

@@ -67,7 +67,7 @@ class Person:
             about = await one.open("wall", revision=self.revision)
             if self.revision is None:
                 self.revision = about["revision"]
-                await one.until("frame", timeout=30, final=True)
+                await one.until("frame", final=True)
             yield one
             self.gaps += one.gaps
 
@@ -96,7 +96,7 @@ class Person:
         self, one: Viewer, edit: str, brush: Brush, samples: list[dict[str, Any]]
     ) -> None:
         await send(one, edit, brush, samples)
-        answer = await one.until("stroke_result", timeout=30, id=edit, final=True)
+        answer = await one.until("stroke_result", id=edit, final=True)
         self.answered.append(answer["revision"])
 
 
@@ -112,7 +112,7 @@ async def everybody(server: ServerProcess) -> list[Person]:
         await asyncio.to_thread(post, server, {**last, "samples": [sample(random.Random(0))]})
         for one in viewers:
             if not any(message.get("edit") == last["id"] for message in one.log):
-                await one.until("annotation", timeout=30, edit=last["id"])
+                await one.until("annotation", edit=last["id"])
     return people
 
 

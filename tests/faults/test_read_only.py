@@ -26,6 +26,7 @@ from pointbrush.workspace import Workspace
 from tests.faults.clients import SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, running
 from tests.serving import add_sequence, settings_in
+from tests.waiting import PATIENCE
 
 STROKE = {"label": 1, "radius": 0.3, "samples": [{"origin": [0.0, 0.0, 3.0]}]}
 NOBODY = ("setpriv", "--reuid=65534", "--regid=65534", "--clear-groups")
@@ -130,7 +131,7 @@ def test_it_is_served_for_viewing(read_only: ReadOnly) -> None:
         with SocketTalk(server.url, TOKEN, "ann") as ann:
             seen = set()
             while seen != {0, 1}:
-                message = msgpack.unpackb(ann.socket.recv(timeout=60))
+                message = msgpack.unpackb(ann.socket.recv(timeout=PATIENCE))
                 if message["type"] == "frame":
                     seen.add(message["frame"])
                     ann.send(type="credit", frames=1)

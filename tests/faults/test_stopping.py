@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from waiting import eventually
+from waiting import PATIENCE, eventually
 
 from tests.faults.clients import SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
@@ -51,7 +51,7 @@ def test_a_stroke_over_rest_is_answered(server: ServerProcess) -> None:
         f"Content-Length: {len(body)}\r\nExpect: 100-continue\r\n\r\n"
     )
     port = int(server.url.rpartition(":")[2])
-    with socket.create_connection(("127.0.0.1", port), timeout=30) as link:
+    with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as link:
         link.sendall(head.encode())
         assert b"100 Continue" in link.recv(1000)  # from here on the stroke is on its way
         link.sendall(body)
@@ -60,7 +60,7 @@ def test_a_stroke_over_rest_is_answered(server: ServerProcess) -> None:
         while piece := link.recv(65536):
             answer += piece
     assert b"HTTP/1.1 200" in answer, answer
-    assert server.process.wait(30) == 0
+    assert server.process.wait(PATIENCE) == 0
     said = json.loads(answer.partition(b"\r\n\r\n")[2])
     assert said["changed"] > 0
     assert revision_of(server.workspace, asked["id"]) == said["revision"]
@@ -83,7 +83,7 @@ def test_a_stroke_over_the_socket_is_answered_and_a_job_does_not_hold_it_up(
         ann.until("welcome")  # so what came before has been heard
         server.process.send_signal(signal.SIGTERM)
         answer = ann.until("stroke_result", asked["id"])
-    assert server.process.wait(30) == 0
+    assert server.process.wait(PATIENCE) == 0
     assert revision_of(server.workspace, asked["id"]) == answer["revision"]
 
 

@@ -41,8 +41,8 @@ def test_a_second_server_leaves_the_uploads_of_the_first(tmp_path: Path) -> None
                 os.kill(worker, signal.SIGCONT)
             for beat in (workspace / "servers").glob("*/alive"):
                 os.utime(beat, (1, 1))  # the one that lives beats again
-            eventually(lambda: not list((workspace / "uploads").iterdir()), 60)
-            eventually(lambda: len(list((workspace / "servers").iterdir())) == 1, 60)
+            eventually(lambda: not list((workspace / "uploads").iterdir()))
+            eventually(lambda: len(list((workspace / "servers").iterdir())) == 1)
             assert ended(other, upload(other, "next.npy", scan()))["state"] == "done"
             # A job's files go once it has said that it ended.
-            eventually(lambda: not list((workspace / "uploads").iterdir()), 60)
+            eventually(lambda: not list((workspace / "uploads").iterdir()))

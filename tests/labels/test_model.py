@@ -164,7 +164,7 @@ class Pair:
             assert found == self.model.visible()
             assert int(np.count_nonzero(seen.any(axis=2))) == len(found)
             # The deltas add up to the state; the store's own thread may still be telling of them.
-            eventually(lambda copy=copy, seen=seen: bool((copy == seen).all()), 5)
+            eventually(lambda copy=copy, seen=seen: bool((copy == seen).all()))
             shown = {
                 one.id: (one.name, one.locked, one.visible) for one in store.palette(self.sequence)
             }

@@ -219,4 +219,4 @@ def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(postgres_url:
                 eventually(lambda: watching.execute(waits).fetchone() is None)
             assert heard == [1]
         # Nobody commits again.
-        eventually(lambda: heard == [1, 2], 30)
+        eventually(lambda: heard == [1, 2])

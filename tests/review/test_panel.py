@@ -14,6 +14,7 @@ from pointbrush.labels import Label
 from pointbrush.review.drawing import blend, lookup
 from pointbrush.review.panel import ReviewPanel, doubtful_frames
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 REST = {"pose": np.eye(4).ravel().tolist(), "rmse": 0.0, "inliers": 1.0, "points": 0}
 
@@ -64,7 +65,9 @@ def test_the_page_is_served_and_jumps_between_doubts(tmp_path: Path) -> None:
             tracks=tracks,
         )
         with closing(ReviewPanel(workspace, "walls", port=free_port())) as panel:
-            page = urllib.request.urlopen(f"http://127.0.0.1:{panel.port}/", timeout=10).read()
+            page = urllib.request.urlopen(
+                f"http://127.0.0.1:{panel.port}/", timeout=PATIENCE
+            ).read()
             assert b"<html" in page
             frames = []
             for direction in (1, 1, 1, -1, -1):

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -39,6 +38,7 @@ from pointbrush.sequences import importer as importer_module
 from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.manifest import VERSION
 from pointbrush.sequences.octree.quantise import dequantise
+from tests.waiting import eventually
 
 
 def frame(count: int, seed: int = 0, far: float = 0.0, dtype: type = np.float32) -> PointFrame:
@@ -345,9 +345,7 @@ def test_a_killed_import_leaves_no_sequence_and_is_swept(tmp_path: Path) -> None
         assert clean_temporary(tmp_path) == []  # still running: not ours to remove
         os.kill(child.pid, signal.SIGKILL)
     assert not target.exists()
-    deadline = time.monotonic() + 5
-    while not clean_temporary(tmp_path) and time.monotonic() < deadline:
-        time.sleep(0.05)
+    eventually(lambda: clean_temporary(tmp_path))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from tests.serving import Served
 from tests.streaming.client import HeldFrame, Viewer, viewer
+from tests.waiting import PATIENCE
 
 Scenario = Callable[[], Awaitable[None]]
 
@@ -19,7 +20,7 @@ RANDOM = np.random.default_rng(1)
 
 
 def run(scenario: Scenario) -> None:
-    asyncio.run(asyncio.wait_for(scenario(), 60))  # type: ignore[arg-type]
+    asyncio.run(asyncio.wait_for(scenario(), 2 * PATIENCE))  # type: ignore[arg-type]
 
 
 def stored_values(served: Served, frame: int) -> np.ndarray[Any, Any]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 
 from pointbrush.streaming.schema import subprotocol
+from tests.waiting import PATIENCE
 
 Message = dict[str, Any]
 POINTS = ("frame", "depth")
@@ -53,7 +54,7 @@ class Viewer:
     async def send(self, **message: Any) -> None:
         await self.socket.send(msgpack.packb(message))
 
-    async def receive(self, timeout: float = 5.0) -> Message:
+    async def receive(self, timeout: float = PATIENCE) -> Message:
         """The next message, applied."""
         data = await asyncio.wait_for(self.socket.recv(), timeout)
         assert isinstance(data, bytes)
@@ -109,7 +110,7 @@ class Viewer:
         grown[: len(old)] = old
         return grown
 
-    async def until(self, kind: str, timeout: float = 10.0, **fields: Any) -> Message:
+    async def until(self, kind: str, timeout: float = PATIENCE, **fields: Any) -> Message:
         """Receive until a message of this type with these fields comes."""
         end = time.monotonic() + timeout
         while True:

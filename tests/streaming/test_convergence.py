@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-import time
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing
 from functools import partial
 from typing import Any
@@ -25,9 +24,9 @@ from pointbrush.streaming.session import ViewerSession
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.streaming.client import HeldFrame, Message, Viewer
+from tests.waiting import PATIENCE, comes_true
 
 PEOPLE, FRAMES, LABELS = 3, 3, 2
-PATIENCE = 30.0
 
 
 class Pipe:
@@ -218,12 +217,9 @@ async def play_out(workspace: Workspace, steps: list[tuple[int, str, int]]) -> N
             await people[who].do(action, number)
         for person in people:
             await person.ask()
-        while any(person.unheard for person in people):
-            await asyncio.sleep(0.001)
-        wanted, end = stored(workspace), time.monotonic() + PATIENCE
-        while any(p.stale(wanted) or not p.frames for p in people) and time.monotonic() < end:
-            await asyncio.sleep(0.005)
-        assert [person.stale(wanted) for person in people] == [[]] * PEOPLE
+        await comes_true(lambda: not any(person.unheard for person in people))
+        wanted = stored(workspace)
+        await comes_true(lambda: not any(p.stale(wanted) or not p.frames for p in people))
         for person in people:
             await person.leave()
         assert [person.gaps for person in people] == [0] * PEOPLE
@@ -234,7 +230,7 @@ async def play_out(workspace: Workspace, steps: list[tuple[int, str, int]]) -> N
 def test_everybody_ends_with_what_is_stored(
     workspace: Workspace, steps: list[tuple[int, str, int]]
 ) -> None:
-    asyncio.run(asyncio.wait_for(play_out(workspace, steps), 4 * PATIENCE))
+    asyncio.run(asyncio.wait_for(play_out(workspace, steps), 2 * PATIENCE))
 
 
 @given(steps=STEPS)
@@ -247,7 +243,7 @@ def test_everybody_does_so_too_where_deltas_give_way_to_values_in_several_runs(
         patch.setattr(outbox, "MOST_DELTA_BYTES", 1_500)
         patch.setattr(sender, "VALUES_RUN", 2_500)
         patch.setattr(effect, "LISTED_POINTS", 400)
-        asyncio.run(asyncio.wait_for(play_out(workspace, steps), 4 * PATIENCE))
+        asyncio.run(asyncio.wait_for(play_out(workspace, steps), 2 * PATIENCE))
 
 
 def test_no_delta_overtakes_what_is_owed_to_a_slow_viewer(workspace: Workspace) -> None:
@@ -260,7 +256,7 @@ def test_no_delta_overtakes_what_is_owed_to_a_slow_viewer(workspace: Workspace) 
                 await person.connect()
                 for frame in (1, 0):
                     await person.do("seek", frame)
-                    await until(partial(person.has_all, frame))
+                    await comes_true(partial(person.has_all, frame))
             # 1. A delta fills the link; those behind it give way to the frame's whole values.
             slow.flowing.clear()
             for number in range(8):
@@ -275,26 +271,19 @@ def test_no_delta_overtakes_what_is_owed_to_a_slow_viewer(workspace: Workspace) 
             await asyncio.sleep(0.1)
             await slow.leave()
             await slow.connect()
-            await until(lambda: not slow.stale(stored(workspace)))
+            await comes_true(lambda: not slow.stale(stored(workspace)))
             for person in (slow, painter):
                 await person.leave()
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outbox, "MOST_DELTA_BYTES", 1_500)
-        asyncio.run(asyncio.wait_for(scenario(), 4 * PATIENCE))
+        asyncio.run(asyncio.wait_for(scenario(), 2 * PATIENCE))
 
 
 async def settled(person: Person) -> None:
     """All that somebody sent has been answered."""
     await person.ask()
-    await until(lambda: not person.unheard)
-
-
-async def until(holds: Callable[[], bool]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < end, "it never came to that"
-        await asyncio.sleep(0.002)
+    await comes_true(lambda: not person.unheard)
 
 
 def test_a_followers_messages_are_made_before_they_are_wanted(workspace: Workspace) -> None:

@@ -73,9 +73,7 @@ def test_others_are_answered_between_the_parts_of_a_long_stroke(served: Served, 
             await painter.open("wall", frame=0)
             await other.open("wall", frame=1)
             stroke = await long_stroke(painter, shape)
-            final = asyncio.create_task(
-                painter.until("stroke_result", timeout=50, final=True, id=stroke)
-            )
+            final = asyncio.create_task(painter.until("stroke_result", final=True, id=stroke))
             answered = 0
             while not final.done():
                 await short_stroke(other, answered)
@@ -100,9 +98,7 @@ def test_pings_are_answered_before_the_strokes_that_were_sent_ahead_of_them(serv
             pong = await client.socket.ping()
             heard = []
             client.on_message = heard.append
-            last = asyncio.create_task(
-                client.until("stroke_result", timeout=50, final=True, id=strokes[-1])
-            )
+            last = asyncio.create_task(client.until("stroke_result", final=True, id=strokes[-1]))
             await pong
             assert not any(m.get("id") == strokes[-1] and m.get("final") for m in heard)
             await last

@@ -48,7 +48,7 @@ def paint(here: Workspace, author: str, points: int) -> int:
 async def told(client: Viewer, revision: int, points: int) -> None:
     """Wait until the viewer has the values of a revision."""
     while client.frames[0].revision < revision:
-        await client.receive(30)
+        await client.receive()
     values = client.frames[0].values
     assert values is not None
     assert np.count_nonzero(values) == points

@@ -3,20 +3,21 @@ from __future__ import annotations
 import asyncio
 
 from pointbrush.streaming.outbox import Wake
+from tests.waiting import PATIENCE
 
 
 def test_a_ring_before_the_wait_is_not_lost_and_wakes_once() -> None:
     async def scenario() -> None:
         wake = Wake()
         wake.set()
-        await asyncio.wait_for(wake.wait(None), 5)
+        await asyncio.wait_for(wake.wait(None), PATIENCE)
         wake.clear()
         waiting = asyncio.create_task(wake.wait(None))
         await asyncio.sleep(0)
         assert not waiting.done()
         wake.set()
         wake.set()
-        await asyncio.wait_for(waiting, 5)
+        await asyncio.wait_for(waiting, PATIENCE)
 
     asyncio.run(scenario())
 
@@ -24,7 +25,7 @@ def test_a_ring_before_the_wait_is_not_lost_and_wakes_once() -> None:
 def test_a_wait_ends_by_itself_and_leaves_nothing_behind() -> None:
     async def scenario() -> None:
         wake = Wake()
-        await asyncio.wait_for(wake.wait(0.001), 5)
+        await asyncio.wait_for(wake.wait(0.001), PATIENCE)
         wake.clear()
         waiting = asyncio.create_task(wake.wait(0.001))
         await asyncio.sleep(0)
@@ -36,7 +37,7 @@ def test_a_wait_ends_by_itself_and_leaves_nothing_behind() -> None:
         await asyncio.sleep(0)
         assert not waiting.done()
         wake.set()
-        await asyncio.wait_for(waiting, 5)
+        await asyncio.wait_for(waiting, PATIENCE)
 
     asyncio.run(scenario())
 

@@ -43,6 +43,7 @@ def test_a_cap_on_points_holds_until_the_page_lifts_it(served: Served) -> None:
         async with viewer(served.url, served.token, auto_credit=False) as client:
             await client.send(type="credit", frames=0, points=1)
             await client.open("wall", frame=2)
+            await client.until("frame", frame=2)
             await client.drain(0.3)
             taken = len(client.arrivals)
             await client.send(type="credit", frames=taken, nbytes=client.nbytes, points=1)

@@ -13,6 +13,7 @@ from tests.serving import Served
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
 from tests.streaming.conftest import FRAMES
+from tests.waiting import PATIENCE
 
 BAD = [
     (b"", 400),
@@ -76,7 +77,7 @@ def test_messages_before_open(served: Served) -> None:
 
 async def send_and_read(client: Viewer, data: bytes | str) -> None:
     await client.socket.send(data)
-    await client.drain(5)
+    await client.drain(PATIENCE)
 
 
 def test_too_large_and_text_messages_close_the_socket(served: Served) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from typing import Any
 
@@ -23,7 +22,7 @@ def test_resuming_brings_what_was_missed(served: Served) -> None:
             async with viewer(served.url, served.token) as again:
                 again.frames = kept
                 await again.open("wall", frame=6, revision=revision)
-                await asyncio.wait_for(settled(again, 6, done["revision"]), 5)
+                await settled(again, 6, done["revision"])
                 assert again.gaps == 0
                 np.testing.assert_array_equal(again.frames[6].values, stored_values(served, 6))
 
@@ -41,7 +40,7 @@ def test_points_that_a_viewer_kept_are_not_sent_again(served: Served) -> None:
                 again.frames = {6: kept[6]}
                 held = [[6, len(kept[6].chunks)]]
                 await again.open("wall", frame=6, revision=revision, held=held)
-                await asyncio.wait_for(settled(again, 6, done["revision"]), 5)
+                await settled(again, 6, done["revision"])
                 await again.send(type="seek", frame=3)
                 await again.until("frame", frame=3, final=True)
                 assert 6 not in {frame for _, frame, _ in again.arrivals}

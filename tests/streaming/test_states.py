@@ -8,6 +8,7 @@ import httpx
 
 from tests.serving import Served
 from tests.streaming.client import Viewer, viewer
+from tests.waiting import PATIENCE
 
 CHANGES = 40
 
@@ -36,4 +37,4 @@ def test_every_viewer_hears_the_last_change_of_the_palette(served: Served) -> No
                 assert patched.status_code == 200
                 await asyncio.gather(listen(one, color), listen(other, color))
 
-    asyncio.run(asyncio.wait_for(scenario(), 60))
+    asyncio.run(asyncio.wait_for(scenario(), PATIENCE))

@@ -21,6 +21,7 @@ from pointbrush.streaming.shared.stock import OpenFrame, Shelf
 from pointbrush.workspace import Workspace
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.client import viewer
+from tests.waiting import PATIENCE
 
 LOOP = 260
 """Frames: more than a recording keeps open by itself."""
@@ -109,7 +110,7 @@ def test_a_long_loop_costs_no_thread_once_it_was_seen(tmp_path: Path, values: st
 
     workspace = Workspace(settings)
     try:
-        asyncio.run(asyncio.wait_for(scenario(workspace), 60))
+        asyncio.run(asyncio.wait_for(scenario(workspace), PATIENCE))
     finally:
         workspace.close()
 
@@ -169,4 +170,4 @@ def test_a_damaged_frame_is_told_and_the_others_come(damaged: Served) -> None:
                 await client.send(type="seek", frame=frame)
                 await client.until("frame", frame=frame, final=True)
 
-    asyncio.run(asyncio.wait_for(scenario(), 60))
+    asyncio.run(asyncio.wait_for(scenario(), PATIENCE))

@@ -33,7 +33,7 @@ def ended(served: Served, answer: httpx.Response) -> Any:
         found = httpx.get(url, headers=served.headers).json()
         return found if found["state"] in ("done", "failed") else None
 
-    return eventually(job, 60)
+    return eventually(job)
 
 
 def test_labels_come_in_by_upload_and_by_path(served: Served, tmp_path: Path) -> None:

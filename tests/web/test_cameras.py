@@ -27,9 +27,7 @@ def test_pictures_and_projections_come_back_as_they_were(served: Served, tmp_pat
     folder = described(tmp_path / "inbox" / "room")
     asked = {"path": str(folder)}
     url = f"{served.url}/api/v1"
-    preview = httpx.post(
-        f"{url}/imports/preview", json=asked, headers=served.headers, timeout=60
-    ).json()
+    preview = httpx.post(f"{url}/imports/preview", json=asked, headers=served.headers).json()
     assert preview["cameras"] == [{"name": "front", "projects": True}]
     with Client(served.url, TOKEN) as client:
         room = client.import_path(str(folder))

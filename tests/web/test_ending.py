@@ -11,7 +11,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from waiting import eventually
+from waiting import PATIENCE, eventually
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
 
@@ -52,7 +52,7 @@ def test_workers_end_with_the_server(tmp_path: Path, how: signal.Signals) -> Non
         try:
             url = next(line for line in server.stdout if "ready at" in line).split()[-1]
             headers = {"Authorization": "Bearer token-of-the-ending-test"}
-            with httpx.Client(base_url=url.split("?")[0], headers=headers, timeout=30) as api:
+            with httpx.Client(base_url=url.split("?")[0], headers=headers) as api:
                 body = {"path": str(DATA / "0000.npz")}
                 job = api.post("api/v1/sequences", json=body).raise_for_status().json()
                 while job["state"] in ("queued", "running"):
@@ -62,7 +62,7 @@ def test_workers_end_with_the_server(tmp_path: Path, how: signal.Signals) -> Non
             workers = children(server.pid)
             assert workers
             server.send_signal(how)
-            status = server.wait(20)
+            status = server.wait(PATIENCE)
         finally:
             server.kill()
     assert how == signal.SIGKILL or status == 0

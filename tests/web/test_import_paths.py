@@ -38,7 +38,7 @@ def own(home: Path, tmp_path: Path) -> Iterator[Served]:
 def post(served: Served, path: Path | str, token: str = "", **headers: str) -> httpx.Response:
     headers = {"Authorization": f"Bearer {token or served.token}", **headers}
     url = f"{served.url}/api/v1/sequences"
-    return httpx.post(url, json={"path": str(path)}, headers=headers, timeout=30)
+    return httpx.post(url, json={"path": str(path)}, headers=headers)
 
 
 def ended(served: Served, answer: httpx.Response) -> dict[str, object]:
@@ -49,7 +49,7 @@ def ended(served: Served, answer: httpx.Response) -> dict[str, object]:
         found: dict[str, object] = httpx.get(url, headers=served.headers).json()
         return found if found["state"] in ("done", "failed") else None
 
-    return eventually(job, 60)  # type: ignore[no-any-return]
+    return eventually(job)  # type: ignore[no-any-return]
 
 
 def test_without_roots_only_the_admin_token_imports_from_home(own: Served, home: Path) -> None:

@@ -69,7 +69,7 @@ def annotate(served: Served) -> None:
 
 
 def get(served: Served, path: str) -> bytes:
-    response = httpx.get(f"{served.url}/api/v1{path}", headers=served.headers, timeout=60)
+    response = httpx.get(f"{served.url}/api/v1{path}", headers=served.headers)
     assert response.status_code == 200, response.text
     return response.content
 
@@ -171,7 +171,7 @@ def test_a_clipped_stroke_takes_the_same_points_by_rest_and_socket(both: Served)
     def by_rest(sequence: str) -> None:
         url = f"{both.url}/api/v1/sequences/{sequence}/frames/0/strokes"
         stroke = {**brush, "samples": [sample]}
-        answer = httpx.post(url, json=stroke, headers=both.headers, timeout=60)
+        answer = httpx.post(url, json=stroke, headers=both.headers)
         assert answer.status_code == 200, answer.text
 
     def by_socket(sequence: str) -> None:

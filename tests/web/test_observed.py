@@ -45,7 +45,7 @@ def test_the_log_names_requests_edits_and_jobs_and_no_token(server: ServerProces
         api.get(f"/jobs?token={TOKEN}")
         run = {"start": 0, "stop": 1, "method": "icp"}
         job = api.post("/sequences/ball/tracking", json=run).json()["id"]
-        eventually(lambda: api.get(f"/jobs/{job}").json()["state"] == "done", 120, 0.2)
+        eventually(lambda: api.get(f"/jobs/{job}").json()["state"] == "done", every=0.2)
         for told in (
             'pointbrush_database_seconds_count{kind="write"}',
             'pointbrush_job_seconds_count{kind="tracking",state="done"} 1.0',

@@ -13,6 +13,7 @@ import pytest
 from pointbrush.cli import main
 from pointbrush.web.upload_files import KEPT_SECONDS, KeptUploads, Upload
 from tests.serving import Served, serving, settings_in
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def room(path: Path, frames: int = 2, scale: float = 1.0, z: int = 2) -> Path:
 
 def ask(served: Served, body: dict[str, Any]) -> httpx.Response:
     url = f"{served.url}/api/v1/imports/preview"
-    return httpx.post(url, json=body, headers=served.headers, timeout=60)
+    return httpx.post(url, json=body, headers=served.headers)
 
 
 def send(served: Served, call: str, files: dict[str, bytes], **fields: str) -> httpx.Response:
@@ -52,13 +53,12 @@ def send(served: Served, call: str, files: dict[str, bytes], **fields: str) -> h
         files=[("files", (name, data)) for name, data in files.items()],
         data=fields,
         headers=served.headers,
-        timeout=60,
     )
 
 
 def imported(served: Served, answer: httpx.Response) -> dict[str, Any]:
     assert answer.status_code == 202, answer.text
-    job = served.workspace.runner.wait(answer.json()["id"], 60)
+    job = served.workspace.runner.wait(answer.json()["id"], PATIENCE)
     assert job.state == "done", job.error
     assert job.result is not None
     return job.result
@@ -93,7 +93,7 @@ def test_units_and_up_are_guessed_shown_and_corrected(served: Served) -> None:
     assert (corrected["up"], corrected["name"]) == ("-x", "Turned")
     assert corrected["warnings"] == []
     url = f"{served.url}/api/v1/sequences"
-    result = imported(served, httpx.post(url, json=body, headers=served.headers, timeout=60))
+    result = imported(served, httpx.post(url, json=body, headers=served.headers))
     recording = served.workspace.recording(result["sequence"])
     assert np.ptp(recording[0].read_source(0, 5000, ["xyz"])["xyz"], axis=0).max() == pytest.approx(
         4, abs=0.1
@@ -118,10 +118,10 @@ def test_sent_files_wait_for_corrections_and_are_imported_without_being_sent_aga
     assert [c["name"] for c in again["columns"]] == ["x", "y", "z", "intensity"]
     url = f"{served.url}/api/v1/sequences"
     body = {"upload": found["upload"], "columns": ["x", "y", "z", "-", "intensity"]}
-    result = imported(served, httpx.post(url, json=body, headers=served.headers, timeout=60))
+    result = imported(served, httpx.post(url, json=body, headers=served.headers))
     intensity = served.workspace.recording(result["sequence"]).manifest.intensity_range
     assert intensity == pytest.approx([400, 500], abs=1)
-    gone = httpx.post(url, json=body, headers=served.headers, timeout=60)
+    gone = httpx.post(url, json=body, headers=served.headers)
     assert gone.status_code == 404
     dropped = f"{served.url}/api/v1/imports/{refused.json()['upload']}"
     assert httpx.delete(dropped, headers=served.headers).status_code == 204

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import re
 import socket
-import time
 import uuid
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -17,6 +16,7 @@ import pytest
 from plyfile import PlyData, PlyElement
 
 from tests.serving import Served, surface
+from tests.waiting import PATIENCE, eventually
 from tests.web.test_auth import problem
 
 
@@ -49,12 +49,11 @@ def stroke(label: int, **fields: Any) -> dict[str, Any]:
 
 
 def wait(api: httpx.Client, job: dict[str, Any]) -> dict[str, Any]:
-    for _ in range(600):
+    def ended() -> dict[str, Any] | None:
         found: dict[str, Any] = api.get(f"/jobs/{job['id']}").json()
-        if found["state"] in ("done", "failed", "cancelled"):
-            return found
-        time.sleep(0.05)
-    raise AssertionError("the job did not end")
+        return found if found["state"] in ("done", "failed", "cancelled") else None
+
+    return eventually(ended, every=0.05)  # type: ignore[no-any-return]
 
 
 def test_the_manifest_tells_frames_points_fields_and_bounds(api: httpx.Client) -> None:
@@ -189,7 +188,7 @@ def test_bad_annotations_change_nothing(api: httpx.Client, body: bytes, status: 
 
 def test_a_body_stated_too_large_is_refused_before_it_comes(served: Served) -> None:
     host, port = served.url.removeprefix("http://").split(":")
-    with socket.create_connection((host, int(port)), timeout=5) as raw:
+    with socket.create_connection((host, int(port)), timeout=PATIENCE) as raw:
         raw.sendall(
             b"PUT /api/v1/sequences/wall/frames/1/annotation HTTP/1.1\r\n"
             b"Host: localhost\r\nContent-Length: 30000000000\r\n"

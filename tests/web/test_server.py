@@ -15,7 +15,7 @@ from pathlib import Path
 import httpx
 import pytest
 from cryptography import x509
-from waiting import eventually
+from waiting import PATIENCE, eventually
 
 from pointbrush.errors import BadInputError
 from pointbrush.settings import Settings
@@ -42,7 +42,7 @@ def started(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
             yield process, line.split()[-1]
         finally:
             process.terminate()
-            rest = process.communicate(timeout=20)[0]
+            rest = process.communicate(timeout=PATIENCE)[0]
         assert "Traceback" not in rest
 
 
@@ -82,7 +82,7 @@ def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
         done = subprocess.run(
             [sys.executable, "-m", "pointbrush.cli", "serve", "--workspace", str(tmp_path),
              "--port", str(port)],
-            capture_output=True, text=True, timeout=60, check=False,
+            capture_output=True, text=True, timeout=PATIENCE, check=False,
         )  # fmt: skip
     assert done.returncode == 1
     assert len(done.stderr.strip().splitlines()) == 1

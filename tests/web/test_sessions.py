@@ -23,6 +23,7 @@ from pointbrush.streaming.schema import subprotocol
 from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import viewer
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -144,7 +145,7 @@ def test_a_revoked_token_paints_nothing_after_the_next_message(served: Served) -
             await client.send(type="stroke_end", id=stroke)
             refused = await client.until("error", about=stroke)
             assert refused["status"] == 401
-            await asyncio.wait_for(client.socket.wait_closed(), 10)
+            await asyncio.wait_for(client.socket.wait_closed(), PATIENCE)
             assert client.socket.close_code == 4401
 
     run(scenario)

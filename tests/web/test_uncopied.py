@@ -19,6 +19,7 @@ from websockets.protocol import State
 
 from pointbrush.web.server import listen
 from pointbrush.web.uncopied import AT_ONCE, BINARY, EXTENSION, UncopiedProtocol, header
+from tests.waiting import PATIENCE, comes_true
 
 HELLO = (
     b"GET / HTTP/1.1\r\nHost: here\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -35,6 +36,10 @@ def test_what_goes_ahead_is_what_the_library_would_write(length: int) -> None:
 
 def written(opcode: Opcode, data: bytes, *, fin: bool = True) -> bytes:
     return Frame(opcode, data, fin=fin).serialize(mask=True)
+
+
+TURNS = 300
+"""Of the event loop, in which an application takes all that was fed to it."""
 
 
 @contextmanager
@@ -63,7 +68,8 @@ def connected(
     async def feed(data: bytes, size: int) -> None:
         for at in range(0, len(data), size):
             link.data_received(data[at : at + size])
-        await asyncio.sleep(0.001)
+        for _ in range(TURNS):
+            await asyncio.sleep(0)
 
     try:
         link = UncopiedProtocol(config, state, {}, loop)
@@ -185,20 +191,22 @@ def test_a_server_stops_in_peace_while_a_client_that_does_not_read_is_leaving() 
         )
         server = uvicorn.Server(config)
         serving = asyncio.create_task(server.serve([listener]))
-        while not server.started:
-            await asyncio.sleep(0.01)
+        await comes_true(lambda: server.started)
         reader, writer = await asyncio.open_connection(*listener.getsockname())
         writer.write(HELLO)
         await reader.readuntil(b"\r\n\r\n")
         writer.write(GOODBYE)
-        while any(
-            isinstance(c, UncopiedProtocol) and c.conn.state is State.OPEN
-            for c in server.server_state.connections
-        ):
-            await asyncio.sleep(0.01)
+        await comes_true(
+            lambda: (
+                not any(
+                    isinstance(c, UncopiedProtocol) and c.conn.state is State.OPEN
+                    for c in server.server_state.connections
+                )
+            )
+        )
         assert server.server_state.connections, "what was sent waits to be read"
         server.should_exit = True
-        await asyncio.wait_for(serving, 20)
+        await asyncio.wait_for(serving, PATIENCE)
         writer.close()
         with suppress(ConnectionError):
             await writer.wait_closed()

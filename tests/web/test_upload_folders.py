@@ -27,7 +27,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 @pytest.fixture
 def api(served: Served) -> Iterator[httpx.Client]:
     base = f"{served.url}/api/v1"
-    with httpx.Client(base_url=base, headers=served.headers, timeout=60) as client:
+    with httpx.Client(base_url=base, headers=served.headers) as client:
         yield client
 
 
@@ -77,7 +77,7 @@ def ended(api: httpx.Client, answer: httpx.Response) -> dict[str, Any]:
         found: dict[str, Any] = api.get(f"/jobs/{answer.json()['id']}").json()
         return found if found["state"] in ("done", "failed") else None
 
-    return eventually(job, 60)  # type: ignore[no-any-return]
+    return eventually(job)  # type: ignore[no-any-return]
 
 
 def post(api: httpx.Client, files: Files) -> httpx.Response:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 CAR, TREE = np.array([5.0, 2.0, 1.0]), np.array([-4.0, 3.0, 2.0])
 YAW = 0.5
@@ -140,11 +140,7 @@ def test_boxes_of_every_format_come_in(workspace: Workspace, tmp_path: Path) -> 
         folder.mkdir()
         write(folder)
         job = workspace.import_labels("drive", folder, "me", no_ground=True)
-        deadline = time.monotonic() + 60
-        while job.state in ("queued", "running"):
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
-            job = workspace.job(job.id)
+        job = workspace.runner.wait(job.id, PATIENCE)
         assert job.state == "done", (name, job.error)
         assert job.result["matched"] == 2
         names = {0: ""} | {label.id: label.name for label in workspace.palette("drive")}

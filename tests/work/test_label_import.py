@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import tempfile
-import time
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +18,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 COUNTS = (40, 50, 60)
 START = 1532402927.647951
@@ -47,12 +47,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
 
 def run(workspace: Workspace, place: Path, sequence: str = "drive", **options: Any) -> Any:
     job = workspace.import_labels(sequence, place, "me", **options)
-    deadline = time.monotonic() + 60
-    while job.state in ("queued", "running"):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-        job = workspace.job(job.id)
-    return job
+    return workspace.runner.wait(job.id, PATIENCE)
 
 
 def labels(workspace: Workspace, frame: int, sequence: str = "drive") -> list[str]:

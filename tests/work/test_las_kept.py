@@ -12,6 +12,7 @@ import pytest
 
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 SHARED = Path(__file__).parents[3] / "shared" / "formats" / "las"
 OURS = ("label", "category", "instance")
@@ -27,7 +28,7 @@ REAL = (
 def through(tmp_path: Path, source: Path, kind: str) -> laspy.LasData:
     """Import a file, label some points, export it."""
     with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
-        job = workspace.runner.wait(workspace.import_paths([source]).id, 120)
+        job = workspace.runner.wait(workspace.import_paths([source]).id, PATIENCE)
         assert job.state == "done", job.error
         assert job.result is not None
         sequence = job.result["sequence"]
@@ -125,12 +126,12 @@ def test_the_classification_is_labels_when_asked_for(tmp_path: Path) -> None:
     las.classification = np.repeat([1, 2, 6, 64], 25).astype(np.uint8)
     las.write(tmp_path / "a.las")
     with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
-        job = workspace.runner.wait(workspace.import_paths([tmp_path / "a.las"]).id, 60)
+        job = workspace.runner.wait(workspace.import_paths([tmp_path / "a.las"]).id, PATIENCE)
         assert job.result is not None
         sequence = job.result["sequence"]
         assert workspace.palette(sequence) == []
         work = workspace.import_labels(sequence, tmp_path / "a.las", "ann", label_format="las")
-        done = workspace.runner.wait(work.id, 60)
+        done = workspace.runner.wait(work.id, PATIENCE)
         assert done.state == "done", done.error
         names = {label.id: label.name for label in workspace.palette(sequence)} | {0: ""}
         found = [names[n] for n in workspace.annotation(sequence, 0)[0].tolist()]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import uuid
 from collections.abc import Iterator
 from typing import Any
@@ -17,6 +16,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.work.objects import StaleCandidateError
 from pointbrush.workspace import Answer, Workspace
+from tests.waiting import eventually
 
 SEQUENCE = "balls"
 FLOOR, BALL = 6000, 1500
@@ -84,12 +84,8 @@ def label(workspace: Workspace, frame: int = 0) -> NDArray[np.uint16]:
 
 def ready(workspace: Workspace, frame: int = 0) -> Answer:
     """The answer once the frame is prepared."""
-    for _ in range(600):
-        answer = ask(workspace, frame)
-        if answer.ready:
-            return answer
-        time.sleep(0.1)
-    raise AssertionError("the frame was never prepared")
+    eventually(lambda: ask(workspace, frame).ready, every=0.1)
+    return ask(workspace, frame)
 
 
 def overlap(numbers: NDArray[np.int64], workspace: Workspace, ball: int = 0) -> float:

@@ -18,6 +18,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 FORMATS = ("ply", "pcd", "npz", "csv", "las", "laz", "semantickitti")
 EXACT = {"semantickitti": 1e-3, "las": 1e-6, "laz": 1e-6}
@@ -132,7 +133,7 @@ def test_labels_alone_have_a_row_for_every_row_of_the_source(tmp_path: Path) -> 
     (source / "1.xyz").write_text("\n".join(f"{i} {i} 1 5" for i in range(20)))
     with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
         job = workspace.import_paths([source], chosen=Corrections(drop_invalid=True))
-        done = workspace.runner.wait(job.id, 60)
+        done = workspace.runner.wait(job.id, PATIENCE)
         assert done.state == "done", done.error
         label = workspace.create_label("scan", "ann", name="a").id
         painted_ = np.zeros(16, np.uint16)
@@ -154,6 +155,6 @@ def test_labels_alone_have_a_row_for_every_row_of_the_source(tmp_path: Path) -> 
         # … and come in again.
         workspace.undo("scan", "ann")
         job = workspace.import_labels("scan", tmp_path / "labels", "bob")
-        done = workspace.runner.wait(job.id, 60)
+        done = workspace.runner.wait(job.id, PATIENCE)
         assert done.state == "done", done.error
         np.testing.assert_array_equal(workspace.annotation("scan", 0)[0] > 0, painted_ > 0)

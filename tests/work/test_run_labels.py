@@ -14,6 +14,7 @@ from pointbrush.jobs import Job
 from pointbrush.sequences import import_frames
 from pointbrush.workspace import Event, Provisional, Workspace
 from tests.serving import settings_in
+from tests.waiting import PATIENCE
 
 SEQUENCE, FRAMES = "balls", 6
 PLACES = {1: (-0.4, 0.0, 1.0), 2: (0.4, 0.0, 1.0)}
@@ -52,7 +53,7 @@ def track(workspace: Workspace, meanwhile: Callable[[], object]) -> Job:
 
     undo = workspace.subscribe(listen)
     started = workspace.track(SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada")
-    job = workspace.runner.wait(started.id, 120)
+    job = workspace.runner.wait(started.id, PATIENCE)
     undo()
     assert job.state == "done", job.error
     return job

@@ -11,6 +11,7 @@ import pytest
 from pointbrush.labels import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.waiting import PATIENCE
 
 POINTS = 500
 
@@ -42,7 +43,7 @@ def opened(tmp_path: Path, name: str = "w") -> Workspace:
 
 
 def import_path(workspace: Workspace, path: Path) -> str:
-    job = workspace.runner.wait(workspace.import_paths([path]).id, 60)
+    job = workspace.runner.wait(workspace.import_paths([path]).id, PATIENCE)
     assert job.state == "done", job.error
     assert job.result is not None
     return str(job.result["sequence"])
@@ -57,7 +58,9 @@ def test_files_differ_in_the_points_that_were_painted_alone(tmp_path: Path, way:
     with closing(opened(tmp_path)) as workspace:
         sequence = import_path(workspace, source)
         if way == "as labels":
-            job = workspace.runner.wait(workspace.import_labels(sequence, labels, "ann").id, 60)
+            job = workspace.runner.wait(
+                workspace.import_labels(sequence, labels, "ann").id, PATIENCE
+            )
             assert job.state == "done", job.error
         car = workspace.create_label(sequence, "ann", name="my car", category="car")
         workspace.export(sequence, "semantickitti", tmp_path / "before")

@@ -231,7 +231,7 @@ def test_a_viewer_sees_a_frame_as_soon_as_it_can_be_had(
                 await asyncio.to_thread(eventually, lambda: asked)
                 assert 0 not in client.frames
             while not (0 in client.frames and client.frames[0].final):
-                await client.receive(20)
+                await client.receive()
             assert client.frames[0].total == POINTS
 
     with serving(served_from) as served:
