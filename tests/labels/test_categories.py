@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, closing
+from threading import Barrier
+
 import pytest
 
 from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.formats.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
 from pointbrush.labels import Category, LabelStore
 
 
@@ -37,3 +42,34 @@ def test_names_and_colours_change_and_numbers_do_not(store: LabelStore) -> None:
         with pytest.raises(BadInputError):
             store.taxonomy.put(wanted)
     assert len(store.taxonomy.entries()) == 4
+
+
+@pytest.mark.parametrize("servers", [1, 2])
+@pytest.mark.parametrize("first", [SEMANTIC_KITTI, NUSCENES], ids=lambda dataset: dataset.name)
+def test_two_datasets_that_are_learned_at_once_keep_all_their_classes(
+    url: str, servers: int, first: Dataset
+) -> None:
+    """Templates and imports of two recordings, at one server or at two, in both orders."""
+    second = NUSCENES if first is SEMANTIC_KITTI else SEMANTIC_KITTI
+    with ExitStack() as stack:
+        stores = [stack.enter_context(closing(LabelStore(url))) for _ in range(servers)]
+        ready = Barrier(2)
+
+        def learn(store: LabelStore, dataset: Dataset) -> None:
+            numbers = {each.name: number for number, each in dataset.classes.items()}
+            ready.wait()
+            store.taxonomy.numbers([f"{dataset.name} {k}" for k in range(20)])
+            store.taxonomy.learn(dataset.name, numbers, strict=False)
+
+        with ThreadPoolExecutor(2) as pool:
+            running = [
+                pool.submit(learn, store, dataset)
+                for store, dataset in ((stores[0], first), (stores[-1], second))
+            ]
+        for each in running:
+            each.result()
+        entries = {entry.name: entry for entry in stores[0].taxonomy.entries()}
+    for dataset in (first, second):
+        for number, known in dataset.classes.items():
+            assert entries[known.name].datasets[dataset.name] == number
+        assert {f"{dataset.name} {k}" for k in range(20)} <= entries.keys()

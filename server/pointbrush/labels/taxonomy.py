@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from sqlalchemy import delete, insert, select, update
+from sqlalchemy import delete, insert, select, text, update
 from sqlalchemy.engine import Connection
-from sqlalchemy.exc import IntegrityError
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
 from pointbrush.labels.database import Database
@@ -20,8 +20,6 @@ GREATEST = 65535
 LONGEST = 256
 """Characters of a name."""
 _DATASET = re.compile("[a-z0-9][a-z0-9-]{0,63}")
-TRIES = 3
-"""Times that numbers are given out, should another server give the same ones out meanwhile."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,25 +59,22 @@ class Taxonomy:
         return {name: known[name] for name in wanted}
 
     def _given_out(self, fresh: Sequence[str], known: dict[str, int]) -> dict[str, int]:
-        for left in range(TRIES, 0, -1):
-            try:
-                with self._database.write() as connection:
-                    known = {entry.name: entry.number for entry in _entries(connection)}
-                    given = _next(fresh, known)
-                    rows = [
-                        {"number": number, "name": name, "color": ""}
-                        for name, number in given.items()
-                        if name not in known
-                    ]
-                    if rows:
-                        connection.execute(insert(categories), rows)
-                    return given
-            except ReadOnlyError:
-                break
-            except IntegrityError:
-                if left == 1:
-                    raise
-        return _next(fresh, known)
+        try:
+            with self._locked() as connection:
+                known = {entry.name: entry.number for entry in _entries(connection)}
+                given = _next(fresh, known)
+                _insert(connection, [Category(given[n], n) for n in given if n not in known])
+                return given
+        except ReadOnlyError:
+            return _next(fresh, known)
+
+    @contextmanager
+    def _locked(self) -> Iterator[Connection]:
+        """A transaction in which nobody else changes categories; raises ReadOnlyError."""
+        with self._database.write() as connection:
+            if not self._database.sqlite:  # whose writers are one at a time
+                connection.execute(text("LOCK TABLE categories IN SHARE ROW EXCLUSIVE MODE"))
+            yield connection
 
     def known_as(self, dataset: str) -> dict[str, int]:
         """Return the numbers that categories have in a dataset, by name."""
@@ -93,27 +88,34 @@ class Taxonomy:
         Raises ConflictError for a number of the dataset that another category has; or, not
         ``strict``, leaves that out.
         """
-        if not strict:
-            held = set(self.known_as(dataset).values())
-            numbers = {name: number for name, number in numbers.items() if number not in held}
-        known = {entry.name: entry for entry in self.entries()}
-        taken = {entry.number for entry in known.values()}
-        fresh = [name for name in numbers if name not in known]
-        free = [
-            Category(number, name)
-            for name, number in numbers.items()
-            if name in fresh and 1 <= number <= GREATEST and number not in taken
-        ]
-        if free:
-            self.put(free)
-        self.numbers(fresh)
-        self.put(
-            [
-                replace(entry, datasets={**entry.datasets, dataset: numbers[entry.name]})
-                for entry in self.entries()
-                if entry.name in numbers and dataset not in entry.datasets
-            ]
-        )
+        with self._locked() as connection:
+            entries = _entries(connection)
+            known = {entry.name: entry for entry in entries}
+            held = {e.datasets[dataset]: e.name for e in entries if dataset in e.datasets}
+            if not strict:
+                numbers = {n: number for n, number in numbers.items() if number not in held}
+            fresh = [name for name in numbers if name not in known]
+            taken = {entry.number for entry in entries}
+            own = {
+                name: numbers[name]
+                for name in fresh
+                if 1 <= numbers[name] <= GREATEST and numbers[name] not in taken
+            }
+            others = _next(
+                [name for name in fresh if name not in own],
+                {name: entry.number for name, entry in known.items()} | own,
+            )
+            added = [Category(number, name) for name, number in (own | others).items()]
+            _check(added)
+            _insert(connection, added)
+            _write_datasets(
+                connection,
+                [
+                    replace(entry, datasets={dataset: numbers[entry.name]})
+                    for entry in (*entries, *added)
+                    if entry.name in numbers and dataset not in entry.datasets
+                ],
+            )
 
     def put(self, wanted: Sequence[Category]) -> list[Category]:
         """Add categories, and give those of known numbers their names and colours.
@@ -123,7 +125,7 @@ class Taxonomy:
         change; or for a number of a dataset that another category has.
         """
         _check(wanted)
-        with self._database.write() as connection:
+        with self._locked() as connection:
             before = {entry.number: entry for entry in _entries(connection)}
             taken = {entry.name: entry.number for entry in before.values()}
             renamed = {entry.name for entry in before.values()} - {
@@ -218,10 +220,10 @@ def _write(connection: Connection, before: dict[int, Category], wanted: Sequence
         where = categories.c.number == each.number
         values = {"name": each.name, "color": each.color}
         connection.execute(update(categories).where(where).values(**values))
-    fresh = [
-        {"number": each.number, "name": each.name, "color": each.color}
-        for each in wanted
-        if each.number not in before
-    ]
+    _insert(connection, [each for each in wanted if each.number not in before])
+
+
+def _insert(connection: Connection, fresh: Sequence[Category]) -> None:
     if fresh:
-        connection.execute(insert(categories), fresh)
+        rows = [{"number": each.number, "name": each.name, "color": each.color} for each in fresh]
+        connection.execute(insert(categories), rows)
