@@ -274,8 +274,12 @@ class Workspace(Importing, Labelling):
         gaps: list[str] | None = None if isinstance(out, Path) else []
         labeled = exporting.labeled_frames(self.store, recording, chosen, gaps)
         palette = self.store.palette(sequence)
-        numbers = self.store.taxonomy.numbers(formats.category_names(palette))
+        names = formats.category_names(palette)
+        numbers = self.store.taxonomy.numbers(names)
         datasets = {name: self.store.taxonomy.known_as(name) for name in DATASETS}
+        if (numbering := formats.EXPORTS[export_format].numbering) is not None:
+            given = self.store.taxonomy.numbers_in(numbering, names)
+            datasets[numbering.name] = datasets.get(numbering.name, {}) | given
         formats.export(export_format, labeled, palette, out, gaps, numbers, datasets)
 
     def categories(self) -> list[Category]:

@@ -11,6 +11,7 @@ from sqlalchemy import delete, insert, select, text, update
 from sqlalchemy.engine import Connection
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
+from pointbrush.formats.numbering import Numbering
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import categories, dataset_numbers
 from pointbrush.names import require_visible
@@ -80,6 +81,38 @@ class Taxonomy:
         """Return the numbers that categories have in a dataset, by name."""
         found = {entry.name: entry.datasets.get(dataset) for entry in self.entries()}
         return {name: number for name, number in found.items() if number is not None}
+
+    def numbers_in(self, numbering: Numbering, names: Sequence[str]) -> dict[str, int]:
+        """Numbers of categories in a numbering, which each is given once, for ever.
+
+        Where nothing can be written they are those that the categories would get.  A category for
+        which none is free has none.
+        """
+
+        def given(entries: Sequence[Category]) -> dict[str, int]:
+            known = {
+                e.name: e.datasets[numbering.name] for e in entries if numbering.name in e.datasets
+            }
+            own = {entry.name: entry.number for entry in entries}
+            return numbering.completed(known, {name: own.get(name, 0) for name in names})
+
+        self.numbers(names)
+        entries = self.entries()
+        found = given(entries)
+        if any(numbering.name not in entry.datasets for entry in entries if entry.name in found):
+            try:
+                with self._locked() as connection:
+                    entries = _entries(connection)
+                    found = given(entries)
+                    fresh = [
+                        replace(entry, datasets={numbering.name: found[entry.name]})
+                        for entry in entries
+                        if entry.name in found and numbering.name not in entry.datasets
+                    ]
+                    _write_datasets(connection, fresh)
+            except ReadOnlyError:
+                pass
+        return {name: found[name] for name in names if name in found}
 
     def learn(self, dataset: str, numbers: Mapping[str, int], *, strict: bool = True) -> None:
         """Keep the number that each named category has in a dataset; a known one stays.

@@ -10,7 +10,7 @@ from typing import BinaryIO
 
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
-from pointbrush.formats.exports.about import FrameLog, write_about
+from pointbrush.formats.exports.about import FrameLog, write_about, write_classes
 from pointbrush.formats.exports.labeled import (
     BlockedFrame,
     ExportFrame,
@@ -21,6 +21,12 @@ from pointbrush.formats.exports.labeled import (
     sizes_of,
 )
 from pointbrush.formats.exports.output import Output, folder_output, single_output, stream_output
+from pointbrush.formats.numbering import (
+    KITTI_NUMBERS,
+    LAS_NUMBERS,
+    TRAINING_NUMBERS,
+    Numbering,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +45,8 @@ class Export:
     cannot_hold: tuple[str, ...] = ()
     endings: tuple[str, ...] = ()
     masks: bool = True
+    numbering: Numbering | None = None
+    """Numbers that its files have for classes; None: those of the workspace."""
 
 
 GAPS = "gaps.json"
@@ -58,12 +66,27 @@ _ALL = (
         ".bin and .label",
         semantickitti.write_semantickitti,
         (_PROVENANCE, _COLORS, _FIELDS),
+        numbering=KITTI_NUMBERS,
     ),
     Export("pcd", "PCD", "points and labels", points.write_pcds, (_PROVENANCE,), (".pcd",)),
     Export(
-        "las", "LAS", "points, labels, own fields", points.write_lass, (_PROVENANCE,), (".las",)
+        "las",
+        "LAS",
+        "points, labels, own fields",
+        points.write_lass,
+        (_PROVENANCE,),
+        (".las",),
+        numbering=LAS_NUMBERS,
     ),
-    Export("laz", "LAZ", "the same, compressed", points.write_lazs, (_PROVENANCE,), (".laz",)),
+    Export(
+        "laz",
+        "LAZ",
+        "the same, compressed",
+        points.write_lazs,
+        (_PROVENANCE,),
+        (".laz",),
+        numbering=LAS_NUMBERS,
+    ),
     Export("csv", "CSV", "one row per point", points.write_csvs, (_PROVENANCE,), (".csv",)),
     Export("labels-only", "Labels only", "no points", labels_only.write_labels_only, masks=False),
     Export(
@@ -80,6 +103,7 @@ _ALL = (
         "scenes for training",
         training.write_pointcept,
         (_PROVENANCE, _FIELDS),
+        numbering=TRAINING_NUMBERS,
     ),
     Export(
         "openpcdet",
@@ -94,6 +118,7 @@ _ALL = (
             _COLORS,
         ),
         masks=False,
+        numbering=TRAINING_NUMBERS,
     ),
     Export(
         "boxes",
@@ -139,7 +164,9 @@ def export(
     with context as output:
         try:
             log = FrameLog(output, masks=entry.masks)
-            entry.write(log.frames(frames), Palette(palette, numbers, datasets), log)
+            named = Palette(palette, numbers, datasets)
+            entry.write(log.frames(frames), named, log)
+            write_classes(output, named, entry.numbering)
             write_about(output, entry.name, log, entry.cannot_hold)
         except DamagedError as error:
             if gaps is None:

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from typing import BinaryIO
 
-from pointbrush.formats.exports.labeled import ExportFrame
+from pointbrush.formats.exports.labeled import ExportFrame, Palette
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.npy import write_column
+from pointbrush.formats.numbering import Numbering
 from pointbrush.formats.table import Table
 
 NAME = "export.json"
+CLASSES = "classes.json"
 VERSION = 1
 ROW = "row"
 """Field of a cut's points: the number of each in its frame."""
@@ -56,6 +58,13 @@ class FrameLog:
         self.masks[frame.index] = f"{DELETED}/{frame.stem}.npy"
         with self._output.file(self.masks[frame.index]) as file:
             write_column(file, masks)
+
+
+def write_classes(output: Output, palette: Palette, numbering: Numbering | None) -> None:
+    """Write ``classes.json``: the number of each category in the export's numbering."""
+    numbers = palette.categories if numbering is None else palette.numbers_in(numbering)
+    with output.file(CLASSES) as file:
+        file.write(json.dumps(numbers, indent=1, ensure_ascii=False).encode())
 
 
 def write_about(output: Output, format: str, log: FrameLog, cannot_hold: Sequence[str]) -> None:

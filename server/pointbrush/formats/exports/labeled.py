@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.numbering import Numbering
 from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
@@ -203,6 +204,11 @@ class Palette:
     def instance(self, label: NDArray[np.uint16]) -> NDArray[np.uint16]:
         """The number of each label within its category, from 1; 0 for 0."""
         return self._instance[label]
+
+    def numbers_in(self, numbering: Numbering) -> dict[str, int]:
+        """The number of each category in a numbering, those of the workspace first."""
+        numbers = numbering.completed(self._datasets.get(numbering.name, {}), self.categories)
+        return {name: numbers[name] for name in self.categories if name in numbers}
 
     def of_dataset(self, dataset: str) -> DatasetNumbers:
         """Each label's class and instance in a dataset's files.

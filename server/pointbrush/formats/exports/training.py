@@ -14,6 +14,7 @@ from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palett
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.npy import write_column
+from pointbrush.formats.numbering import TRAINING_NUMBERS
 from pointbrush.formats.table import Spools
 
 VALIDATION = 5
@@ -32,7 +33,7 @@ def split_of(position: int, name: str = "val") -> str:
 def write_pointcept(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """``train/NNNNNN/`` and ``val/NNNNNN/``: coord, color, strength, segment, instance ``.npy``.
 
-    ``segment`` numbers the export's categories from 0, in the order of ``palette.json``;
+    ``segment`` is the number of ``classes.json``, the same in all recordings of a workspace;
     ``instance`` is the label's id; both -1 where there is no label.
     """
     segments = _places(palette)
@@ -49,10 +50,10 @@ def write_pointcept(frames: Iterable[ExportFrame], palette: Palette, output: Out
 
 
 def _places(palette: Palette) -> NDArray[np.int16]:
-    """Place (65536,) of each category number among the export's categories; -1 for none."""
+    """The training number (65536,) of each category by its own number; -1 for none."""
     places = np.full(1 << 16, NONE, np.int16)
-    for place, number in enumerate(palette.categories.values()):
-        places[number] = place
+    for name, place in palette.numbers_in(TRAINING_NUMBERS).items():
+        places[palette.categories[name]] = place
     return places
 
 

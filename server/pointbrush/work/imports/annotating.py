@@ -342,7 +342,7 @@ class LabelImports:
             if request.dry_run or not report["labelled"]:
                 return report | {"edit": None, "changed": 0}
             if called[0].dataset:
-                self._store.taxonomy.learn(called[0].dataset, chosen.classes)
+                self._store.taxonomy.learn(called[0].dataset, chosen.classes, strict=False)
             learn_own(self._store, called[0].own.values())
             commit = self._store.apply(
                 recording.manifest.id,

@@ -183,7 +183,8 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
     if dataset is not None:
         # Classes, whose points have the instance that came with them.
         labels = [replace(label, instance=0) for label in labels]
-        store.taxonomy.learn(dataset.name, {each.category or each.name: each.id for each in labels})
+        numbers = {each.category or each.name: each.id for each in labels}
+        store.taxonomy.learn(dataset.name, numbers, strict=False)
     learn_own(store, [named[label_id] for label_id in found if label_id in named])
     store.apply(
         sequence,

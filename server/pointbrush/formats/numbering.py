@@ -1,0 +1,49 @@
+"""Numberings of classes: the numbers that an export's files have for categories."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pointbrush.formats.datasets import LAS, SEMANTIC_KITTI
+
+
+@dataclass(frozen=True, slots=True)
+class Numbering:
+    """Numbers of classes in a kind of files, from ``first`` to ``last``.
+
+    ``dense``: they are counted in the order in which classes get them; else a class has its own
+    number of the workspace where that is free, or the greatest that is.
+    """
+
+    name: str
+    first: int
+    last: int
+    dense: bool = False
+
+    def completed(self, known: Mapping[str, int], wanted: Mapping[str, int]) -> dict[str, int]:
+        """Add numbers for the classes of ``wanted`` that have none; those are their own ones."""
+        numbers = dict(known)
+        taken = set(known.values())
+        for name, own in wanted.items():
+            if name in numbers:
+                continue
+            number = self._free(taken, own)
+            if number is not None:
+                numbers[name] = number
+                taken.add(number)
+        return numbers
+
+    def _free(self, taken: set[int], own: int) -> int | None:
+        if self.dense:
+            following = max(taken, default=self.first - 1) + 1
+            return following if following <= self.last else None
+        if self.first <= own <= self.last and own not in taken:
+            return own
+        return next((n for n in range(self.last, self.first - 1, -1) if n not in taken), None)
+
+
+KITTI_NUMBERS = Numbering(SEMANTIC_KITTI.name, 1, 65_535)
+LAS_NUMBERS = Numbering(LAS.name, 64, 255)
+"""ASPRS leaves 64 to 255 to users; its own classes keep their numbers."""
+TRAINING_NUMBERS = Numbering("training", 0, 32_767, dense=True)
