@@ -110,6 +110,11 @@ def _turned(angles: Floats) -> Floats:
     return np.asarray(about_z @ about_y @ about_x)
 
 
+def _turned_about_own_axes(angles: Floats) -> Floats:
+    """Rotation Rx Ry Rz of angles about x, y, z, radians, as three.js's order XYZ has it."""
+    return _turned(-angles).T
+
+
 def _labelcloud(path: Path) -> Iterator[FrameBoxes]:
     boxes = []
     for entry in _document(path)["objects"]:
@@ -132,7 +137,7 @@ def _sustechpoints(path: Path) -> Iterator[FrameBoxes]:
                 int(digits[:9] or 0),
                 _vector(place["position"]),
                 _vector(place["scale"]),
-                _turned(_vector(place["rotation"])),
+                _turned_about_own_axes(_vector(place["rotation"])),
             )
         )
     yield FrameBoxes(None, tuple(boxes))

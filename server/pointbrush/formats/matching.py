@@ -32,7 +32,7 @@ class Origin:
 
 @dataclass(frozen=True, slots=True)
 class FrameName:
-    """What tells a frame from others: the file that it came from, and its time in seconds; "" and
+    """Marks of a frame for matching: the file that it came from, and its time in seconds; "" and
     None where they are not known."""
 
     file: str = ""

@@ -9,7 +9,7 @@ import { Lessons } from './lessons';
 import type { Pointer } from './pointer';
 import type { TestSource, Worn } from './testing';
 
-/** What a person does, as the table of devices names it. */
+/** Actions of a person, as the table of devices names them. */
 export const ACTIONS = ['enter', 'paint', 'erase', 'undo', 'label', 'step', 'play', 'track', 'question',
   'panels', 'object level', 'another recording', 'leave'] as const; // prettier-ignore
 export type Action = (typeof ACTIONS)[number];
@@ -52,7 +52,7 @@ function gesturesOf(device: Device, side: 0 | 1): Gesture[] {
   return [...buttons, ...pads, ...gripped];
 }
 
-/** What brings each action: the first gesture found, with its hand if that does not paint. */
+/** Gestures by action: the first one found, with its hand if that does not paint. */
 export function waysOf(worn: Worn): Map<Action, string> {
   const found = new Map<Action, string>();
   let gesture = '';

@@ -13,7 +13,7 @@ type Mode = 'immersive-vr' | 'immersive-ar';
 
 const FEATURES = ['local-floor', 'bounded-floor', 'layers'] as const;
 
-/** What is asked of a session: browsers may ask the person about hands, so only where they are wanted. */
+/** Features asked of a session: browsers may ask the person about hands, so only where they are wanted. */
 function wanted(): XRSessionInit {
   const { hands } = peek(xrSettings);
   return { optionalFeatures: hands ? [...FEATURES, 'hand-tracking'] : [...FEATURES] };
@@ -156,7 +156,7 @@ export class Headset {
     if (this.session === session) this.engine.pacing.show(1000 / (session.frameRate ?? otherwise));
   }
 
-  /** Where the browser tells no rate, the pictures' own times do; returns what ends that. */
+  /** Measure the rate by the pictures' own times, where the browser tells none; returns a function that ends it. */
   private measureRate(session: XRSession): () => void {
     if (session.frameRate) return () => undefined;
     const refresh = new RefreshRate();

@@ -19,7 +19,7 @@ export function followInterruptions(
   const seen = (): void => {
     if (session.visibilityState === 'visible') return;
     covered();
-    // What nobody sees does not play on.
+    // A recording that nobody sees does not play on.
     if (session.visibilityState === 'hidden' && peek(state.playing)) actions.togglePlay();
   };
   session.addEventListener('visibilitychange', seen);

@@ -3,7 +3,7 @@ import { chords, type Device } from './devices';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
 
-/** What a controller is for: it paints and no other hand is there, it paints, or it helps. */
+/** Task of a controller: it paints and no other hand is there, it paints, or it helps. */
 export type Part = 'alone' | 'brush' | 'other';
 
 const LEARNT = 3;

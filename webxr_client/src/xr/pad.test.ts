@@ -33,7 +33,7 @@ describe('a touchpad', () => {
 });
 
 describe('a thumb', () => {
-  /** What a pad says while a thumb goes from place to place: its direction or its click. */
+  /** Answers of a pad while a thumb goes from place to place: its direction or its click. */
   const slide = (kind: 'stick' | 'touchpad', ...places: readonly [number, number, boolean][]) => {
     const thumb = new Thumb();
     return places.map(([x, y, pressed]) => {

@@ -14,7 +14,7 @@ export interface Eyes {
 }
 
 /**
- * How much a palm faces the eyes, −1 to 1.  A grip's x axis leaves the palm of the left hand and
+ * Degree to which a palm faces the eyes, −1 to 1.  A grip's x axis leaves the palm of the left hand and
  * enters that of the right one (WebXR: `gripSpace`).
  */
 export function palmFacing(grip: Matrix4, side: Side | 'none', eyes: Vector3): number {

@@ -170,7 +170,7 @@ export class Pointers {
     for (const body of this.bodies) body.explain(this.partOf(body.pointer));
   }
 
-  /** What a pointer is for. */
+  /** Task of a pointer. */
   partOf(pointer: Pointer): Part {
     if (pointer !== this.brush) return 'other';
     return this.other ? 'brush' : 'alone';

@@ -22,7 +22,7 @@ uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 /** Pixels of the picture from bottom to top. */
 uniform float height;
-/** Which end of the piece, 0 or 1, and which side of it, −1 or 1. */
+/** End of the piece, 0 or 1, and side of it, −1 or 1. */
 in vec3 position;
 in vec3 start;
 in vec3 end;
@@ -30,7 +30,7 @@ const float CLOSEST = -0.01;
 void main() {
   vec3 a = (modelViewMatrix * vec4(start, 1.0)).xyz;
   vec3 b = (modelViewMatrix * vec4(end, 1.0)).xyz;
-  // What is behind the eyes has no place in the picture: the piece begins before them.
+  // Points behind the eyes have no place in the picture: the piece begins before them.
   if (a.z > CLOSEST && b.z < CLOSEST) a = mix(a, b, (CLOSEST - a.z) / (b.z - a.z));
   else if (b.z > CLOSEST && a.z < CLOSEST) b = mix(b, a, (CLOSEST - b.z) / (a.z - b.z));
   vec4 from = projectionMatrix * vec4(a, 1.0);

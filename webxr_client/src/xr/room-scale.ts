@@ -7,7 +7,7 @@ import { peek } from '../watch';
 import type { Rig } from './rig';
 import { placeModel, resetWorld, scaleAbout } from './world';
 
-/** Where one stood, and the level direction in which one looked, in the scene. */
+/** The place of a person in the scene, and the level direction in which they looked. */
 interface Stood {
   readonly place: Vector3;
   readonly ahead: Vector3;
@@ -20,7 +20,7 @@ export class RoomScale {
   constructor(
     private readonly viewer: Viewer,
     private readonly rig: Rig,
-    /** What is at hand is elsewhere; `settles`: so is the person. */
+    /** Things at hand are elsewhere; `settles`: so is the person. */
     private readonly moved: (settles: boolean) => void,
   ) {}
 

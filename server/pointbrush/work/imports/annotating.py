@@ -204,7 +204,7 @@ class ReadLabelsWork:
 
 
 def frame_names(manifest: Manifest) -> list[FrameName]:
-    """What tells the frames of a recording from each other: their files and times."""
+    """List the files and times of a recording's frames, by which they are told apart."""
     files = manifest.files or [""] * manifest.frames
     return [FrameName(*told) for told in zip(files, manifest.timestamps, strict=True)]
 
