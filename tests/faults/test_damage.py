@@ -27,7 +27,7 @@ from tests.waiting import PATIENCE, eventually
 
 POINTS, FRAMES, BAD = 60_000, 4, 2
 """Points of a frame: several pages of each array, so that a cut one is missing some."""
-ENDS = ["palette.json", "gaps.json"]
+ENDS = ["palette.json", "classes.json", "export.json", "gaps.json"]
 STROKE = {"label": 1, "radius": 0.3, "samples": [{"origin": [0.0, 0.0, 3.0]}]}
 
 

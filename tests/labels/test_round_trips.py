@@ -27,6 +27,15 @@ LATENCY_SECONDS = 0.02
 MOST_OF_A_STROKE, MOST_OF_A_READ = 4, 2
 
 
+def readable(links: list[socket.socket], timeout: float | None = None) -> list[socket.socket]:
+    """Wait until some of the links can be read; a process may have more files than select takes."""
+    poll = select.poll()
+    for link in links:
+        poll.register(link, select.POLLIN)
+    ready = {number for number, _ in poll.poll(timeout)}
+    return [link for link in links if link.fileno() in ready]
+
+
 class CountingProxy:
     """Passes bytes on; ``trips`` counts how often a client spoke after it had been answered."""
 
@@ -50,8 +59,7 @@ class CountingProxy:
         answered = True
         with client, socket.create_connection(self._target) as server:
             while True:
-                ready, _, _ = select.select([client, server], [], [])
-                for source in ready:
+                for source in readable([client, server]):
                     try:
                         data = source.recv(1 << 16)
                     except OSError:
@@ -63,7 +71,7 @@ class CountingProxy:
                     if source is server:
                         # As over a network: what is sent without waiting is sent meanwhile.
                         time.sleep(LATENCY_SECONDS)
-                        if select.select([client], [], [], 0)[0]:
+                        if readable([client], 0):
                             server.sendall(client.recv(1 << 16))
                     answered = source is server
                     (server if source is client else client).sendall(data)
