@@ -11,7 +11,7 @@ from pyarrow import feather
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import LabeledFrame, Limits, export, open_source
-from pointbrush.formats.box_labels import is_box_file, read_boxes
+from pointbrush.formats.boxes.registry import is_box_file, read_boxes
 from pointbrush.frame import PointFrame
 from tests.formats.test_exports import Label
 
@@ -218,7 +218,7 @@ def test_tracklets_of_a_raw_recording_are_boxes_on_their_bottom(tmp_path: Path) 
     first, second = read_boxes(path, "kitti-tracklets")
     assert (first.frame, second.frame) == (3, 4)
     (box,) = second.boxes
-    assert (box.name, box.instance, box.size.tolist()) == ("Car", 1, [4, 1.8, 1.6])
+    assert (box.name, box.key, box.size.tolist()) == ("Car", "1", [4, 1.8, 1.6])
     assert box.center == pytest.approx([11, 2, -0.2])
     assert box.rotation[:2, 0] == pytest.approx([np.cos(1.5), np.sin(1.5)])
     path.write_text("<!DOCTYPE a [<!ENTITY b 'c'>]><tracklets/>")

@@ -287,7 +287,7 @@ def test_maps_are_json_or_lines(tmp_path: Path) -> None:
 
 
 def test_every_format_of_labels_has_a_reader_and_a_name() -> None:
-    from pointbrush.formats.box_labels import BOX_READERS
+    from pointbrush.formats.boxes.registry import BOX_READERS
     from pointbrush.formats.names import LABEL_FORMATS
     from pointbrush.formats.point_labels import READERS
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.box_labels import BOX_READERS, is_box_file
+from pointbrush.formats.boxes.registry import BOX_READERS, is_box_file
 from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.formats.options import Limits, ReadOptions

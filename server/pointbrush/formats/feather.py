@@ -28,8 +28,11 @@ def read_feather(path: Path, options: ReadOptions) -> Any:
     yield frame_from_columns(path.name, columns | half, options)
 
 
-def read_table(path: Path, limits: Limits) -> dict[str, NDArray[Any]]:
-    """Return the columns of numbers; raises NotFoundError, BadInputError, TooLargeError."""
+def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
+    """Read the columns of numbers, and those of ``words`` whatever they hold.
+
+    Raises NotFoundError, BadInputError, TooLargeError.
+    """
     import pyarrow as pa
     from pyarrow import feather
 
@@ -50,7 +53,7 @@ def read_table(path: Path, limits: Limits) -> dict[str, NDArray[Any]]:
     return {
         name: column.to_numpy()
         for name, column in zip(table.column_names, table.columns, strict=True)
-        if pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
+        if name in words or pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
     }
 
 

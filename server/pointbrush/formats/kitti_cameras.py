@@ -18,7 +18,7 @@ from pointbrush.formats.poses import rigid_of
 
 log = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
-MOUNTINGS = ("Tr_velo_cam", "Tr_velo_to_cam", "Tr")
+MOUNTINGS = ("Tr_velo_cam", "Tr_velo_to_cam", "Tr_velo_to_cam_0", "Tr")
 """Names of the transform from the scanner to the first camera."""
 RECTIFICATIONS = ("R_rect", "R0_rect", "R_rect_00")
 SIZES = {12: (3, 4), 9: (3, 3)}

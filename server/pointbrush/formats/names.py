@@ -10,7 +10,8 @@ DELIMITERS: Mapping[str, str] = {
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "npy", "lines", "las"),
-    *("labelcloud", "sustechpoints", "supervisely", "kitti-tracking", "kitti-tracklets"),
+    *("labelcloud", "sustechpoints", "supervisely", "datumaro", "xtreme1", "argoverse"),
+    *("kitti-object", "kitti-tracking", "kitti-tracklets"),
     "boxes",
     "points",
 )

@@ -19,16 +19,19 @@ from pointbrush.formats.annotation import (
     find_label_files,
 )
 from pointbrush.formats.archive import unpacked
-from pointbrush.formats.box_labels import BOX_READERS, FrameBoxes, points_of, read_boxes
+from pointbrush.formats.boxes.figures import FrameBoxes, instance_numbers
+from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
 from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
+from pointbrush.formats.interpolation import NEAR
 from pointbrush.formats.matching import FrameName, match
 from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.source import reported
+from pointbrush.formats.timing import nearest
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import default_color
@@ -37,6 +40,7 @@ from pointbrush.sequences import open_sequence
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.annotate.layers import KeptAnnotation
+from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.importing import IMPORTED, learn_own
 from pointbrush.work.imports.submitting import LABELS, UPLOAD, drop_upload
 from pointbrush.worker import Channel
@@ -167,36 +171,50 @@ class ReadLabelsWork:
 
     def _box_frames(
         self, files: LabelFiles, found: Sequence[Sequence[FrameBoxes]], recording: Recording
-    ) -> dict[Path, int]:
-        """Find the frames of the files that do not say of which they are."""
-        silent = [
-            path
-            for path, parts in zip(files.paths, found, strict=True)
-            if any(part.frame is None for part in parts)
+    ) -> dict[FrameBoxes, int | None]:
+        """Find the frames of boxes: their index, or by their name, their time or that of the file.
+
+        Raises BadInputError as ``matching.match``.
+        """
+        parts = [
+            (path, part) for path, each in zip(files.paths, found, strict=True) for part in each
         ]
-        asked = replace(files, paths=tuple(silent))
-        return dict(zip(silent, self._frames(asked, recording), strict=True))
+        frames: dict[FrameBoxes, int | None] = {
+            part: part.frame for _, part in parts if isinstance(part.frame, int)
+        }
+        known = frame_names(recording.manifest)
+        named = {part: part.frame for _, part in parts if isinstance(part.frame, str)}
+        if named:
+            frames |= zip(named, match(list(named.values()), known), strict=True)
+        # A table has the times of a whole drive, of which the recording may be a part.
+        timed = {part: part.time for _, part in parts if part.time is not None}
+        at = {index: name.time for index, name in enumerate(known) if name.time is not None}
+        near = nearest(list(timed.values()), list(at.values()), NEAR)
+        frames |= zip(timed, (None if k is None else list(at)[k] for k in near), strict=True)
+        silent = {part: path for path, part in parts if part not in frames}
+        asked = replace(files, paths=tuple(silent.values()))
+        return frames | dict(zip(silent, self._frames(asked, recording), strict=True))
 
     def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
         """Hand on the points inside boxes; a class has the number of its name's place."""
         found = [read_boxes(path, files.format) for path in files.paths]
-        named = sorted({box.name for file in found for part in file for box in part.boxes})
-        names = {number: ClassName(name) for number, name in enumerate(named, start=1)}
+        figures = [figure for file in found for part in file for figure in part.boxes]
+        names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
+        instance_of = instance_numbers(figures)
         channel.item(LabelFiles(files.format, (), names, dict(files.own)))
         up = recording.manifest.T_room_local[1, :3]
         frames = self._box_frames(files, found, recording)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
             for part in file:
-                frame = frames[path] if part.frame is None else part.frame
-                if not 0 <= frame < len(recording):
+                frame = frames[part]
+                if frame is None or not 0 <= frame < len(recording):
                     channel.item(Unmatched(path.name))
                     continue
-                xyz = _source_points(recording, frame)
-                which = points_of(part.boxes, xyz, up, no_ground=self.request.no_ground)
+                which = figures_of(path.name, part, recording, frame, up, self.request.no_ground)
                 keys = tuple(
-                    (box.label, 0) if box.label else (number_of[box.name], box.instance)
-                    for box in part.boxes
+                    (each.label, 0) if each.label else (number_of[each.name], instance_of[each.key])
+                    for each in part.boxes
                 )
                 rows = np.flatnonzero(which >= 0)
                 channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
@@ -247,14 +265,6 @@ def _of_export(
         category=export.spread(frame, labels.category),
         instance=None if instance is None else export.spread(frame, instance),
     )
-
-
-def _source_points(recording: Recording, frame: int) -> NDArray[np.float64]:
-    """Points (N, 3) of a frame in source order and coordinates."""
-    stored = recording[frame]
-    xyz = np.empty((stored.count, 3))
-    xyz[stored.source_index] = np.asarray(stored.xyz, np.float64) + recording.manifest.shift
-    return xyz
 
 
 def _of_boxes(

@@ -1,0 +1,1 @@
+"""Boxes and marked points that other tools keep of frames; see docs/conventions.md."""

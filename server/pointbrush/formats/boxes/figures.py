@@ -1,0 +1,120 @@
+"""Boxes and marked points of frames, as labels made elsewhere have them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+MOST_NUMBER = 10**9
+"""Numbers of objects above which a key is a word."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Box:
+    """A box of an object, in the coordinates of the points.
+
+    ``center`` (3,) and ``size`` (3,) full edges, metres; ``rotation`` (3, 3) axes as columns;
+    ``key`` tells its object in all frames, "" where nothing does; ``label`` is the id of the label
+    of ours that it is of, 0 for others.
+    """
+
+    name: str
+    key: str
+    center: Floats
+    size: Floats
+    rotation: Floats
+    label: int = 0
+
+    def inside(self, xyz: Floats) -> NDArray[np.bool_]:
+        """Tell which points (N, 3) are in the box."""
+        local = np.abs((xyz - self.center) @ self.rotation)
+        return np.asarray((local <= self.size / 2).all(axis=1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointFigure:
+    """Points of an object: ``rows`` (n,) of the frame's file; ``name`` and ``key`` as of a box."""
+
+    name: str
+    key: str
+    rows: NDArray[np.int64]
+    label: int = 0
+
+
+Figure = Box | PointFigure
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameBoxes:
+    """Boxes and marked points of a frame.
+
+    ``frame`` is its index or its name; where it is None, ``time`` (seconds) tells it, or the name
+    of the file.
+    """
+
+    frame: int | str | None
+    boxes: tuple[Figure, ...]
+    time: float | None = None
+
+
+def instance_numbers(figures: Iterable[Figure]) -> dict[str, int]:
+    """Number the objects of figures by their keys: a key that is a number keeps it, others get
+    those that are left, in the order in which they come; "" is 0."""
+    keys = list(dict.fromkeys(figure.key for figure in figures))
+    numbers = {
+        key: int(key) for key in keys if key.isascii() and key.isdigit() and 0 < len(key) < 10
+    }
+    numbers = {key: number for key, number in numbers.items() if 0 < number < MOST_NUMBER}
+    taken, free = set(numbers.values()), 1
+    for key in keys:
+        if key and key not in numbers:
+            while free in taken:
+                free += 1
+            numbers[key] = free
+            free += 1
+    return numbers | {"": 0}
+
+
+def points_of(
+    boxes: tuple[Box, ...], xyz: Floats, up: Floats, *, no_ground: bool
+) -> NDArray[np.int64]:
+    """Find the box (N,) that each point is in, -1 for none; of several the one of nearer centre.
+
+    ``up`` (3,) points away from the floor; with ``no_ground`` what is near the lowest points
+    round a box is left out.
+    """
+    which = np.full(len(xyz), -1, np.int64)
+    nearest = np.full(len(xyz), np.inf)
+    for number, box in enumerate(boxes):
+        inside = box.inside(xyz)
+        if no_ground:
+            inside &= ~_ground(box, xyz, up)
+        rows = np.flatnonzero(inside)
+        away = np.linalg.norm(xyz[rows] - box.center, axis=1)
+        closer = rows[away < nearest[rows]]
+        which[closer], nearest[closer] = number, away[away < nearest[rows]]
+    return which
+
+
+GROUND_REACH, GROUND_ABOVE, GROUND_SHARE = 1.0, 0.2, 0.1
+"""Metres round a box whose lowest points are the ground, metres above it that are, and the share
+of the points there that lie below it."""
+
+
+def _ground(box: Box, xyz: Floats, up: Floats) -> NDArray[np.bool_]:
+    """Tell which points are the ground at a box."""
+    wide = Box(box.name, "", box.center, box.size + 2 * GROUND_REACH, box.rotation)
+    height = xyz @ up
+    near = wide.inside(xyz) & ~box.inside(xyz)
+    if not near.any():
+        return np.zeros(len(xyz), np.bool_)
+    level = float(np.quantile(height[near], GROUND_SHARE))
+    bottom = float(box.center @ up) - float(np.abs(box.rotation.T @ up) @ box.size) / 2
+    # Where there is no ground below it the lowest points are the object's own.
+    if level > bottom + 2 * GROUND_ABOVE:
+        return np.zeros(len(xyz), np.bool_)
+    return np.asarray(height < level + GROUND_ABOVE)
