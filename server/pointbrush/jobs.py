@@ -147,11 +147,13 @@ class JobRunner:
         cancelled, so that findings can be kept; not when the work failed.  ``done(job)`` runs last,
         however the job ended; it has not where another server goes on with it.  When a worker
         dies, the work is begun once more, after ``restart(job)``: it drops what came so far.  So
-        ``work`` must be safe to begin again.
+        ``work`` must be safe to begin again.  Raises UnavailableError once the runner is closed.
         """
+        self._require_open()
         if self.book is not None:
             self.book.begun(job)
         with self._lock:
+            self._require_open()
             future = self._hand_out(job.id, work)
             running = _Running(work, future, finish, on_item, done, restart)
             self._jobs[job.id], self._running[job.id] = job, running
@@ -222,7 +224,8 @@ class JobRunner:
         Jobs in a book are left to the next server, or fail where nothing begins them again; others
         are cancelled.
         """
-        self._closed = True
+        with self._lock:
+            self._closed = True
         for job in self.jobs():
             if job.state in ENDED:
                 continue
@@ -243,6 +246,10 @@ class JobRunner:
         for running in supervised:
             running.ended.wait(END_SECONDS)
         self._listener.close()
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise UnavailableError("jobs: expected a server that runs, it is being stopped")
 
     def _forget_old(self) -> None:
         ended = [job_id for job_id, job in self._jobs.items() if job.state in ENDED]
@@ -318,7 +325,12 @@ class JobRunner:
             running.ended.set()
 
     def _hand_out(self, job_id: str, work: Work) -> Future[Any] | None:
-        """Give work to a worker; None while the scheduler is away."""
+        """Give work to a worker; None while the scheduler is away, and once this is closed.
+
+        The lock must be held.
+        """
+        if self._closed:
+            return None
         return self._workers.submit(run_work, self._listener.address, self._key, job_id, work)
 
     def _outcome(self, job_id: str, running: _Running) -> BaseException | None:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from sqlalchemy import Row, delete, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, insert, select, update
 
 from pointbrush.errors import ConflictError
 from pointbrush.labels.database import Database
@@ -51,7 +51,11 @@ class JobRecord:
 
 
 class JobRecords:
-    """The jobs of one database, as one of its servers writes them; thread-safe."""
+    """The jobs of one database, as one of its servers writes them; thread-safe.
+
+    Rows are locked in the order of their ids, or passed over where another server has locked them:
+    servers on one database never wait for each other in a circle.
+    """
 
     def __init__(self, database: Database, owner: str) -> None:
         """``owner`` is this process, as in its guards."""
@@ -73,14 +77,15 @@ class JobRecords:
                 .order_by(jobs.c.created.desc())
                 .offset(KEPT_JOBS)
             )
-            connection.execute(delete(jobs).where(jobs.c.id.in_(ended.subquery().select())))
+            old = jobs.c.id.in_(ended.subquery().select())
+            _delete_unlocked(connection, jobs, old)
 
     def update(self, records: Iterable[JobRecord]) -> set[str]:
         """Write how far jobs of this process are; return those that are another's by now."""
         lost: set[str] = set()
         with self._database.write() as connection:
             now = self._database.now(connection)
-            for record in records:
+            for record in sorted(records, key=lambda record: record.id):
                 row = _row(record) | {"beat": now}
                 for name in ("id", "owner", "wish", "lost"):
                     del row[name]
@@ -94,6 +99,7 @@ class JobRecords:
         own = jobs.c.id.in_(ids) & (jobs.c.owner == self.owner) & jobs.c.state.in_(UNDER_WAY)
         nobody = {"owner": "", "beat": 0.0, "state": "queued", "progress": 0.0, "message": message}
         with self._database.write() as connection:
+            connection.execute(select(jobs.c.id).where(own).order_by(jobs.c.id).with_for_update())
             connection.execute(update(jobs).where(own).values(nobody))
 
     def under_way(self) -> list[JobRecord]:
@@ -127,19 +133,25 @@ class JobRecords:
         """
         if not any(record.owner != self.owner for record in self.under_way()):
             return []
+        seconds = STALE_SECONDS if silent else None
         taken: list[JobRecord] = []
+        owners: set[str] = set()
         with self._database.write() as connection:
             now = self._database.now(connection)
-            chosen = select(jobs).where(jobs.c.state.in_(UNDER_WAY), jobs.c.owner != self.owner)
-            for row in connection.execute(chosen.order_by(jobs.c.created).with_for_update()).all():
-                if row.owner and not given_up(row, now, STALE_SECONDS if silent else None):
-                    continue
+            others = select(jobs).where(jobs.c.state.in_(UNDER_WAY), jobs.c.owner != self.owner)
+            gone = [row.id for row in connection.execute(others) if _abandoned(row, now, seconds)]
+            chosen = others.where(jobs.c.id.in_(gone)).order_by(jobs.c.id)
+            for row in connection.execute(chosen.with_for_update(skip_locked=True)).all():
+                if not _abandoned(row, now, seconds):
+                    continue  # it was heard of before its row was locked
                 lost = row.lost + (1 if row.owner else 0)
                 mine = self._mine(now) | {"lost": lost}
                 connection.execute(update(jobs).where(jobs.c.id == row.id).values(mine))
-                connection.execute(delete(works).where(works.c.owner == row.owner))
+                owners |= {row.owner} - {""}
                 taken.append(_record(row, lost=lost, owner=self.owner))
-        return taken
+            if owners:
+                _delete_unlocked(connection, works, works.c.owner.in_(owners))
+        return sorted(taken, key=lambda record: record.created)
 
     def count(self) -> dict[str, int]:
         """Return how many jobs are in each state."""
@@ -149,6 +161,18 @@ class JobRecords:
 
     def _mine(self, now: float) -> dict[str, Any]:
         return {"host": host(), "process": os.getpid(), "owner": self.owner, "beat": now}
+
+
+def _abandoned(row: Row[Any], now: float, seconds: float | None) -> bool:
+    """Return whether a job is nobody's or its server has gone (see ``given_up``)."""
+    return not row.owner or given_up(row, now, seconds)
+
+
+def _delete_unlocked(connection: Connection, table: Table, condition: ColumnElement[bool]) -> None:
+    """Delete rows by a condition, but for those that another transaction has locked."""
+    free = select(table.c.id).where(condition).with_for_update(skip_locked=True)
+    ids = connection.execute(free).scalars().all()
+    connection.execute(delete(table).where(table.c.id.in_(ids)))
 
 
 def _row(record: JobRecord) -> dict[str, Any]:

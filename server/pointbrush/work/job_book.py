@@ -89,7 +89,7 @@ class JobBook:
         Raises ConflictError when there is another one of its id, UnavailableError.
         """
         if job.id not in self._waiting:
-            self._records.add(_record(job))
+            self._records.add(record_of(job))
 
     def changed(self, job: Job) -> None:
         """Note that a job has changed; its progress is written with the next beat."""
@@ -210,7 +210,7 @@ class JobBook:
                 self._changed = changed | self._changed
             return
         try:
-            lost = self._records.update(_record(job) for job in wanted.values())
+            lost = self._records.update(record_of(job) for job in wanted.values())
         except BaseException:
             with self._lock:
                 self._changed = changed | self._changed
@@ -239,7 +239,7 @@ class JobBook:
         self._waiting.pop(record.id, None)
 
     def _ended(self, job: Job) -> None:
-        self._records.update([_record(job)])
+        self._records.update([record_of(job)])
         self._notify(job)
 
     def _heed(self, job_id: str, wish: Wish) -> None:
@@ -272,7 +272,8 @@ def job_of(record: JobRecord) -> Job:
     return Job(**values, owner=record.author)
 
 
-def _record(job: Job) -> JobRecord:
+def record_of(job: Job) -> JobRecord:
+    """Make the record of a job, which is nobody's yet."""
     values = {name: getattr(job, name) for name in _FIELDS}
     request = None if job.request is None else dict(job.request)
     return JobRecord(**values | {"request": request}, author=job.owner)

@@ -1,0 +1,46 @@
+"""Jobs that are begun again, at the moment in which their next server ends too."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import LabelStore
+from pointbrush.work.job_book import JobBook, record_of
+from tests.test_jobs import Count
+from tests.waiting import PATIENCE
+
+
+def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
+    begins, closed = threading.Event(), threading.Event()
+    told: list[Job] = []
+
+    def begin(job: Job) -> None:
+        begins.set()
+        assert closed.wait(PATIENCE)
+        runner.submit(job, Count(), lambda _job, _cancelled: {})
+
+    waiting = Job("import", "s", request={"call": "again"})
+    with closing(LabelStore(url)) as store, caplog.at_level(logging.WARNING):
+        store.jobs.add(record_of(waiting))
+        store.jobs.release([waiting.id], "")
+        runner = JobRunner(told.append, workers=1)
+        runner.make_ready(int)
+        book = JobBook(store, runner, told.append, {"again": begin}, keep=lambda _job: None)
+        book.open()
+        assert begins.wait(PATIENCE)
+        runner.close()
+        closed.set()
+        book.close()
+        left = store.jobs.find(waiting.id)
+    assert [entry for entry in caplog.records if entry.exc_info] == []
+    assert left is not None
+    assert (left.state, left.owner, left.error) == ("queued", "", None)
