@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -144,7 +146,7 @@ def test_scans_of_a_ptx_are_frames_with_their_place(tmp_path: Path) -> None:
 # ── for training ─────────────────────────────────────────────────────────────────────────────
 
 
-def labelled(index: int, count: int = 400) -> LabeledFrame:
+def labelled(index: int, count: int = 400, recording: str = "drive") -> LabeledFrame:
     """A car of 4 x 2 x 1.5 m on a floor; the first points are deleted."""
     rng = np.random.default_rng(index)
     floor = rng.uniform([-20, -20, 0], [20, 20, 0.01], (count - 200, 3))
@@ -157,7 +159,7 @@ def labelled(index: int, count: int = 400) -> LabeledFrame:
         rgb=rng.integers(0, 255, (count, 3)).astype(np.uint8),
         intensity=rng.uniform(0, 1, count).astype(np.float32),
     )
-    return LabeledFrame(index, frame, label, np.ones(count, np.uint8), deleted)
+    return LabeledFrame(index, frame, label, np.ones(count, np.uint8), deleted, recording=recording)
 
 
 PALETTE = [Label(7, "car 1", "car"), Label(9, "Ada", "a person")]
@@ -165,10 +167,10 @@ PALETTE = [Label(7, "car 1", "car"), Label(9, "Ada", "a person")]
 
 def test_pointcept_scenes_load_as_its_default_dataset_does(tmp_path: Path) -> None:
     export("pointcept", (labelled(i) for i in range(6)), PALETTE, tmp_path / "out")
-    scenes = {split: sorted((tmp_path / "out" / split).iterdir()) for split in ("train", "val")}
-    assert [len(found) for found in scenes.values()] == [5, 1]
+    scenes = sorted((tmp_path / "out" / "train").iterdir())
+    assert [scene.name for scene in scenes] == [f"drive_{i:06d}" for i in range(6)]
     # What DefaultDataset.get_data does with a scene's folder.
-    data = {path.stem: np.load(path) for path in scenes["train"][0].glob("*.npy")}
+    data = {path.stem: np.load(path) for path in scenes[0].glob("*.npy")}
     count = len(data["coord"])
     assert count == 397
     assert (data["coord"].dtype, data["coord"].shape) == (np.float32, (count, 3))
@@ -186,11 +188,11 @@ def test_openpcdet_loads_points_boxes_and_splits(tmp_path: Path) -> None:
     root = tmp_path / "out"
     # What CustomDataset.get_lidar, get_label and set_split do.
     stems = [line.strip() for line in (root / "ImageSets" / "train.txt").read_text().split("\n")]
-    assert [stem for stem in stems if stem] == [f"{i:06d}" for i in (0, 1, 2, 3, 5)]
-    points = np.load(root / "points" / "000002.npy")
+    assert [stem for stem in stems if stem] == [f"drive_{i:06d}" for i in range(6)]
+    points = np.load(root / "points" / "drive_000002.npy")
     assert (points.dtype, points.shape) == (np.float32, (397, 4))
     boxes, names = [], []
-    for line in (root / "labels" / "000002.txt").read_text().splitlines():
+    for line in (root / "labels" / "drive_000002.txt").read_text().splitlines():
         *numbers, name = line.strip().split(" ")
         boxes.append(numbers)
         names.append(name)
@@ -201,6 +203,57 @@ def test_openpcdet_loads_points_boxes_and_splits(tmp_path: Path) -> None:
     assert abs(np.sin(box[6])) < 0.05
     inside = (np.abs(points[:, :3] - box[:3]) <= box[3:6] / 2 + 0.1).all(axis=1)
     assert inside.sum() >= 200
+
+
+@pytest.mark.parametrize("format", ["pointcept", "openpcdet"])
+def test_recordings_for_training_have_one_split_each_and_names_of_their_own(
+    tmp_path: Path, format: str
+) -> None:
+    splits: dict[str, set[str]] = {}
+    scenes: list[str] = []
+    for number in range(6):
+        name, out = f"seq-{number}", tmp_path / str(number)
+        export(format, (labelled(i, recording=name) for i in range(6)), PALETTE, out)
+        for split in ("train", "val"):
+            listed = out / "ImageSets" / f"{split}.txt"
+            found = listed.read_text().split() if listed.exists() else _names(out / split)
+            scenes += found
+            splits.setdefault(name, set()).update({split} if found else ())
+        assert splits[name] == {json.loads((out / "export.json").read_text())["split"]}
+    assert {split for (split,) in splits.values()} == {"train", "val"}
+    assert len(set(scenes)) == len(scenes) == 6 * 6
+
+
+def _names(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir()] if folder.is_dir() else []
+
+
+CAMERA = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])
+"""R_source_upright of a camera: x right, y down, z ahead."""
+UTM = np.array([388_096.0, 5_948_996.0, 40.0])
+
+
+@pytest.mark.parametrize("format", ["pointcept", "openpcdet"])
+@pytest.mark.parametrize("camera", [False, True])
+def test_points_for_training_are_near_and_their_file_tells_the_way_back(
+    tmp_path: Path, format: str, camera: bool
+) -> None:
+    made = labelled(2)
+    turn = CAMERA if camera else np.eye(3)
+    xyz = made.points.xyz @ turn.T + UTM
+    points = replace(made.points, xyz=xyz)
+    export(format, [replace(made, points=points, up=turn[:, 2])], PALETTE, tmp_path / "out")
+    told = json.loads((tmp_path / "out" / "export.json").read_text())
+    T_export_source = np.array(told["T_export_source"])
+    (path,) = (tmp_path / "out").rglob("coord.npy" if format == "pointcept" else "points/*.npy")
+    got = np.load(path)[:, :3].astype(np.float64)
+    kept = xyz[~made.deleted]
+    assert np.abs(got - got[0] - (kept - kept[0]) @ T_export_source[:3, :3].T).max() < 0.002
+    back = (got - T_export_source[:3, 3]) @ T_export_source[:3, :3]
+    assert np.abs(back - kept).max() < 0.002
+    if format == "openpcdet":  # x ahead, z up, whatever the source's axes
+        expected = made.points.xyz[~made.deleted]
+        assert np.abs(got - got[0] - (expected - expected[0])).max() < 0.002
 
 
 def test_tracklets_of_a_raw_recording_are_boxes_on_their_bottom(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "npy", "lines", "las"),
     *("labelcloud", "sustechpoints", "supervisely", "datumaro", "xtreme1", "argoverse"),
     *("kitti-object", "kitti-tracking", "kitti-tracklets"),
-    "boxes",
+    *("openpcdet", "boxes"),
     "points",
 )
 """All formats of labels, in the order in which they are tried; LAS classes when asked for."""

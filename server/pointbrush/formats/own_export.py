@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.exports.about import DELETED, NAME
+from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT
 
 BOXES = "boxes.json"
 _READ_AS: Mapping[str, tuple[str, str]] = MappingProxyType({
@@ -34,13 +34,15 @@ class OwnExport:
     """An export of pointbrush in files.
 
     ``root`` is its folder; ``frames`` are the numbers of the frames by the paths of their files;
-    ``deleted`` the masks of frames of which points were left out.
+    ``deleted`` the masks of frames of which points were left out; ``T_export_source`` (4, 4) placed
+    its points.
     """
 
     root: Path
     format: str
     frames: Mapping[Path, int]
     deleted: Mapping[int, Path]
+    T_export_source: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
 
     def label_files(self, place: Path) -> tuple[str, list[Path]]:
         """Find the format of labels and the files at ``place`` that have them, by frame.
@@ -108,11 +110,24 @@ def _parse(told: Path, alone: Path | None) -> OwnExport:
             str(document["format"]),
             MappingProxyType(frames),
             MappingProxyType(deleted),
+            _rigid(document.get(PLACEMENT)),
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise BadInputError(
             f"{told.name}: expected frames and files of an export, got another file: {error}"
         ) from None
+
+
+def _rigid(told: Any) -> NDArray[np.float64]:
+    """Read a rigid transform (4, 4), the identity where there is none; raises ValueError."""
+    if told is None:
+        return np.eye(4)
+    T = np.asarray(told, np.float64)
+    if T.shape != (4, 4) or not np.isfinite(T).all() or (T[3] != [0, 0, 0, 1]).any():
+        raise ValueError(f"{PLACEMENT}: expected 4 finite rows of 4, the last 0 0 0 1")
+    if not np.allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-6):
+        raise ValueError(f"{PLACEMENT}: expected a rotation and a shift")
+    return T
 
 
 def _place(told: Path, name: str, alone: Path | None) -> Path:

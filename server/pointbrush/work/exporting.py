@@ -100,6 +100,7 @@ def labeled_frames(
             header=recording.source_header(index),
             rows=recording.source_rows(index),
             dropped=recording.manifest.dropped[index],
+            recording=sequence,
         )
 
 
@@ -141,6 +142,7 @@ def _blocks(
             header=header,
             rows=None if rows is None else rows[part],
             dropped=recording.manifest.dropped[index],
+            recording=recording.manifest.id,
         )
 
 

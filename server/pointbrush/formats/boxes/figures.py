@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,11 @@ class Box:
     size: Floats
     rotation: Floats
     label: int = 0
+
+    def moved_back(self, T_export_source: Floats) -> Box:
+        """Move a box of an export to the coordinates of the source; ``T_export_source`` (4, 4)."""
+        R, t = T_export_source[:3, :3], T_export_source[:3, 3]
+        return replace(self, center=R.T @ (self.center - t), rotation=R.T @ self.rotation)
 
     def inside(self, xyz: Floats) -> NDArray[np.bool_]:
         """Tell which points (N, 3) are in the box."""
@@ -59,6 +64,14 @@ class FrameBoxes:
     frame: int | str | None
     boxes: tuple[Figure, ...]
     time: float | None = None
+
+    def moved_back(self, T_export_source: Floats) -> FrameBoxes:
+        """Move the boxes of an export to the coordinates of the source."""
+        moved = (
+            each.moved_back(T_export_source) if isinstance(each, Box) else each
+            for each in self.boxes
+        )
+        return replace(self, boxes=tuple(moved))
 
 
 def instance_numbers(figures: Iterable[Figure]) -> dict[str, int]:

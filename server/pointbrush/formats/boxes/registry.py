@@ -17,6 +17,7 @@ from pointbrush.formats.boxes.kitti_boxes import (
     read_kitti_tracking,
     read_kitti_tracklets,
 )
+from pointbrush.formats.boxes.openpcdet import read_openpcdet
 from pointbrush.formats.boxes.own import read_own
 from pointbrush.formats.boxes.projects import read_datumaro, read_supervisely
 
@@ -47,6 +48,9 @@ BOX_READERS: Mapping[str, BoxFormat] = MappingProxyType({
         read_kitti_tracking, ".txt", (rf"\A\s*\d+ -?\d+ {_OBJECT}\s*(\n|\Z)",)
     ),
     "kitti-tracklets": BoxFormat(read_kitti_tracklets, ".xml", ("<tracklets",)),
+    "openpcdet": BoxFormat(
+        read_openpcdet, ".txt", (rf"\A\s*(?:{_NUMBER} ){{7}}(?!{_NUMBER}\s)\S+\s*(\n|\Z)",)
+    ),
     "boxes": BoxFormat(read_own, ".json", ('"boxes"', '"upright"')),
 })  # fmt: skip
 

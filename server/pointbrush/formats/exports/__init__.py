@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
@@ -34,14 +34,15 @@ class Export:
     """An export format: ``write`` puts frames and palette into an Output.
 
     ``title`` and ``content`` are shown to people; ``cannot_hold``: what of points and labels is
-    lost in it.  ``endings`` are those of a single file that holds one frame, if the format has such
-    files.  ``masks``: deleted points are left out, and told in a mask beside the frame.
+    lost in it.  What ``write`` returns is told in ``export.json``.  ``endings`` are those of a
+    single file that holds one frame, if the format has such files.  ``masks``: deleted points are
+    left out, and told in a mask beside the frame.
     """
 
     name: str
     title: str
     content: str
-    write: Callable[[Iterable[ExportFrame], Palette, Output], None]
+    write: Callable[[Iterable[ExportFrame], Palette, Output], Mapping[str, Any] | None]
     cannot_hold: tuple[str, ...] = ()
     endings: tuple[str, ...] = ()
     masks: bool = True
@@ -165,9 +166,9 @@ def export(
         try:
             log = FrameLog(output, masks=entry.masks)
             named = Palette(palette, numbers, datasets)
-            entry.write(log.frames(frames), named, log)
+            more = entry.write(log.frames(frames), named, log) or {}
             write_classes(output, named, entry.numbering)
-            write_about(output, entry.name, log, entry.cannot_hold)
+            write_about(output, entry.name, log, entry.cannot_hold, more)
         except DamagedError as error:
             if gaps is None:
                 raise

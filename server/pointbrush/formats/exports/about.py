@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from pointbrush.formats.exports.labeled import ExportFrame, Palette
 from pointbrush.formats.exports.output import Output
@@ -15,6 +15,8 @@ from pointbrush.formats.table import Table
 
 NAME = "export.json"
 CLASSES = "classes.json"
+PLACEMENT = "T_export_source"
+"""Key of the rows of (4, 4) that place the source's points in the export."""
 VERSION = 1
 ROW = "row"
 """Field of a cut's points: the number of each in its frame."""
@@ -67,8 +69,14 @@ def write_classes(output: Output, palette: Palette, numbering: Numbering | None)
         file.write(json.dumps(numbers, indent=1, ensure_ascii=False).encode())
 
 
-def write_about(output: Output, format: str, log: FrameLog, cannot_hold: Sequence[str]) -> None:
-    """Write ``export.json``; ``log`` has seen all frames."""
+def write_about(
+    output: Output,
+    format: str,
+    log: FrameLog,
+    cannot_hold: Sequence[str],
+    more: Mapping[str, Any],
+) -> None:
+    """Write ``export.json``; ``log`` has seen all frames, ``more`` is what the format tells."""
     document = {
         "format": format,
         "version": VERSION,
@@ -78,6 +86,7 @@ def write_about(output: Output, format: str, log: FrameLog, cannot_hold: Sequenc
             | ({DELETED: log.masks[index]} if index in log.masks else {})
             for index, names in log.files.items()
         ],
+        **more,
     }
     with output.file(NAME) as file:
         file.write(json.dumps(document, indent=1, ensure_ascii=False).encode())

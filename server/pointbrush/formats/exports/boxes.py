@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.formats.exports.labeled import ExportFrame, Palette, category_of
 from pointbrush.formats.exports.output import Output
+from pointbrush.formats.exports.placement import upright_axes
 from pointbrush.formats.exports.points import write_palette
 
 Matrix = NDArray[np.float64]
@@ -108,15 +109,6 @@ def pca_box(xyz: NDArray[Any]) -> Box:
     turned = (points - middle) @ axes.T
     low, high = turned.min(axis=0), turned.max(axis=0)
     return Box(middle + (low + high) / 2 @ axes, high - low, axes.T.copy())
-
-
-def upright_axes(up: NDArray[Any]) -> Matrix:
-    """``R_upright_source`` (3, 3): rows forward, left, up; the identity for z up."""
-    vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
-    aside = np.eye(3)[np.argmin(np.abs(vertical[:2]))] if abs(vertical[2]) < 0.9 else np.eye(3)[0]
-    forward = aside - vertical * (aside @ vertical)
-    forward /= np.linalg.norm(forward)
-    return np.stack([forward, np.cross(vertical, forward), vertical])
 
 
 def upright_box(xyz: NDArray[Any], up: NDArray[Any]) -> Box:

@@ -76,6 +76,8 @@ class LabeledFrame:
     header: bytes | None = None
     rows: NDArray[np.int64] | None = None
     dropped: int = 0
+    recording: str = ""
+    """Id of the recording that the frame is of."""
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -132,6 +134,7 @@ class BlockedFrame:
     header: bytes | None = None
     rows: NDArray[np.int64] | None = None
     dropped: int = 0
+    recording: str = ""
 
     @property
     def stem(self) -> str:

@@ -23,14 +23,13 @@ from pointbrush.formats.exports.labeled import (
     Palette,
 )
 from pointbrush.formats.exports.output import Output
+from pointbrush.formats.exports.placement import shift_of
 from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.kitti import pack_label
 
 IMPORTED = 3
 """Provenance of a point whose label came in with it."""
 ROOT = "sequences/00"
-# Beyond this distance the step of a float32 exceeds a millimetre.
-FAR = 8192.0
 
 
 def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
@@ -41,7 +40,7 @@ def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output:
     numbers = palette.of_dataset(SEMANTIC_KITTI.name)
     for frame in frames:
         if shift is None and frame.kept:
-            shift = _shift(frame)
+            shift = shift_of(frame)
         with (
             output.file(f"{ROOT}/velodyne/{frame.stem}.bin") as points,
             output.file(f"{ROOT}/labels/{frame.stem}.label") as labels,
@@ -81,18 +80,6 @@ def _records(block: LabeledFrame, shift: NDArray[np.float64] | None) -> NDArray[
     if block.points.intensity is not None:
         records[:, 3] = block.points.intensity[keep]
     return records
-
-
-def _shift(frame: ExportFrame) -> NDArray[np.float64]:
-    """Whole metres to subtract from all frames: (3,), zero unless points are far away."""
-    farthest, total = 0.0, np.zeros(3)
-    for block in frame.blocks():
-        xyz = block.points.xyz
-        if xyz.dtype == np.float32:
-            return np.zeros(3)
-        farthest = max(farthest, float(np.abs(xyz).max(initial=0.0)))
-        total += xyz.sum(axis=0)
-    return np.zeros(3) if farthest < FAR else np.floor(total / frame.count)
 
 
 def _shifted(

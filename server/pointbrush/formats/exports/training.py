@@ -2,51 +2,97 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import hashlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.exports.boxes import upright_axes, upright_box
+from pointbrush.formats.exports.about import PLACEMENT
+from pointbrush.formats.exports.boxes import upright_box
 from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, category_of
 from pointbrush.formats.exports.output import Output
+from pointbrush.formats.exports.placement import (
+    Matrix,
+    placed,
+    placement_of,
+    upright_axes,
+)
 from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.npy import write_column
 from pointbrush.formats.numbering import TRAINING_NUMBERS
 from pointbrush.formats.table import Spools
 
 VALIDATION = 5
-"""Every so many frames one is for validation, where there are that many."""
+"""Of so many recordings about one is for validation."""
 NONE = -1
 """Value of Pointcept for points without a class or an instance."""
 FEWEST = 5
 """Points that a box must hold to be worth learning."""
 
 
-def split_of(position: int, name: str = "val") -> str:
-    """The split of a frame by its position in the export: every fifth is for validation."""
-    return name if position % VALIDATION == VALIDATION - 1 else "train"
+def split_of(recording: str) -> str:
+    """Choose the split of all frames of a recording, "train" or "val", by a hash of its id.
+
+    Frames of one drive are alike: divided among both splits, they would let a model be judged by
+    what it was trained on.
+    """
+    digest = hashlib.sha256(recording.encode()).digest()
+    return "val" if int.from_bytes(digest[:8], "big") % VALIDATION == 0 else "train"
 
 
-def write_pointcept(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
-    """``train/NNNNNN/`` and ``val/NNNNNN/``: coord, color, strength, segment, instance ``.npy``.
+class _Scenes:
+    """The frames of a recording with the names of their scenes; all are in one split and place.
 
+    Iterate before ``split``, ``T_export_source`` (4, 4) and ``told`` are asked for.
+    """
+
+    def __init__(
+        self, frames: Iterable[ExportFrame], axes: Callable[[Matrix], Matrix] | None = None
+    ) -> None:
+        """``axes(up)`` turns the points, (3, 3); without it they keep the source's axes."""
+        self._frames, self._axes = frames, axes
+        self.split = split_of("")
+        self.T_export_source = np.eye(4)
+
+    def __iter__(self) -> Iterator[tuple[ExportFrame, str]]:
+        at_place = False
+        for frame in self._frames:
+            self.split = split_of(frame.recording)
+            if not at_place and frame.count:
+                turn = np.eye(3) if self._axes is None else self._axes(frame.up)
+                self.T_export_source, at_place = placement_of(frame, turn), True
+            yield frame, f"{frame.recording}_{frame.stem}" if frame.recording else frame.stem
+
+    def told(self) -> dict[str, Any]:
+        """List what ``export.json`` tells of them."""
+        return {"split": self.split, PLACEMENT: self.T_export_source.tolist()}
+
+
+def write_pointcept(
+    frames: Iterable[ExportFrame], palette: Palette, output: Output
+) -> dict[str, Any]:
+    """Write Pointcept's scenes, ``train/RECORDING_NNNNNN/`` or ``val/…`` by recording.
+
+    Each has coord, color, strength, segment and instance as ``.npy``.
     ``segment`` is the number of ``classes.json``, the same in all recordings of a workspace;
     ``instance`` is the label's id; both -1 where there is no label.
     """
     segments = _places(palette)
-    for position, frame in enumerate(frames):
-        folder = f"{split_of(position)}/{frame.stem}"
+    scenes = _Scenes(frames)
+    for frame, name in scenes:
+        folder = f"{scenes.split}/{name}"
         with ExitStack() as stack:
             columns = Spools(stack)
             for block in frame.blocks():
-                columns.add(_scene(block, palette, segments))
-            for name, table in columns.tables().items():
-                with output.file(f"{folder}/{name}.npy") as file:
+                columns.add(_scene(block, palette, segments, scenes.T_export_source))
+            for column, table in columns.tables().items():
+                with output.file(f"{folder}/{column}.npy") as file:
                     write_column(file, table)
     write_palette(palette, output)
+    return scenes.told()
 
 
 def _places(palette: Palette) -> NDArray[np.int16]:
@@ -58,11 +104,15 @@ def _places(palette: Palette) -> NDArray[np.int16]:
 
 
 def _scene(
-    block: LabeledFrame, palette: Palette, segments: NDArray[np.int16]
+    block: LabeledFrame,
+    palette: Palette,
+    segments: NDArray[np.int16],
+    T_export_source: Matrix,
 ) -> dict[str, NDArray[Any]]:
     keep, points = block.keep, block.points
     label = block.label[keep]
-    scene: dict[str, NDArray[Any]] = {"coord": points.xyz[keep].astype(np.float32)}
+    coord = placed(T_export_source, points.xyz[keep]).astype(np.float32)
+    scene: dict[str, NDArray[Any]] = {"coord": coord}
     if points.rgb is not None:
         scene["color"] = points.rgb[keep]
     if points.intensity is not None:
@@ -72,42 +122,47 @@ def _scene(
     return scene
 
 
-def write_openpcdet(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
-    """OpenPCDet's custom dataset: ``points/``, ``labels/`` and ``ImageSets/``.
+def write_openpcdet(
+    frames: Iterable[ExportFrame], palette: Palette, output: Output
+) -> dict[str, Any]:
+    """Write OpenPCDet's custom dataset: ``points/``, ``labels/`` and ``ImageSets/``.
 
-    ``points/NNNNNN.npy`` are x y z intensity in float32, z up, x ahead; ``labels/NNNNNN.txt`` lines
-    ``x y z dx dy dz heading class`` of upright boxes.
+    ``points/RECORDING_NNNNNN.npy`` are x y z intensity in float32, z up, x ahead; the ``.txt`` of
+    that name in ``labels`` has lines ``x y z dx dy dz heading class`` of upright boxes.
     """
     splits: dict[str, list[str]] = {"train": [], "val": []}
-    entries = {entry.id: entry for entry in palette.entries}
-    for position, frame in enumerate(frames):
-        axes = upright_axes(frame.up)
-        boxes: dict[int, list[NDArray[np.float64]]] = {}
+    scenes = _Scenes(frames, upright_axes)
+    for frame, name in scenes:
+        boxes: dict[int, list[Matrix]] = {}
         with ExitStack() as stack:
             columns = Spools(stack)
             for block in frame.blocks():
                 keep = block.keep
-                xyz = block.points.xyz[keep].astype(np.float64) @ axes.T
+                xyz, ids = placed(scenes.T_export_source, block.points.xyz[keep]), block.label[keep]
                 columns.add({"points": _with_intensity(block, keep, xyz)})
-                for label in np.unique(block.label[keep]).tolist():
-                    if label:
-                        boxes.setdefault(label, []).append(xyz[block.label[keep] == label])
-            with output.file(f"points/{frame.stem}.npy") as file:
+                for label in np.unique(ids[ids > 0]).tolist():
+                    boxes.setdefault(label, []).append(xyz[ids == label])
+            with output.file(f"points/{name}.npy") as file:
                 write_column(file, columns.tables()["points"])
-        lines = []
-        for label, parts in sorted(boxes.items()):
-            xyz = np.concatenate(parts)
-            if len(xyz) >= FEWEST:
-                entry = entries.get(label)
-                name = category_of(entry) if entry else f"label {label}"
-                lines.append(_box_line(xyz, "_".join(name.split())))
-        with output.file(f"labels/{frame.stem}.txt") as file:
-            file.write("".join(f"{line}\n" for line in lines).encode())
-        splits[split_of(position)].append(frame.stem)
-    for name, stems in splits.items():
-        with output.file(f"ImageSets/{name}.txt") as file:
-            file.write("".join(f"{stem}\n" for stem in stems).encode())
+        with output.file(f"labels/{name}.txt") as file:
+            file.write("".join(f"{line}\n" for line in _box_lines(boxes, palette)).encode())
+        splits[scenes.split].append(name)
+    for split, names in splits.items():
+        with output.file(f"ImageSets/{split}.txt") as file:
+            file.write("".join(f"{name}\n" for name in names).encode())
     write_palette(palette, output)
+    return scenes.told()
+
+
+def _box_lines(boxes: Mapping[int, list[Matrix]], palette: Palette) -> Iterator[str]:
+    """Give a line per label whose points, in parts (N, 3), are enough for a box."""
+    entries = {entry.id: entry for entry in palette.entries}
+    for label, parts in sorted(boxes.items()):
+        xyz = np.concatenate(parts)
+        if len(xyz) >= FEWEST:
+            entry = entries.get(label)
+            name = category_of(entry) if entry else f"label {label}"
+            yield _box_line(xyz, "_".join(name.split()))
 
 
 def _with_intensity(

@@ -198,6 +198,8 @@ class ReadLabelsWork:
     def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
         """Hand on the points inside boxes; a class has the number of its name's place."""
         found = [read_boxes(path, files.format) for path in files.paths]
+        if (export := files.export) is not None:
+            found = [[part.moved_back(export.T_export_source) for part in f] for f in found]
         figures = [figure for file in found for part in file for figure in part.boxes]
         names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
