@@ -133,10 +133,8 @@ def held(path: Path, nbytes: int) -> int | None:
 
 def _fetched(path: Path, nbytes: int, fetch: Callable[[Path], None]) -> int:
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{PARTIAL}{uuid.uuid4().hex}")
-    descriptor = os.open(partial, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+    partial, descriptor = _partial(path)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)  # `_removed` leaves it alone
         fetch(partial)
         if (got := os.fstat(descriptor).st_size) != nbytes:
             raise DamagedError(f"expected {nbytes:,} bytes of {path.name}, got {got:,}")
@@ -147,6 +145,18 @@ def _fetched(path: Path, nbytes: int, fetch: Callable[[Path], None]) -> int:
         os.close(descriptor)
         raise
     return descriptor
+
+
+def _partial(path: Path) -> tuple[Path, int]:
+    """Make an empty file beside ``path``, and a descriptor that keeps `_removed` from it."""
+    while True:
+        partial = path.with_name(f"{PARTIAL}{uuid.uuid4().hex}")
+        descriptor = os.open(partial, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        # Another one who made room may have removed it before it was locked.
+        if os.fstat(descriptor).st_nlink:
+            return partial, descriptor
+        os.close(descriptor)
 
 
 def _removed(path: Path) -> bool:

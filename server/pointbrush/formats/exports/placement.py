@@ -1,4 +1,4 @@
-"""Where the points of an export lie: float32 near the origin, and the axes that loaders expect."""
+"""Placement of the points of an export: float32 near the origin, in the axes of loaders."""
 
 from __future__ import annotations
 
