@@ -35,6 +35,14 @@ class RefusedError(Exception):
     """The server said no."""
 
 
+class AwayError(RefusedError):
+    """The server said 503: a part that it needs is away, and nothing was changed."""
+
+
+AWAY_SECONDS = 0.1
+"""Time that an author waits after it."""
+
+
 @dataclass
 class Asked:
     """One edit as its author sees it."""
@@ -58,6 +66,8 @@ class Person:
     waiting: Asked | None = None
     """Asked before the server died, without an answer; asked again first."""
     fault: BaseException | None = None
+    away: int = 0
+    """Edits that were answered with 503."""
 
     def work(self, url: str, stop: threading.Event) -> None:
         """Edit until the server is gone or ``stop`` is set."""
@@ -68,6 +78,8 @@ class Person:
                     self._one(talk)
         except LOST:
             return
+        except AwayError:  # as the socket was opened
+            time.sleep(AWAY_SECONDS)
         except Exception as fault:
             self.fault = fault
 
@@ -78,6 +90,10 @@ class Person:
             self.asked.append(asked)
         try:
             asked.answer = talk.do(asked.edit)
+        except AwayError as why:
+            asked.refused = str(why)
+            self.away += 1
+            time.sleep(AWAY_SECONDS)
         except RefusedError as why:
             asked.refused = str(why)
         self.waiting = None
@@ -136,6 +152,8 @@ class RestTalk:
 
     def call(self, method: str, path: str, **fields: Any) -> Any:
         response = self.api.request(method, path, **fields)
+        if response.status_code == 503:
+            raise AwayError(response.text)
         if response.status_code >= 500:
             raise AssertionError(f"{method} {path}: {response.status_code} {response.text}")
         if response.status_code >= 400:
@@ -168,7 +186,10 @@ class RestTalk:
         job = self.call("POST", f"{self.base}/tracking", json=body)
         while job["state"] not in ENDED:
             time.sleep(0.02)
-            job = self.call("GET", f"/jobs/{job['id']}")
+            try:
+                job = self.call("GET", f"/jobs/{job['id']}")
+            except AwayError:
+                time.sleep(AWAY_SECONDS)
         if job["state"] != "done" or job["result"]["edit"] is None:
             raise RefusedError(str(job["error"]))
         return dict(job["result"])
@@ -207,6 +228,8 @@ class SocketTalk(RestTalk):
             if message["type"] == "frame":
                 self.send(type="credit", frames=1)
             elif message["type"] == "error" and message["about"] == about:
+                if message["status"] == 503:
+                    raise AwayError(message["detail"])
                 assert message["status"] < 500, message
                 raise RefusedError(message["detail"])
             elif message["type"] == kind and (about is None or done(message, about)):

@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import itertools
 import json
-import sqlite3
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -17,8 +16,11 @@ from typing import Any
 import httpx
 import numpy as np
 from numpy.typing import NDArray
+from sqlalchemy import select
 
+from pointbrush.labels.database import Database
 from pointbrush.labels.packing import LABELS, decode_change, label_of, provenance_of
+from pointbrush.labels.schema import edit_blocks, edit_tracks
 from pointbrush.sequences import open_sequence
 from tests.faults.clients import NO_ID, SEQUENCE, Asked, Edit, Person
 from tests.labels.label_model import Edit as ModelEdit
@@ -50,9 +52,9 @@ class QuickModel(Model):
 class Replay:
     """The model of one sequence, brought up to date after every restart."""
 
-    def __init__(self, workspace: Path) -> None:
+    def __init__(self, workspace: Path, database: str = "") -> None:
         recording = open_sequence(workspace / "sequences" / SEQUENCE)
-        self._database = workspace / "labels.sqlite"
+        self.database = database or f"sqlite:///{workspace / 'labels.sqlite'}"
         self._source_index = [recording[i].source_index for i in range(len(recording))]
         self._xyz = [recording[i].source_xyz().astype(np.float64) for i in range(len(recording))]
         self.model = QuickModel()
@@ -178,19 +180,25 @@ class Replay:
         """A run's findings as recorded; all of its frames must be there."""
         self.runs += 1
         edit = ModelEdit(author)
-        with closing(sqlite3.connect(self._database)) as database:
-            where = "FROM edit_blocks WHERE revision = ? AND layer = ?"
-            blocks = database.execute(f"SELECT frame, block, data {where}", (revision, LABELS))
-            for frame, block, data in blocks.fetchall():
+        database = Database(self.database)
+        with closing(database), database.read() as connection:
+            blocks = connection.execute(
+                select(edit_blocks.c.frame, edit_blocks.c.block, edit_blocks.c.data).where(
+                    edit_blocks.c.revision == revision, edit_blocks.c.layer == LABELS
+                )
+            )
+            for frame, block, data in blocks.all():
                 assert block == 0
                 change = decode_change(data)
                 sources = self._source_index[frame][change.indices].tolist()
                 marks = zip(label_of(change.after), provenance_of(change.after), strict=True)
                 for point, (label, provenance) in zip(sources, marks, strict=True):
                     edit.marks[frame, point] = Mark(int(label), int(provenance))
-            tracks = database.execute(
-                "SELECT frame, label, data FROM edit_tracks WHERE revision = ?", (revision,)
-            ).fetchall()
+            tracks = connection.execute(
+                select(edit_tracks.c.frame, edit_tracks.c.label, edit_tracks.c.data).where(
+                    edit_tracks.c.revision == revision
+                )
+            ).all()
         edit.tracks = {(frame, label): json.loads(data) for frame, label, data in tracks}
         start = next(iter(edit.tracks.values()))["start"]
         frames = {frame for frame, _ in edit.tracks}

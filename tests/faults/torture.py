@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,15 +63,17 @@ def make_workspace(workspace: Path) -> None:
     )
 
 
-def invite(workspace: Path, seed: int) -> list[Person]:
+def invite(
+    workspace: Path, seed: int, *, names: Sequence[str] = NAMES, database: str = ""
+) -> list[Person]:
     """People with tokens of their own, every other one at the socket; and three labels."""
-    store = LabelStore(f"sqlite:///{workspace / 'labels.sqlite'}")
+    store = LabelStore(database or f"sqlite:///{workspace / 'labels.sqlite'}")
     store.register(SEQUENCE, [400] * FRAMES)
     for name in ("one", "two", "three"):
         store.create_label(SEQUENCE, "setup", name=name)
     people = [
         Person(name, store.tokens.add("annotator", name, None), i % 2 == 1, random.Random(seed + i))
-        for i, name in enumerate(NAMES)
+        for i, name in enumerate(names)
     ]
     store.close()
     return people
@@ -90,6 +93,7 @@ def edit_and_kill(server: ServerProcess, people: list[Person], seconds: float) -
     for one in people:
         if one.fault is not None:
             raise one.fault
+        assert not one.away, "503 from a server whose parts are all there"
 
 
 def check(workspace: Path) -> None:

@@ -189,7 +189,7 @@ class Database:
                     try:
                         yield connection
                     finally:
-                        if by_hand:
+                        if by_hand and not connection.invalidated:
                             driver_of(connection).rollback()
             except (exc.DBAPIError, self.driver_error):
                 # After a full disk or a lost server the connection's state is not to be trusted.

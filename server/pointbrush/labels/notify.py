@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from pointbrush.errors import UnavailableError
 from pointbrush.labels.database import Database
 from pointbrush.labels.statements import Driver
 from pointbrush.labels.types import Commit
@@ -115,8 +116,11 @@ class Watcher:
         """
         try:
             self._heard()
-        except Exception:
-            log.exception("could not catch up with another process's commits")
+        except Exception as error:
+            if isinstance(error, UnavailableError):
+                log.warning("another process's commits are read later: %s", error)
+            else:
+                log.exception("could not catch up with another process's commits")
             self._stop.wait(RETRY_SECONDS)
             return False
         return True

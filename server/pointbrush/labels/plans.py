@@ -47,10 +47,11 @@ def check_text(name: str, value: Any, limit: int) -> str:
 
 
 def create(
-    entry: Entry, label_id: int | None, fields: dict[str, Any], distinct: bool = False
+    entry: Entry, label_id: int | None, fields: dict[str, Any], distinct: bool, made: list[Label]
 ) -> Plan:
     """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken.
 
+    ``made`` receives it.
     ``distinct``: a name or colour that another label has by now gives way to a free one.
     """
 
@@ -61,7 +62,8 @@ def create(
         given = {"color": palette.default_color(number), **fields}
         if distinct:
             given |= free_name_and_color(given, draft.palette.values())
-        add_label(draft, Label(number, **given))
+        made.append(Label(number, **given))
+        add_label(draft, made[0])
         return replace(entry, summary=f"create label '{given['name']}'")
 
     return plan

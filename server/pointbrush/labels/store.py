@@ -162,8 +162,11 @@ class LabelStore:
         fields = palette.check_fields(fields)
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
-        plan = plans.create(entry, number, fields, distinct)
+        made: list[Label] = []
+        plan = plans.create(entry, number, fields, distinct, made)
         commit = self._sessions.commit(sequence, entry.id, plan)
+        if made:  # without another look at a database that may have gone away meanwhile
+            return made[0], commit
         with self._sessions.reading(sequence) as (connection, state):
             return palette.created_by(connection, state.number, commit.revision), commit
 

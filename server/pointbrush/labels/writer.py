@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection
 
-from pointbrush.errors import NotFoundError
+from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
 from pointbrush.labels import journal, schema
 from pointbrush.labels.blocks import SNAPSHOT_EVERY, Place
 from pointbrush.labels.database import Database
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 TOGETHER = 32
 """Edits of one transaction at most."""
+SETTLE_SECONDS = 10.0
+"""Time in which a lost database must be back for an edit to be answered that it may have made."""
+SETTLE_RETRY_SECONDS = 0.1
 
 
 @dataclass(slots=True, eq=False)
@@ -74,7 +77,7 @@ class Writer:
         """Commit a batch; an error of the database is everybody's, and nothing has changed."""
         made: dict[str, Commit] = {}
         told: list[tuple[Request, Commit]] = []
-        before = state.revision
+        before, ended = state.revision, False
         try:
             with self._database.write(begun=False) as connection:
                 first = self._opened(connection, state, batch)
@@ -94,21 +97,52 @@ class Writer:
                             raise
                         request.error = error  # it has written nothing: the others go on
                         continue
-                    last = request is batch[-1]
+                    last = ended = request is batch[-1]
                     done = made[request.edit_id] = self._append(draft, entry, last=last)
                     told.append((request, done))
                 if made and not last:
+                    ended = True
                     commit(driver_of(connection))
         except BaseException as error:
             if made:  # taken into memory, and perhaps nowhere else
                 state.revision, state.stale = before, True
+            if ended and isinstance(error, UnavailableError) and not self._database.sqlite:
+                error = self._settle(state, batch, error)
             for request in batch:
-                request.error = request.error or error
+                if request.commit is None:
+                    request.error = request.error or error
             return
         for done in made.values():
             self._sessions.outbox.put(done)
         for request, done in told:
             request.commit = done
+
+    def _settle(
+        self, state: SequenceState, batch: list[Request], error: UnavailableError
+    ) -> BaseException:
+        """Look for the edits of a batch whose commit was sent and not answered.
+
+        PostgreSQL may have made them before it was lost.  Returns the error of those that are not
+        there, which says that it is not known when the database does not come back in time.
+        """
+        end = time.monotonic() + SETTLE_SECONDS
+        while time.monotonic() < end:
+            try:
+                with self._database.write(begun=False) as connection:
+                    found = self._opened(connection, state, batch)
+            except UnavailableError:
+                time.sleep(SETTLE_RETRY_SECONDS)
+                continue
+            except PointbrushError as gone:
+                return gone
+            for request in batch:
+                request.commit = found.get(request.edit_id)
+            return error
+        return UnavailableError(
+            "the label database went away as the edit was made: it is not known whether it is "
+            "there; send it again with the same id",
+            private=error.private,
+        )
 
     def _opened(
         self, connection: Connection, state: SequenceState, batch: list[Request]

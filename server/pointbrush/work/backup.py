@@ -147,7 +147,10 @@ def move_labels(workspace: Path, source_url: str, target_url: str) -> None:
     if source_url == target_url:
         raise ConflictError("move: expected another database, got the one that holds the labels")
     if any_alive(workspace):
-        raise ConflictError("move: expected no running server on this workspace; stop it first")
+        raise ConflictError(
+            "move: expected no running server on this workspace; stop it first, or wait a minute "
+            "after it was killed"
+        )
     move(source_url, target_url)
     note_database(workspace, target_url)
     old = workspace / DATABASE

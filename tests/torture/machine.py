@@ -1,0 +1,62 @@
+"""Disks that fill up, may not be written or are slow, and clocks that jump."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).with_name("preloaded.c")
+
+
+@contextmanager
+def mounted(folder: Path, size: int) -> Iterator[Path]:
+    """A file system of ``size`` bytes in memory at a new folder, or skip."""
+    folder.mkdir()
+    _mount("-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder))
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def _mount(*arguments: str) -> None:
+    command = ["mount", *arguments]
+    if shutil.which("mount") is None or subprocess.run(command, capture_output=True).returncode:
+        pytest.skip("this user may not mount a file system")
+
+
+def preloaded(folder: Path) -> str:
+    """Build the library of ``preloaded.c``; returns its path for LD_PRELOAD, or skips."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler is installed (no cc)")
+    library = folder / "preloaded.so"
+    command = [compiler, "-shared", "-fPIC", "-O1", "-o", str(library), str(SOURCE), "-ldl"]
+    if subprocess.run(command, capture_output=True).returncode:
+        pytest.skip("the C compiler cannot build a library here")
+    return str(library)
+
+
+class Ballast:
+    """A file that takes all the room there is on a disk."""
+
+    def __init__(self, disk: Path) -> None:
+        self.path = disk / "ballast"
+
+    def fill(self) -> None:
+        """Write until there is no more room."""
+        with self.path.open("ab", buffering=0) as file:
+            try:
+                while file.write(bytes(4096)):
+                    pass
+            except OSError:
+                return
+
+    def drop(self) -> None:
+        """Make room again."""
+        self.path.unlink(missing_ok=True)
