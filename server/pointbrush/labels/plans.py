@@ -51,8 +51,8 @@ def create(
 ) -> Plan:
     """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken.
 
-    ``made`` receives it.
-    ``distinct``: a name or colour that another label has by now gives way to a free one.
+    ``made`` receives it.  ``distinct``: a name or colour that another label has by now gives way
+    to a free one.
     """
 
     def plan(draft: Draft) -> Entry:
@@ -62,7 +62,7 @@ def create(
         given = {"color": palette.default_color(number), **fields}
         if distinct:
             given |= free_name_and_color(given, draft.palette.values())
-        made.append(Label(number, **given))
+        made[:] = [Label(number, **given)]  # the plan may be made anew
         add_label(draft, made[0])
         return replace(entry, summary=f"create label '{given['name']}'")
 
