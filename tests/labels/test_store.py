@@ -15,6 +15,7 @@ from pointbrush.errors import (
     NotFoundError,
 )
 from pointbrush.labels import Commit, GapError, Label, LabelStore, Write
+from pointbrush.labels.palette import Palette
 
 SEQ = "juggling"
 N = 150_000
@@ -220,9 +221,11 @@ def test_labels_of_an_import_are_part_of_its_edit(store: LabelStore) -> None:
         edit_id=None,
         author="ann",
         kind="import",
-        writes={1: Write(np.arange(5), label=40, provenance=3)},
+        writes=lambda palette: (
+            [Label(palette.free_ids().take(("road", "ground"), 40), "road", "ground", "#ff00ff")],
+            {1: Write(np.arange(5), label=40, provenance=3)},
+        ),
         summary="",
-        labels=[Label(40, "road", "ground", "#ff00ff")],
     )
     assert commit.palette_changed
     assert store.counts(SEQ) == {(1, 40): (5, 0)}
@@ -233,6 +236,29 @@ def test_labels_of_an_import_are_part_of_its_edit(store: LabelStore) -> None:
     assert [label.name for label in store.palette(SEQ)] == ["road"]
     assert store.counts(SEQ) == {(1, 40): (5, 0)}
     assert store.create_label(SEQ, "ann", name="x")[0].id == 41
+
+
+def test_a_label_id_keeps_its_meaning_over_undo_and_redo(store: LabelStore) -> None:
+    def add(author: str, name: str, points: range) -> None:
+        def choose(palette: Palette) -> tuple[list[Label], dict[int, Write]]:
+            number = palette.free_ids().take((name, ""), 40)
+            write = Write(np.array(points), label=number, provenance=3)
+            return [Label(number, name)], {0: write}
+
+        store.apply(SEQ, edit_id=None, author=author, kind="import", writes=choose, summary="")
+
+    def names(points: range) -> list[str]:
+        called = {label.id: label.name for label in store.palette(SEQ)}
+        return [called[number] for number in labels_at(store, points)]
+
+    add("ann", "road", range(0, 10))
+    store.undo(SEQ, "ann")
+    add("bob", "building", range(5, 15))
+    store.redo(SEQ, "ann")
+    assert names(range(15)) == ["road"] * 5 + ["building"] * 10
+    store.undo(SEQ, "ann")
+    add("ann", "road", range(0, 10))
+    assert {label.id: label.name for label in store.palette(SEQ)} == {40: "road", 41: "building"}
 
 
 def test_a_distinct_label_has_a_name_and_a_colour_of_its_own(store: LabelStore) -> None:

@@ -85,9 +85,8 @@ def painted(workspace: Workspace, which: Hostile) -> None:
         edit_id=str(uuid4()),
         author="ann",
         kind="label",
-        writes=(),
+        writes=lambda _: (labels, ()),
         summary="",
-        labels=labels,
     )
     ids = [label.id for label in labels]
     label = np.array([0, *ids, *[0] * (OBJECTS - len(ids))], np.uint16)[OWNER]

@@ -5,13 +5,14 @@ from __future__ import annotations
 import colorsys
 import json
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
 from sqlalchemy import Connection, select
 
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.schema import IN_FORCE, edit_labels, edits
 from pointbrush.labels.types import Label
 from pointbrush.names import require_visible
@@ -28,6 +29,73 @@ FIELDS: dict[str, type] = {
 _COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 _GOLDEN = 0.618033988749895
 _NUMBERED = re.compile(r"(.*?)\s*(\d{0,9})", re.DOTALL)
+
+
+Called = tuple[str, str]
+"""Name and category of a label."""
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """The palette that an edit commits on, for choosing what labels it adds.
+
+    ``labels``   in their order.
+    ``given``    for each id that any edit ever gave, undone ones too: what its label was called.
+    ``highest``  the greatest id that was ever given.
+    """
+
+    labels: Sequence[Label]
+    given: Mapping[int, Called]
+    highest: int
+
+    def free_ids(self) -> FreeIds:
+        """Return ids for new labels."""
+        return FreeIds(self)
+
+
+class FreeIds:
+    """Ids for the new labels of one edit, each of which is given once.
+
+    An id keeps its meaning: undo and redo can bring back points that were given it, so that it
+    is given again only to a label of the same name and category.
+    """
+
+    def __init__(self, palette: Palette) -> None:
+        self._taken = {label.id for label in palette.labels}
+        self._given, self._highest = palette.given, palette.highest
+        self._before: dict[Called, list[int]] = {}
+        for number, called in sorted(palette.given.items(), reverse=True):
+            self._before.setdefault(called, []).append(number)
+
+    def take(self, called: Called, wished: int = 0) -> int:
+        """Take the ``wished`` id, the one that a label called so had, or the next.
+
+        Raises ConflictError when there is none left.
+        """
+        number = wished if self._fits(wished, called) else self._again(called) or self._next()
+        self._taken.add(number)
+        return number
+
+    def _fits(self, number: int, called: Called) -> bool:
+        free = 1 <= number <= HIGHEST and number not in self._taken
+        return free and self._given.get(number, called) == called
+
+    def _again(self, called: Called) -> int:
+        before = self._before.get(called, [])
+        while before:
+            if self._fits(number := before.pop(), called):
+                return number
+        return 0
+
+    def _next(self) -> int:
+        number = max([self._highest, *self._taken]) + 1
+        if number <= HIGHEST:
+            return number
+        for known in (self._taken | self._given.keys(), self._taken):
+            for number in range(1, HIGHEST + 1):
+                if number not in known:
+                    return number
+        raise ConflictError(f"label: expected at most {HIGHEST} labels, got more")
 
 
 def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -115,6 +183,21 @@ def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[
     for label_id, fields in rows:
         merged[label_id].update(json.loads(fields))
     return {label_id: _label(label_id, fields) for label_id, fields in merged.items()}
+
+
+def given_ids(connection: Connection, number: int) -> dict[int, Called]:
+    """Return what the label of each id that was ever given was called last."""
+    rows = connection.execute(
+        select(edit_labels.c.label, edit_labels.c.fields)
+        .where(edit_labels.c.sequence == number)
+        .order_by(edit_labels.c.revision)
+    )
+    called: dict[int, Called] = {}
+    for label_id, fields in rows:
+        before = called.get(label_id, ("", ""))
+        told = json.loads(fields)
+        called[label_id] = told.get("name", before[0]), told.get("category", before[1])
+    return called
 
 
 def created_by(connection: Connection, number: int, revision: int) -> Label:

@@ -8,11 +8,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from sqlalchemy import Connection
+
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import journal, palette, schema, undo
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry, Told
-from pointbrush.labels.palette import free_name_and_color
+from pointbrush.labels.palette import Palette, free_name_and_color
 from pointbrush.labels.state import SequenceState
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label, Write
@@ -56,7 +58,7 @@ def create(
     """
 
     def plan(draft: Draft) -> Entry:
-        number = _free_id(draft) if label_id is None else label_id
+        number = _next_id(draft) if label_id is None else label_id
         if number in draft.palette:
             raise ConflictError(f"label id: expected a free one, {number} is taken")
         given = {"color": palette.default_color(number), **fields}
@@ -143,35 +145,47 @@ def add_label(draft: Draft, label: Label) -> None:
     draft.label_fields[label.id] = palette.fields_of(label)
 
 
-def _free_id(draft: Draft) -> int:
-    number = draft.state.highest_label + 1
-    if number <= palette.HIGHEST:
-        return number
-    free = set(range(1, palette.HIGHEST + 1)) - set(draft.palette)
-    if not free:
-        raise ConflictError(f"label: expected at most {palette.HIGHEST} labels")
-    return min(free)
+def _next_id(draft: Draft) -> int:
+    now = Palette(tuple(draft.palette.values()), {}, draft.state.highest_label)
+    return now.free_ids().take(("", ""))
+
+
+def palette_of(connection: Connection, state: SequenceState) -> Palette:
+    """Return the palette of now, for choosing labels to add."""
+    given = palette.given_ids(connection, state.number)
+    return Palette(tuple(state.palette.values()), given, state.highest_label)
 
 
 # ── points ───────────────────────────────────────────────────────────────────────────────────
 
 
+Writes = Mapping[int, Write] | Iterable[tuple[int, Write]]
+"""Frames, and what is written to each."""
+Choose = Callable[[Palette], tuple[Sequence[Label], Writes]]
+"""Gives the labels that an edit adds, by ids of ``Palette.free_ids``, and its writes with them."""
+
+
 def write(
     entry: Entry,
-    writes: Iterable[tuple[int, Write]],
+    writes: Writes | Choose,
     tracks: Tracks,
-    labels: Iterable[Label],
     if_match: tuple[int, int] | None,
 ) -> Plan:
-    """Add the labels that are not there yet, do the writes, set the tracks."""
+    """Add labels where any are chosen, do the writes, set the tracks."""
 
     def plan(draft: Draft) -> Entry:
         if if_match is not None:
             _require_unchanged(draft.state, *if_match)
-        for label in labels:
-            if label.id not in draft.palette:
+        given: Writes
+        if callable(writes):
+            labels, given = writes(palette_of(draft.connection, draft.state))
+            for label in labels:
+                palette.check_id(label.id)
+                palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})
                 add_label(draft, label)
-        for frame, what in writes:
+        else:
+            given = writes
+        for frame, what in given.items() if isinstance(given, Mapping) else given:
             draft.write(frame, what)
         for frame, label_id in tracks:
             draft.state.frame_points(frame)

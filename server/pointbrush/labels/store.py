@@ -14,7 +14,8 @@ from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
-from pointbrush.labels.plans import new_entry
+from pointbrush.labels.palette import Palette
+from pointbrush.labels.plans import Choose, Writes, new_entry
 from pointbrush.labels.reading import View
 from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
@@ -23,7 +24,7 @@ from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.signing_keys import SigningKeys
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
-from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Write
+from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label
 from pointbrush.labels.writer import require_import
 
 
@@ -131,6 +132,11 @@ class LabelStore:
         """The labels, in their order."""
         with self._sessions.knowing(sequence) as state:
             return list(state.palette.values())
+
+    def choosing(self, sequence: str) -> Palette:
+        """Return the palette of now, for saying what labels an edit would add."""
+        with self._sessions.reading(sequence) as (connection, state):
+            return plans.palette_of(connection, state)
 
     def require_paintable(
         self, sequence: str, label: int, hidden: frozenset[int] | None = None
@@ -276,21 +282,22 @@ class LabelStore:
         edit_id: str | None,
         author: str,
         kind: str,
-        writes: Mapping[int, Write] | Iterable[tuple[int, Write]],
+        writes: Writes | Choose,
         summary: Told,
         tracks: Iterable[Mapping[str, Any]] | None = None,
-        labels: Sequence[Label] = (),
         if_match: tuple[int, int] | None = None,
         identity: str | None = None,
     ) -> Commit:
-        """Commit one edit: its writes in order, its tracks, and ``labels`` not there yet.
+        """Commit one edit: its writes in order, and its tracks.
 
         Rules are evaluated on the state that the edit commits on.  An ``edit_id`` that is there
         already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
         with at least ``frame`` and ``label``.  ``if_match``: a frame, and a revision since
         which it must not have changed.
         ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
-        memory come as they are made.  ``identity``: of the import that the edit was made for.
+        memory come as they are made.  Writes with labels that are new come from a function of the
+        palette that the edit commits on, which gives these labels beside them.
+        ``identity``: of the import that the edit was made for.
         ``summary`` may be made of the numbers of points and of frames that the edit changes.
 
         Raises LockedLabelError when the label to write is locked, HiddenLabelError when it is
@@ -298,12 +305,7 @@ class LabelStore:
         NotFoundError when another import has the id by now.
         """
         entry = new_entry(edit_id, author, kind, summary)
-        pairs = writes.items() if isinstance(writes, Mapping) else writes
-        for label in labels:
-            palette.check_id(label.id)
-            palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})
-        found = plans.check_tracks(tracks or ())
-        plan = plans.write(entry, pairs, found, labels, if_match)
+        plan = plans.write(entry, writes, plans.check_tracks(tracks or ()), if_match)
         return self._sessions.commit(sequence, entry.id, plan, identity, alone=False)
 
     # ── history ──────────────────────────────────────────────────────────────────────────

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from pointbrush.formats.datasets import Dataset
-from pointbrush.labels import Label, LabelStore
-from pointbrush.labels.palette import default_color
+from pointbrush.labels import Label, LabelStore, Write
+from pointbrush.labels.palette import Palette, default_color
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,28 +24,36 @@ def add_labels(
     store: LabelStore, sequence: str, wanted: Sequence[NamedLabel], author: str
 ) -> list[str]:
     """Add those that are not there by name and category, as one edit; returns their names."""
-    palette = store.palette(sequence)
-    known = {(label.name, label.category) for label in palette}
-    following = max((label.id for label in palette), default=0) + 1
-    fresh = []
-    for each in wanted:
-        if (each.name, each.category) in known:
-            continue
-        known.add((each.name, each.category))
-        color = each.color or default_color(following)
-        fresh.append(Label(following, each.name, each.category, color))
-        following += 1
+    fresh = _fresh(store.choosing(sequence), wanted)
+
+    def choose(palette: Palette) -> tuple[Sequence[Label], Mapping[int, Write]]:
+        nonlocal fresh
+        fresh = _fresh(palette, wanted)
+        return fresh, {}
+
     if fresh:
         store.apply(
             sequence,
             edit_id=str(uuid.uuid4()),
             author=author,
             kind="label",
-            writes=(),
-            summary=f"add {len(fresh)} labels",
-            labels=fresh,
+            writes=choose,
+            summary=lambda *_: f"add {len(fresh)} labels",
         )
     return [label.name for label in fresh]
+
+
+def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
+    """Return those of ``wanted`` that a palette has not."""
+    known = {(label.name, label.category) for label in palette.labels}
+    ids, fresh = palette.free_ids(), []
+    for each in wanted:
+        called = (each.name, each.category)
+        if called not in known:
+            known.add(called)
+            number = ids.take(called)
+            fresh.append(Label(number, *called, each.color or default_color(number)))
+    return fresh
 
 
 def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str) -> list[str]:

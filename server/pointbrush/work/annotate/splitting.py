@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import Commit, Label, LabelStore, Write
-from pointbrush.labels.palette import HIGHEST, default_color
+from pointbrush.labels.palette import Palette, default_color
 from pointbrush.labels.types import PAINTED
 from pointbrush.selection.cluster import connected_parts, usual_gap
 from pointbrush.sequences import Sequence as Recording
@@ -67,15 +67,20 @@ def split_label(
             f"label: expected '{label.name}' to have parts of {least} points or more in frame "
             f"{frame} with {wide:.3g} m between them, got one"
         )
-    fresh = _new_labels(store.palette(sequence), label, len(parts))
+    fresh: Sequence[Label] = ()
+
+    def choose(palette: Palette) -> tuple[Sequence[Label], dict[int, Write]]:
+        nonlocal fresh
+        fresh = _new_labels(palette, label, len(parts))
+        return fresh, {frame: _write(numbers, part, parts, fresh)}
+
     commit = store.apply(
         sequence,
         edit_id=edit_id,
         author=author,
         kind="paint",
-        writes={frame: _write(numbers, part, parts, fresh)},
+        writes=choose,
         summary=f"split '{label.name}' into {len(parts) + 1} parts",
-        labels=fresh,
         if_match=(frame, values.revision),
         identity=recording.identity,
     )
@@ -91,7 +96,7 @@ def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> 
 
 
 def _write(
-    numbers: NDArray[np.int64], part: NDArray[np.int64], parts: list[int], fresh: list[Label]
+    numbers: NDArray[np.int64], part: NDArray[np.int64], parts: list[int], fresh: Sequence[Label]
 ) -> Write:
     """Return what gives the points (n,) of ``parts`` their new labels."""
     of_part = np.zeros(int(part.max()) + 1, np.uint16)
@@ -101,11 +106,9 @@ def _write(
     return Write(numbers[moved], label=label[moved], provenance=PAINTED, living=True)
 
 
-def _new_labels(palette: Collection[Label], label: Label, count: int) -> list[Label]:
+def _new_labels(palette: Palette, label: Label, count: int) -> list[Label]:
     """Return labels named after the one that is split, with free numbers, names and colours."""
-    names = {one.name for one in palette}
-    taken = {one.id for one in palette}
-    free = (n for n in range(max(taken) + 1, HIGHEST + 1))
+    names, ids = {one.name for one in palette.labels}, palette.free_ids()
     made: list[Label] = []
     stem, _, last = label.name.rpartition(" ")
     stem = stem if stem and last.isdigit() else label.name
@@ -113,9 +116,8 @@ def _new_labels(palette: Collection[Label], label: Label, count: int) -> list[La
     for _ in range(count):
         while f"{stem} {number}" in names:
             number += 1
-        names.add(f"{stem} {number}")
-        fresh = next(free, None)
-        if fresh is None:
-            raise ConflictError(f"label: expected at most {HIGHEST} labels")
-        made.append(Label(fresh, f"{stem} {number}", label.category, default_color(fresh)))
+        called = (f"{stem} {number}", label.category)
+        names.add(called[0])
+        fresh = ids.take(called)
+        made.append(Label(fresh, *called, default_color(fresh)))
     return made

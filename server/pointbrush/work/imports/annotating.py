@@ -33,21 +33,19 @@ from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.source import reported
 from pointbrush.formats.timing import nearest
 from pointbrush.jobs import Job, JobRunner
-from pointbrush.labels import Label, LabelStore, Write
-from pointbrush.labels.palette import default_color
+from pointbrush.labels import Commit, Label, LabelStore, Write
+from pointbrush.labels.palette import Palette
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.annotate.layers import KeptAnnotation
+from pointbrush.work.imports.choosing import Chosen, Key
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.importing import IMPORTED, learn_own
 from pointbrush.work.imports.submitting import LABELS, UPLOAD, drop_upload
 from pointbrush.worker import Channel
 
-Key = tuple[int, int]
-"""Numbers of a class and of an instance, 0 for none."""
-MOST_LABELS = 65_534
 TOLD = 100
 """Entries of a report's lists."""
 
@@ -319,7 +317,6 @@ class LabelImports:
         return None
 
     def _begin(self, recording: Recording, request: LabelRequest, job: Job) -> Job:
-        author, edit = job.owner or "", job.edit or job.id
         if not request.dry_run:
             self._store.require_writable()
         found: list[FrameLabels] = []
@@ -348,108 +345,53 @@ class LabelImports:
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:
             if cancelled:
                 return {}
-            chosen = _Chosen.of(self._store, recording, found, called[0])
-            report = _report(recording, found, unmatched, chosen) | {"warnings": warnings}
-            report["locked"] = _locked(self._store, recording, found)
-            if request.dry_run or not report["labelled"]:
-                return report | {"edit": None, "changed": 0}
-            if called[0].dataset:
-                self._store.taxonomy.learn(called[0].dataset, chosen.classes, strict=False)
-            learn_own(self._store, called[0].own.values())
-            commit = self._store.apply(
-                recording.manifest.id,
-                edit_id=edit,
-                author=author,
-                kind="import",
-                writes=_writes(recording, found, chosen),
-                summary=f"labels of {request.place.name}, {len(found)} frames",
-                labels=chosen.fresh,
-                identity=recording.identity,
-            )
-            return report | {"edit": commit.edit_id, "changed": commit.changed}
+            locked = _locked(self._store, recording, found)
+            chosen, commit = self._write(recording, request, job, found, called[0])
+            report = _report(recording, found, unmatched, chosen)
+            report |= {"warnings": warnings, "locked": locked, "edit": None, "changed": 0}
+            return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
 
         def done(ended: Job) -> None:
             drop_upload(request.upload, ended)
 
         return self._runner.submit(job, work, finish, on_item, done, restart)
 
+    def _write(
+        self,
+        recording: Recording,
+        request: LabelRequest,
+        job: Job,
+        found: list[FrameLabels],
+        files: LabelFiles,
+    ) -> tuple[Chosen, Commit | None]:
+        """Make what was found an edit, unless it is a trial or nothing; return its labels too."""
+        sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
+        chosen = Chosen.of(self._store.choosing(sequence), keys, files)
+        if request.dry_run or not any(len(frame.rows) for frame in found):
+            return chosen, None
+        if files.dataset:
+            self._store.taxonomy.learn(files.dataset, chosen.classes, strict=False)
+        learn_own(self._store, files.own.values())
 
-@dataclass(frozen=True, eq=False)
-class _Chosen:
-    """The palette label of each key, those that are new, class numbers without a name, and the
-    number of each category."""
+        def choose(palette: Palette) -> tuple[Sequence[Label], Iterator[tuple[int, Write]]]:
+            nonlocal chosen  # others may have added labels meanwhile
+            chosen = Chosen.of(palette, keys, files)
+            return chosen.fresh, _writes(recording, found, chosen)
 
-    ids: Mapping[Key, int]
-    fresh: list[Label]
-    unnamed: list[int]
-    classes: Mapping[str, int]
-
-    @classmethod
-    def of(
-        cls, store: LabelStore, recording: Recording, found: list[FrameLabels], files: LabelFiles
-    ) -> _Chosen:
-        palette = store.palette(recording.manifest.id)
-        by_name: dict[tuple[str, str], list[int]] = {}
-        for label in palette:
-            by_name.setdefault((label.name, label.category), []).append(label.id)
-        taken = {label.id for label in palette}
-        reserved = {
-            i for i, own in files.own.items() if i in by_name.get((own.name, own.category), ())
-        }
-        ids: dict[Key, int] = {}
-        fresh: list[Label] = []
-        unnamed: set[int] = set()
-        classes: dict[str, int] = {}
-        for key in sorted({key for frame in found for key in frame.keys}):
-            name, category, color, wanted = _called(key, files)
-            if key[0] not in files.names and key[0] not in files.own:
-                unnamed.add(key[0])
-            alike = by_name.setdefault((name, category), [])
-            own = key[0] in files.own
-            free = (each for each in alike if each not in reserved)
-            known = wanted if own and wanted in alike else next(free, None)
-            if own and known is not None:
-                # Labels of ours that share a name are several: each takes one of the palette.
-                alike.remove(known)
-            if known is None:
-                known = wanted if wanted and wanted not in taken else _free(taken)
-                taken.add(known)
-                if not own:
-                    alike.append(known)
-                made = Label(known, name, category, color or default_color(known))
-                if key[0] in files.own:
-                    made = replace(made, instance=files.own[key[0]].instance)
-                fresh.append(replace(made, instance=key[1]) if files.dataset else made)
-            ids[key] = known
-            classes[category or name] = key[0]
-        return cls(ids, fresh, sorted(unnamed), classes)
-
-
-def _called(key: Key, files: LabelFiles) -> tuple[str, str, str, int]:
-    """Name, category, colour and wished id of a key."""
-    number, instance = key
-    if number in files.own:
-        label = files.own[number]
-        return label.name, label.category, label.color, label.id
-    given = files.names.get(number, ClassName(f"class {number}"))
-    if instance == 0:
-        return given.name, given.name, given.color, number
-    # A class's colour is of all its instances: they are told apart by colours of their own.
-    return f"{given.name} {instance}", given.name, "", 0
-
-
-def _free(taken: set[int]) -> int:
-    number = max(taken, default=0) + 1
-    if number <= MOST_LABELS:
-        return number
-    left = next((n for n in range(1, MOST_LABELS + 1) if n not in taken), None)
-    if left is None:
-        raise BadInputError(f"labels: expected at most {MOST_LABELS}, got more")
-    return left
+        commit = self._store.apply(
+            sequence,
+            edit_id=job.edit or job.id,
+            author=job.owner or "",
+            kind="import",
+            writes=choose,
+            summary=f"labels of {request.place.name}, {len(found)} frames",
+            identity=recording.identity,
+        )
+        return chosen, commit
 
 
 def _writes(
-    recording: Recording, found: list[FrameLabels], chosen: _Chosen
+    recording: Recording, found: list[FrameLabels], chosen: Chosen
 ) -> Iterator[tuple[int, Write]]:
     for frame in found:
         ids = np.array([chosen.ids[key] for key in frame.keys], np.uint16)
@@ -476,7 +418,7 @@ def _locked(store: LabelStore, recording: Recording, found: list[FrameLabels]) -
 
 
 def _report(
-    recording: Recording, found: list[FrameLabels], unmatched: list[str], chosen: _Chosen
+    recording: Recording, found: list[FrameLabels], unmatched: list[str], chosen: Chosen
 ) -> dict[str, Any]:
     matched = {frame.frame for frame in found}
     without = [index for index in range(len(recording)) if index not in matched]

@@ -23,7 +23,7 @@ from pointbrush.formats.palette import SourceLabel, source_dataset, source_palet
 from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label, LabelStore, Write
-from pointbrush.labels.palette import default_color
+from pointbrush.labels.palette import Palette, default_color
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
@@ -186,19 +186,37 @@ def import_source_labels(store: LabelStore, recording: Sequence) -> None:
         numbers = {each.category or each.name: each.id for each in labels}
         store.taxonomy.learn(dataset.name, numbers, strict=False)
     learn_own(store, [named[label_id] for label_id in found if label_id in named])
+
+    def choose(palette: Palette) -> tuple[list[Label], Iterator[tuple[int, Write]]]:
+        fresh, ids = _fitted(labels, palette)
+        return fresh, (
+            (index, Write(numbers, label=ids[label], provenance=IMPORTED))
+            for index, numbers, label in _source_labels(recording)
+        )
+
     store.apply(
         sequence,
         edit_id=str(uuid.uuid5(uuid.NAMESPACE_OID, sequence)),
         author="import",
         kind="import",
-        writes=(
-            (index, Write(numbers, label=label, provenance=IMPORTED))
-            for index, numbers, label in _source_labels(recording)
-        ),
+        writes=choose,
         summary=f"labels that came with the files, {len(frames)} frames",
-        labels=labels,
         identity=recording.identity,
     )
+
+
+def _fitted(labels: list[Label], palette: Palette) -> tuple[list[Label], NDArray[np.uint16]]:
+    """Return those of ``labels`` that a palette has not, and for each id the one to write."""
+    known = {one.id: (one.name, one.category) for one in palette.labels}
+    free_ids, ids = palette.free_ids(), np.zeros(1 << 16, np.uint16)
+    fresh = []
+    for label in labels:
+        called = (label.name, label.category)
+        ids[label.id] = label.id
+        if known.get(label.id) != called:
+            ids[label.id] = free_ids.take(called, label.id)
+            fresh.append(replace(label, id=int(ids[label.id])))
+    return fresh, ids
 
 
 def learn_own(store: LabelStore, labels: Iterable[SourceLabel]) -> None:
