@@ -227,3 +227,11 @@ def test_padding_fields_also_of_no_values_are_passed_over(tmp_path: Path, layout
     assert {name: values.tolist() for name, values in frame.other.items()} == {
         "ring": [0, 1, 2, 3, 4]
     }
+
+
+def test_objects_of_hitachis_editor_are_instances_from_0(tmp_path: Path) -> None:
+    head = header("ascii", 3, "x y z label object", "F F F I I")
+    (tmp_path / "a.pcd").write_bytes(head + b"1 1 1 4 0\n2 2 2 4 1\n3 3 3 1 -1\n")
+    frame = one(tmp_path / "a.pcd")
+    assert frame.label.tolist() == [4, 4, 1]
+    assert frame.instance.tolist() == [1, 2, 0]

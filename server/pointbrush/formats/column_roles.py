@@ -48,7 +48,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     "instance": (
         *("instance", "scalar_instance", "instance_id", "instance_label", "ins_label"),
         *("object_id", "scalar_scalar_instance", "objidx", "obj_idx", "object_index"),
-        *("treeid", "tree_id"),
+        *("treeid", "tree_id", "object"),
     ),
 }
 LIKE_LABELS = re.compile(

@@ -31,6 +31,8 @@ MAX_HEADER = 1 << 16
 MAX_COUNT = 1 << 20
 PADDING = "_"
 """Name of fields that PCL writes between others; of COUNT 0 they have no bytes."""
+OBJECT = "object"
+"""Instances of Hitachi's editor beside its ``label``: counted from 0, -1 for none."""
 # liblzf packs at most 264 bytes into 3.
 MAX_RATIO = 90
 
@@ -86,6 +88,8 @@ def read_pcd(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     named = {n: c for n, c in columns.items() if n.lower() in ("rgb", "rgba") and c.ndim == 1}
     for field, values in named.items():
         columns[field] = unpack_rgb(values)
+    if OBJECT in columns and "label" in columns:
+        columns[OBJECT] = columns[OBJECT] + 1
     yield frame_from_columns(name, columns, options, missing=True, extras=_extras(header))
 
 
