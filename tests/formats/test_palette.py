@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.formats import LabeledFrame, export, read, source_palette
+from pointbrush.formats.exports.labeled import Palette
 from pointbrush.frame import PointFrame
 
 
@@ -67,3 +68,9 @@ def test_semantickitti_has_names_of_its_own(tmp_path):
 def test_other_files_of_that_name_name_nothing(tmp_path, document):
     (tmp_path / "palette.json").write_text(document)
     assert source_palette([tmp_path]) == []
+
+
+def test_a_class_gets_no_number_that_another_one_has_in_a_data_set():
+    trees = [Label(4, "tree", "", "#00ff00")]
+    palette = Palette(trees, {"tree": 3}, {"rellis": {"grass": 3}})
+    assert palette.of_dataset("rellis").category[[0, 4]].tolist() == [0, 65535]

@@ -238,13 +238,7 @@ class Recording(Part[L]):
         patience: float = PATIENCE,
     ) -> Steps[Job]:
         """Start what ``import_labels`` waits for; returns the job."""
-        given = {
-            "format": format,
-            "map": map,
-            "field": field,
-            "no_ground": no_ground or None,
-            "by_order": by_order or None,
-        }
+        given = _label_options(format, map, field, no_ground=no_ground, by_order=by_order)
         return (yield from self._label_import(files, given, dry_run, patience))
 
     @steps
@@ -268,13 +262,7 @@ class Recording(Part[L]):
         the points that is labels; ``no_ground`` leaves the ground out of boxes; ``by_order`` takes
         files for frames in their order, not by their names.  ``patience``: as of ``track``.
         """
-        given = {
-            "format": format,
-            "map": map,
-            "field": field,
-            "no_ground": no_ground or None,
-            "by_order": by_order or None,
-        }
+        given = _label_options(format, map, field, no_ground=no_ground, by_order=by_order)
         job = yield from self._label_import(files, given, dry_run, patience)
         return (yield from finished(job, progress=progress, patience=patience))
 
@@ -317,3 +305,16 @@ class Recording(Part[L]):
         identity = self.manifest.identity
         query = {} if identity is None else {"identity": identity}
         yield from self._call("DELETE", "", again=identity is not None, params=query)
+
+
+def _label_options(
+    format: str | None, map: str | None, field: str | None, *, no_ground: bool, by_order: bool
+) -> dict[str, Any]:
+    """Build the body of an import of labels; what was not asked for is None, and left out."""
+    return {
+        "format": format,
+        "map": map,
+        "field": field,
+        "no_ground": no_ground or None,
+        "by_order": by_order or None,
+    }

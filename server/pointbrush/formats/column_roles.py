@@ -72,7 +72,7 @@ def roles(names: Iterable[str]) -> dict[str, str]:
 
 
 def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -> None:
-    """Say which fields look like labels and are not read as such."""
+    """Warn of fields of file ``name`` that look like labels where none is read as labels."""
     if "label" in found:
         return
     instance = columns.get(found.get("instance", "")) if isinstance(columns, Mapping) else None

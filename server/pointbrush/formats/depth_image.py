@@ -35,8 +35,10 @@ PER_METRE = 1000.0
 """Depth values per metre of images of whole numbers, where nothing states it."""
 LEAST_PER_METRE = 10.0
 """Least depth values per metre of images of whole numbers: fewer tell nothing of shapes."""
-LEAST_METRES, MOST_METRES = 0.01, 1000.0
-"""Bounds of the median of a frame's depth."""
+LEAST_METRES = 0.01
+"""Least plausible median of a frame's depths."""
+MOST_METRES = 1000.0
+"""Greatest plausible median of a frame's depths."""
 SAME_SHAPE = 0.01
 """Relative difference of aspect between a depth image and a colour image of the same view."""
 

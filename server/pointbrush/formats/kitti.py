@@ -22,10 +22,12 @@ from pointbrush.frame import PointFrame
 RECORD = 16
 WIDE = (5, 6, 7)
 """Floats of records with more than KITTI's four."""
-MOST_INTENSITY, MOST_RINGS = 65535, 512
-"""Greatest plausible values of a wider record's fourth and fifth float."""
+MOST_INTENSITY = 65535
+"""Greatest plausible value of a wider record's fourth float."""
+MOST_RINGS = 512
+"""Greatest plausible value of a wider record's fifth float."""
 MUCH_LESS = 0.8
-"""Share of the variance within columns that tells which width is right."""
+"""Variance within columns of the right width, as a share of that of another width, at most."""
 # As many floats as make whole points of either record.
 SAMPLE = 48_000
 KITTI_FIELDS = ("x", "y", "z", "intensity")
@@ -156,7 +158,7 @@ def _is_wide(data: bytes, width: int) -> bool:
 
 
 def _fits_wider(data: bytes) -> bool:
-    """Whether columns of wider records are much more alike in themselves than those of four."""
+    """Whether values vary much less within columns of 5 to 7 floats a record than of four."""
 
     def spread(width: int) -> float:
         return float(np.arcsinh(np.nan_to_num(_sample(data, width))).var(axis=0).mean())

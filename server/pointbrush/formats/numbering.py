@@ -44,6 +44,16 @@ class Numbering:
 
 
 KITTI_NUMBERS = Numbering(SEMANTIC_KITTI.name, 1, 65_535)
+"""SemanticKITTI keeps a class in 16 bits, of which 0 is unlabeled."""
 LAS_NUMBERS = Numbering(LAS.name, 64, 255)
 """ASPRS leaves 64 to 255 to users; its own classes keep their numbers."""
 TRAINING_NUMBERS = Numbering("training", 0, 32_767, dense=True)
+KNOWN_NUMBERINGS = (KITTI_NUMBERS, LAS_NUMBERS, TRAINING_NUMBERS)
+GREATEST = 65_535
+"""Greatest number of a class in the files of other data sets."""
+
+
+def numbering_of(dataset: str) -> Numbering:
+    """The numbering of a data set's files; one that is not known has numbers from 1 to GREATEST."""
+    known = {numbering.name: numbering for numbering in KNOWN_NUMBERINGS}
+    return known.get(dataset) or Numbering(dataset, 1, GREATEST)

@@ -47,7 +47,7 @@ class Field:
 
     @property
     def is_read(self) -> bool:
-        """Whether it has one value a point, and is no padding."""
+        """Whether the field becomes a column: one value a point, not padding."""
         return self.count == 1 and self.name != PADDING
 
 

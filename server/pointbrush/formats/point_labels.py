@@ -108,7 +108,7 @@ def _read_lines(path: Path, options: ReadOptions) -> PointLabels:
 
 
 def has_label_lines(path: Path) -> bool:
-    """Whether a text begins with lines of one whole number, after at most one line of words."""
+    """Whether the first lines of a text, but for a header, are one whole number each."""
     with path.open("rb") as file:
         lines = file.read(HEAD).splitlines(keepends=True)
     if len(lines) > 1 and not lines[-1].endswith((b"\n", b"\r")):

@@ -11,6 +11,12 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 MOST_NUMBER = 10**9
 """Numbers of objects above which a key is a word."""
+GROUND_REACH = 1.0
+"""Metres round a box within which its ground is looked for."""
+GROUND_ABOVE = 0.2
+"""Metres above the ground's level that are ground too."""
+GROUND_SHARE = 0.1
+"""Quantile of the heights round a box that is the ground's level."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +41,7 @@ class Box:
         return replace(self, center=R.T @ (self.center - t), rotation=R.T @ self.rotation)
 
     def inside(self, xyz: Floats) -> NDArray[np.bool_]:
-        """Tell which points (N, 3) are in the box."""
+        """Mark the points of ``xyz`` (N, 3) that are in the box, its faces included."""
         local = np.abs((xyz - self.center) @ self.rotation)
         return np.asarray((local <= self.size / 2).all(axis=1))
 
@@ -113,13 +119,8 @@ def points_of(
     return which
 
 
-GROUND_REACH, GROUND_ABOVE, GROUND_SHARE = 1.0, 0.2, 0.1
-"""Metres round a box whose lowest points are the ground, metres above it that are, and the share
-of the points there that lie below it."""
-
-
 def _ground(box: Box, xyz: Floats, up: Floats) -> NDArray[np.bool_]:
-    """Tell which points are the ground at a box."""
+    """Mark the points (N,) near the level of the lowest ones round a box."""
     wide = Box(box.name, "", box.center, box.size + 2 * GROUND_REACH, box.rotation)
     height = xyz @ up
     near = wide.inside(xyz) & ~box.inside(xyz)

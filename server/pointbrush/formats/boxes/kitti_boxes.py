@@ -20,7 +20,10 @@ from pointbrush.formats.poses import rigid_of
 Floats = NDArray[np.float64]
 CALIBRATIONS = ("calib.txt", "calib_velo_to_cam.txt")
 IGNORED = "dontcare"
-OBJECT_WORDS, TRACKING_WORDS = 15, 17
+OBJECT_WORDS = 15
+"""Values of a line of KITTI's object labels."""
+TRACKING_WORDS = 17
+"""Values of a line of KITTI's tracking labels: frame and track, then those of an object."""
 FRAME_LIST = "frame_list.txt"
 """CVAT's file beside its tracklets: number of a frame and its name a line."""
 OUTSIDE = ("2", "99")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import SEMANTIC_KITTI
-from pointbrush.formats.numbering import Numbering
+from pointbrush.formats.numbering import Numbering, numbering_of
 from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
@@ -216,17 +216,11 @@ class Palette:
     def of_dataset(self, dataset: str) -> DatasetNumbers:
         """Each label's class and instance in a dataset's files.
 
-        A category that the dataset does not know has its own number, or where another one has
-        that there, the greatest that is free.  A label that came from nowhere has its id as
-        instance, or where another one of its class has that, the greatest that is free.
+        A category that the dataset does not know has a number by ``numbering_of``, 0 where none is
+        free.  A label that came from nowhere has its id as instance, or where another one of its
+        class has that, the greatest that is free.
         """
-        known = self._datasets.get(dataset, {})
-        mine = {name: known[name] for name in self.categories if name in known}
-        taken = set(mine.values()) | {0}
-        for name, number in self.categories.items():
-            if name not in mine:
-                mine[name] = number if number not in taken else _greatest_free(taken)
-                taken.add(mine[name])
+        mine = self.numbers_in(numbering_of(dataset))
         category, instance = np.zeros((2, 1 << 16), np.uint16)
         used: dict[str, set[int]] = {}
         for entry in self.entries:
@@ -234,7 +228,7 @@ class Palette:
                 used.setdefault(category_of(entry), set()).add(entry.instance)
         for entry in self.entries:
             name = category_of(entry)
-            category[entry.id] = mine[name]
+            category[entry.id] = mine.get(name, 0)
             others = used.setdefault(name, set())
             instance[entry.id] = _instance_of(entry, others)
             others.add(int(instance[entry.id]))

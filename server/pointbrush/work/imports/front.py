@@ -109,7 +109,7 @@ class Importing(ABC):
         ground out of boxes; ``field`` names the field of points that is labels; ``cleanup`` is
         removed when the job has ended; ``job_id`` as of ``import_paths``.  Raises NotFoundError.
         """
-        from pointbrush.work.imports.annotating import LabelRequest
+        from pointbrush.work.imports.label_reading import LabelRequest
 
         request = LabelRequest(
             place.absolute(),

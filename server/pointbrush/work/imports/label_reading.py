@@ -1,0 +1,281 @@
+"""Labels of frames, by numbers of class and instance, read from files made elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from dataclasses import field as of_field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats import Limits, ReadOptions
+from pointbrush.formats.annotation import LabelFiles, find_label_files
+from pointbrush.formats.archive import unpacked
+from pointbrush.formats.boxes.figures import FrameBoxes, instance_numbers
+from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
+from pointbrush.formats.class_maps import ClassNumbers
+from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.inside import require_inside
+from pointbrush.formats.interpolation import NEAR
+from pointbrush.formats.matching import FrameName, match
+from pointbrush.formats.nuscenes import label_times
+from pointbrush.formats.own_export import OwnExport
+from pointbrush.formats.point_labels import PointLabels
+from pointbrush.formats.source import reported
+from pointbrush.formats.timing import nearest
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import open_sequence
+from pointbrush.sequences.manifest import Manifest
+from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.imports.choosing import Key
+from pointbrush.work.imports.figures import figures_of
+from pointbrush.work.imports.submitting import LABELS, UPLOAD
+from pointbrush.worker import Channel
+
+
+@dataclass(frozen=True)
+class LabelRequest:
+    """Request of an import of labels: see ``Workspace.import_labels``."""
+
+    place: Path
+    format: str | None = None
+    names: Mapping[int, ClassName] = of_field(default_factory=dict)
+    dry_run: bool = False
+    no_ground: bool = False
+    by_order: bool = False
+    """Take files for frames in their order, whatever their names are."""
+    field: str | None = None
+    """Name of the field of points that is labels, where the files do not say so."""
+    roots: tuple[Path, ...] = ()
+    upload: Path | None = None
+    """Folder of files that were uploaded for it, which goes when the import has ended."""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what a job keeps, to be begun again by ``LabelImports.again``."""
+        names = {str(number): (name.name, name.color) for number, name in self.names.items()}
+        places = {"place": str(self.place), "roots": [str(root) for root in self.roots]}
+        return (
+            {"call": LABELS}
+            | {f.name: getattr(self, f.name) for f in fields(self)}
+            | places
+            | {"names": names, UPLOAD: str(self.upload) if self.upload else None}
+        )
+
+    @classmethod
+    def of_json(cls, kept: Mapping[str, Any]) -> LabelRequest:
+        """Return the request that ``as_json`` made ``kept`` of."""
+        values = {name: value for name, value in kept.items() if name != "call"}
+        return cls(
+            **values
+            | {
+                "place": Path(kept["place"]),
+                "roots": tuple(map(Path, kept["roots"])),
+                "upload": Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
+                "names": {int(number): ClassName(*name) for number, name in kept["names"].items()},
+            }
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FrameLabels:
+    """Labels of a frame: ``rows`` (n,) of the source that have one, ``which`` (n,) their keys."""
+
+    frame: int
+    file: str
+    rows: NDArray[np.int64]
+    which: NDArray[np.int64]
+    keys: tuple[Key, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Unmatched:
+    """A file that is of no frame."""
+
+    file: str
+
+
+@dataclass(frozen=True)
+class ReadLabelsWork:
+    """Picklable reading of label files; hands each frame's labels to the runner."""
+
+    request: LabelRequest
+    recording: RecordingFiles
+    limits: Limits
+
+    def __call__(self, channel: Channel) -> None:
+        """Read every file, before anything is written.
+
+        Raises BadInputError naming file and frame.
+        """
+        if self.request.roots:
+            require_inside([self.request.place], self.request.roots)
+        with reported() as warnings, unpacked(self.request.place, self.limits) as place:
+            self._read(channel, place)
+        channel.item(list(warnings))
+
+    def _read(self, channel: Channel, place: Path) -> None:
+        request = self.request
+        wanted = request.format or ("points" if request.field else None)
+        files = find_label_files(place, wanted, request.names, self.limits)
+        recording = open_sequence(self.recording)
+        if files.format in BOX_READERS:
+            self._boxes(channel, files, recording)
+            return
+        channel.item(
+            LabelFiles(files.format, (), dict(files.names), dict(files.own), files.dataset)
+        )
+        columns = (f"{request.field}=label",) if request.field else ()
+        classes, chosen = ClassNumbers(), Corrections(columns=columns)
+        options = ReadOptions(limits=self.limits, chosen=chosen, class_number=classes.number)
+        frames = self._frames(files, recording)
+        for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
+            if frame >= len(recording):
+                channel.item(Unmatched(path.name))
+            else:
+                labels = _of_points(files.read(path, options), recording, frame)
+                labels = _of_export(labels, files.export, recording, frame)
+                channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
+            channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+        if classes.names:
+            names = dict(enumerate(map(ClassName, classes.names), start=1))
+            channel.item(LabelFiles(files.format, (), names, {}))
+
+    def _frames(self, files: LabelFiles, recording: Recording) -> list[int]:
+        """Find the frame of each file.  Raises BadInputError as ``matching.match``."""
+        if files.export is not None:
+            return [files.export.frames.get(path, 0) for path in files.paths]
+        stamps = label_times(files.paths)
+        names = [f"{path.parent.name}/{path.name}" for path in files.paths]
+        times = [stamps[path] for path in files.paths] if stamps else None
+        known = frame_names(recording.manifest)
+        return match(names, known, by_order=self.request.by_order, times=times)
+
+    def _box_frames(
+        self, files: LabelFiles, found: Sequence[Sequence[FrameBoxes]], recording: Recording
+    ) -> dict[FrameBoxes, int | None]:
+        """Find the frames of boxes: their index, or by their name, their time or that of the file.
+
+        Raises BadInputError as ``matching.match``.
+        """
+        parts = [
+            (path, part) for path, each in zip(files.paths, found, strict=True) for part in each
+        ]
+        frames: dict[FrameBoxes, int | None] = {
+            part: part.frame for _, part in parts if isinstance(part.frame, int)
+        }
+        known = frame_names(recording.manifest)
+        named = {part: part.frame for _, part in parts if isinstance(part.frame, str)}
+        if named:
+            frames |= zip(named, match(list(named.values()), known), strict=True)
+        # A table has the times of a whole drive, of which the recording may be a part.
+        timed = {part: part.time for _, part in parts if part.time is not None}
+        at = {index: name.time for index, name in enumerate(known) if name.time is not None}
+        near = nearest(list(timed.values()), list(at.values()), NEAR)
+        frames |= zip(timed, (None if k is None else list(at)[k] for k in near), strict=True)
+        silent = {part: path for path, part in parts if part not in frames}
+        asked = replace(files, paths=tuple(silent.values()))
+        return frames | dict(zip(silent, self._frames(asked, recording), strict=True))
+
+    def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
+        """Hand on the points inside boxes; a class has the number of its name's place."""
+        found = [read_boxes(path, files.format) for path in files.paths]
+        if (export := files.export) is not None:
+            found = [[part.moved_back(export.T_export_source) for part in f] for f in found]
+        figures = [figure for file in found for part in file for figure in part.boxes]
+        names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
+        number_of = {name.name: number for number, name in names.items()}
+        instance_of = instance_numbers(figures)
+        channel.item(LabelFiles(files.format, (), names, dict(files.own)))
+        up = recording.manifest.T_room_local[1, :3]
+        frames = self._box_frames(files, found, recording)
+        for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
+            for part in file:
+                frame = frames[part]
+                if frame is None or not 0 <= frame < len(recording):
+                    channel.item(Unmatched(path.name))
+                    continue
+                which = figures_of(path.name, part, recording, frame, up, self.request.no_ground)
+                keys = tuple(
+                    (each.label, 0) if each.label else (number_of[each.name], instance_of[each.key])
+                    for each in part.boxes
+                )
+                rows = np.flatnonzero(which >= 0)
+                channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
+            channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+
+
+def frame_names(manifest: Manifest) -> list[FrameName]:
+    """List the files and times of a recording's frames, by which they are told apart."""
+    files = manifest.files or [""] * manifest.frames
+    return [FrameName(*told) for told in zip(files, manifest.timestamps, strict=True)]
+
+
+def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
+    """Labels of a frame's points, where they are of all rows of its source, invalid ones too."""
+    manifest = recording.manifest
+    dropped = manifest.dropped[frame]
+    if not dropped or len(labels.category) != manifest.points[frame] + dropped:
+        return labels
+    rows = recording.source_rows(frame)
+    if rows is None:
+        return labels
+    instance = labels.instance
+    return replace(
+        labels,
+        category=labels.category[rows],
+        instance=None if instance is None else instance[rows],
+    )
+
+
+def _of_export(
+    labels: PointLabels, export: OwnExport | None, recording: Recording, frame: int
+) -> PointLabels:
+    """Labels of all points of a frame, where an export of ours has those of some."""
+    if labels.rows is not None:
+        whole = np.zeros(recording.manifest.points[frame], np.int64)
+        if len(labels.rows) and int(labels.rows.max()) >= len(whole):
+            raise BadInputError(
+                f"{labels.file}: expected rows below {len(whole):,}, the points of frame {frame}, "
+                f"got {int(labels.rows.max()):,}"
+            )
+        whole[labels.rows] = labels.category
+        return replace(labels, category=whole, rows=None)
+    if export is None:
+        return labels
+    instance = labels.instance
+    return replace(
+        labels,
+        category=export.spread(frame, labels.category),
+        instance=None if instance is None else export.spread(frame, instance),
+    )
+
+
+def _of_boxes(
+    frame: int, file: str, rows: NDArray[np.int64], box: NDArray[np.int64], keys: tuple[Key, ...]
+) -> FrameLabels:
+    """Labels of rows (n,) by the box (n,) they are in; boxes of one key are one."""
+    once = tuple(sorted(set(keys)))
+    place = np.array([once.index(key) for key in keys], np.int64)
+    return FrameLabels(frame, file, rows, place[box] if len(keys) else box, once)
+
+
+def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -> FrameLabels:
+    count = len(labels.category)
+    if count != points:
+        raise BadInputError(
+            f"{labels.file}: expected {points:,} labels, one for each point of frame {frame}, "
+            f"got {count:,}"
+        )
+    instance = np.zeros(count, np.int64) if labels.instance is None else labels.instance
+    rows = np.flatnonzero(labels.category > 0)
+    if 0 in files.names and not files.own:
+        rows = np.arange(count)
+    packed = labels.category[rows] << 32 | instance[rows]
+    keys, which = np.unique(packed, return_inverse=True)
+    pairs = tuple((int(key) >> 32, int(key) & 0xFFFFFFFF) for key in keys)
+    return FrameLabels(frame, labels.file, rows, which.astype(np.int64), pairs)
