@@ -125,6 +125,10 @@ def test_import_info_paint_track_export(
     assert (first[3000:] & 0xFFFF > 0).all(), "category in the lower half"
     palette = json.loads(next((tmp_path / "kitti").glob("**/palette.json")).read_text())
     assert "ball" in json.dumps(palette)
+    training = ["export", sequence, "--format", "openpcdet", "--out", tmp_path / "training"]
+    assert run(*training, "--val", "1:3") == 0
+    split = json.loads((tmp_path / "training" / "export.json").read_text())["split"]
+    assert (len(split["train"]), len(split["val"])) == (1, 2)
     assert run("check") == 0
 
 

@@ -59,6 +59,9 @@ def test_the_whole_way_on_a_server(
     assert len(list((tmp_path / "out").rglob("*.label"))) == 3
     run("export", "drift", "--format", "npz", "--out", tmp_path / "out.zip", "--frames", "0:1")
     assert (tmp_path / "out.zip").read_bytes().startswith(b"PK")
+    training = ("export", "drift", "--format", "pointcept", "--out", tmp_path / "training")
+    run(*training, "--val", "2:3")
+    assert len(list((tmp_path / "training" / "val").iterdir())) == 1
     assert run("report", "drift", "--out", tmp_path / "drift.html").startswith("wrote")
     assert "suspicious" in run("check-labels", "drift")
     assert not (tmp_path / "here").exists()

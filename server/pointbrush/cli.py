@@ -134,6 +134,12 @@ def parser() -> argparse.ArgumentParser:
     export_.add_argument("--format", required=True, help="see docs/formats.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
+    export_.add_argument(
+        "--val",
+        metavar="I:J|SEQ,…|none",
+        help="frames, or recordings, for validation in formats for training (default: about one "
+        "recording in five by its id, never all)",
+    )
 
     info_ = _command(commands, "info", "what is in the workspace")
     info_.add_argument("sequence", nargs="?", metavar="SEQ", help=SEQUENCE)

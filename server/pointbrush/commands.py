@@ -122,7 +122,7 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
 
         if given.format in EXPORTS:
             printing.not_held(EXPORTS[given.format])
-        workspace.export(given.sequence, given.format, given.out, given.frames)
+        workspace.export(given.sequence, given.format, given.out, given.frames, given.val)
         print(f"exported {given.sequence} to {given.out}")
 
 

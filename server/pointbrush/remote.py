@@ -110,7 +110,7 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
             if entry.format == given.format:
                 printing.not_held(entry)
         if zipped:
-            recording.export(given.format, out, given.frames)
+            recording.export(given.format, out, given.frames, given.val)
         else:
             _export_folder(recording, given, out)
     print(f"exported {given.sequence} to {out}")
@@ -119,7 +119,7 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
 def _export_folder(recording: Recording, given: argparse.Namespace, out: Path) -> None:
     """Unpack an export beside ``out`` and move it there whole."""
     with tempfile.TemporaryDirectory(prefix=f".{out.name}-", dir=out.parent) as name:
-        archive = recording.export(given.format, Path(name) / "export.zip", given.frames)
+        archive = recording.export(given.format, Path(name) / "export.zip", given.frames, given.val)
         folder = Path(name) / "unpacked"
         with zipfile.ZipFile(archive) as packed:
             packed.extractall(folder)

@@ -258,10 +258,16 @@ class Workspace(Importing, Labelling):
     # ── export and jobs ──────────────────────────────────────────────────────────────────
 
     def export(
-        self, sequence: str, export_format: str, out: Path | BinaryIO, frames: str | None = None
+        self,
+        sequence: str,
+        export_format: str,
+        out: Path | BinaryIO,
+        frames: str | None = None,
+        val: str | None = None,
     ) -> None:
         """Write frames ``I:J`` with their labels; a folder or file at a Path, zip to a stream.
 
+        ``val``: frames for validation in a format for training, as ``exporting.choose_split``.
         Raises BadInputError for an unknown format or range, DamagedError for a damaged frame: at a
         Path nothing is left then, a stream has not begun, or goes on and names the gap.
         """
@@ -269,10 +275,12 @@ class Workspace(Importing, Labelling):
         if export_format not in formats.EXPORTS:
             known = ", ".join(sorted(formats.EXPORTS))
             raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
+        split = exporting.choose_split(export_format, val, recording, self.library.ids)
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
         gaps: list[str] | None = None if isinstance(out, Path) else []
         labeled = exporting.labeled_frames(self.store, recording, chosen, gaps)
+        labeled = exporting.split_frames(labeled, split)
         palette = self.store.palette(sequence)
         names = formats.category_names(palette)
         numbers = self.store.taxonomy.numbers(names)

@@ -12,7 +12,7 @@ import pytest
 from pyarrow import feather
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import LabeledFrame, Limits, export, open_source
+from pointbrush.formats import LabeledFrame, Limits, Split, export, open_source
 from pointbrush.formats.boxes.registry import is_box_file, read_boxes
 from pointbrush.frame import PointFrame
 from tests.formats.test_exports import Label
@@ -206,22 +206,22 @@ def test_openpcdet_loads_points_boxes_and_splits(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("format", ["pointcept", "openpcdet"])
-def test_recordings_for_training_have_one_split_each_and_names_of_their_own(
+def test_scenes_for_training_lie_in_their_split_under_names_of_their_own(
     tmp_path: Path, format: str
 ) -> None:
-    splits: dict[str, set[str]] = {}
     scenes: list[str] = []
-    for number in range(6):
-        name, out = f"seq-{number}", tmp_path / str(number)
-        export(format, (labelled(i, recording=name) for i in range(6)), PALETTE, out)
-        for split in ("train", "val"):
-            listed = out / "ImageSets" / f"{split}.txt"
-            found = listed.read_text().split() if listed.exists() else _names(out / split)
+    for recording in ("a", "b"):
+        split, out = Split(range(2, 4), "frames 2:4"), tmp_path / recording
+        frames = (replace(labelled(i, recording=recording), split=split) for i in range(6))
+        export(format, frames, PALETTE, out)
+        told = json.loads((out / "export.json").read_text())["split"]
+        assert told.pop("by") == "frames 2:4"
+        for name, expected in (("train", {0, 1, 4, 5}), ("val", {2, 3})):
+            listed = out / "ImageSets" / f"{name}.txt"
+            found = listed.read_text().split() if listed.exists() else _names(out / name)
+            assert sorted(found) == told[name] == [f"{recording}_{i:06d}" for i in sorted(expected)]
             scenes += found
-            splits.setdefault(name, set()).update({split} if found else ())
-        assert splits[name] == {json.loads((out / "export.json").read_text())["split"]}
-    assert {split for (split,) in splits.values()} == {"train", "val"}
-    assert len(set(scenes)) == len(scenes) == 6 * 6
+    assert len(set(scenes)) == len(scenes)
 
 
 def _names(folder: Path) -> list[str]:

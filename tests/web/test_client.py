@@ -58,6 +58,11 @@ def test_the_whole_way(served: Served, tmp_path: Path) -> None:
         out = wall.export("npz", tmp_path / "out.zip", frames="0:1")
         with zipfile.ZipFile(out) as archive:
             assert "000000.npz" in archive.namelist()
+        splits = {each.format for each in client.export_formats() if each.splits}
+        assert splits == {"pointcept", "openpcdet"}
+        out = wall.export("openpcdet", tmp_path / "split.zip", val="1:3")
+        with zipfile.ZipFile(out) as archive:
+            assert len(archive.read("ImageSets/val.txt").split()) == 2
         assert [each.index for each in wall.frames[1:]] == [1, 2]
         assert wall.update_label(label.id, name="stone").name == wall.label("stone").name
         assert (wall.delete_label(label.id).changed > 0, wall.labels()) == (True, [])
@@ -86,13 +91,16 @@ def test_the_whole_way_awaited(served: Served, tmp_path: Path) -> None:
             run = await wall.track([brick.id], 0, 1, method="icp", progress=False)
             assert run.frames == 2
             out = await wall.export("npz", tmp_path / "out.zip")
+            split = await wall.export("openpcdet", tmp_path / "split.zip", val="wall")
+            with zipfile.ZipFile(split) as archive:
+                assert not archive.read("ImageSets/train.txt")
             assert zipfile.is_zipfile(out)
             assert (await wall.review.counts())["open"] == 3
             with pytest.raises(NotFoundError, match="nothing"):
                 await client["nothing"]
             with pytest.raises(BadInputError):
                 await wall.export("nothing", tmp_path / "none.zip")
-            assert [path.name for path in tmp_path.glob("*.zip")] == ["out.zip"]
+            assert {path.name for path in tmp_path.glob("*.zip")} == {"out.zip", "split.zip"}
             assert stone.id in [label.id for label in await wall.labels()]
 
     asyncio.run(work())

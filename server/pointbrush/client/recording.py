@@ -274,9 +274,16 @@ class Recording(Part[L]):
         return started(job, upload(place, files, options, query=query, patience=patience))
 
     @steps
-    def export(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:
-        """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path."""
-        query = {"format": format} | ({} if frames is None else {"frames": frames})
+    def export(
+        self, format: str, out: AnyPath, frames: str | None = None, val: str | None = None
+    ) -> Steps[Path]:
+        """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path.
+
+        ``val`` are the frames for validation of a format that splits: ``I:J``, ids of recordings
+        with commas, or ``none``; by default those of one recording in five.
+        """
+        asked = {"format": format, "frames": frames, "val": val}
+        query = {key: value for key, value in asked.items() if value is not None}
         target = Path(out)
         partial = target.with_name(f".{target.name}-{uuid.uuid4().hex}")
         try:

@@ -199,12 +199,14 @@ class Category:
 
 @dataclass(frozen=True, slots=True)
 class ExportFormat:
-    """An export format; ``cannot_hold``: what of points and labels is lost in it."""
+    """An export format; ``cannot_hold``: what of points and labels is lost in it; ``splits``: its
+    frames are for training or for validation."""
 
     format: str
     title: str
     content: str
     cannot_hold: list[str]
+    splits: bool = False
 
 
 class Annotation(np.ndarray[Any, np.dtype[Any]]):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+import hashlib
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -24,6 +26,12 @@ SENT = ("xyz", "rgb", "intensity")
 EXPORTED = (*SENT, "instance")
 VERIFIED_AHEAD = 2 << 30
 """Bytes of frames that are compared with their checksums before an export begins: seconds."""
+VALIDATION = 5
+"""Of so many recordings about one is for validation where nobody chooses."""
+NO_VALIDATION = "none"
+"""Word that asks for no validation."""
+BY_DEFAULT = "default: one recording in five by its id, never all of a workspace"
+"""Reason of a split that nobody chose, in ``export.json``."""
 
 
 def source_columns(
@@ -180,3 +188,52 @@ def parse_frames(text: str | None, count: int) -> range:
             f"frames: expected a range within 0:{count} that is not empty, got {text!r}"
         )
     return range(start, stop)
+
+
+def choose_split(
+    format: str, asked: str | None, recording: Sequence, known: Callable[[], Collection[str]]
+) -> formats.Split:
+    """Choose which frames are for validation: those ``asked`` for, or by default.
+
+    ``asked`` is a range of frames ``I:J``, ids of recordings with commas, all of whose frames are,
+    or ``none``.  By default it is all frames of about one recording in five of those ``known``.
+    Raises BadInputError for a format without splits, a range outside the recording, or an id that
+    is not known.
+    """
+    name, count = recording.manifest.id, len(recording)
+    if not formats.EXPORTS[format].splits:
+        if asked is not None:
+            able = ", ".join(entry.name for entry in formats.EXPORTS.values() if entry.splits)
+            raise BadInputError(f"val: expected one of the formats {able} with it, got {format}")
+        return formats.Split()
+    if asked is None:
+        val = name in _validation(known())
+        return formats.Split(range(count if val else 0), BY_DEFAULT)
+    if ":" in asked:
+        return formats.Split(parse_frames(asked, count), f"frames {asked}")
+    wanted = set() if asked == NO_VALIDATION else set(asked.split(","))
+    if unknown := wanted - set(known()):
+        raise BadInputError(
+            f"val: expected frames I:J, ids of recordings, or {NO_VALIDATION}, got "
+            f"{', '.join(sorted(unknown))[:80]!r}"
+        )
+    return formats.Split(range(count if name in wanted else 0), f"recordings {asked}")
+
+
+def _validation(known: Collection[str]) -> set[str]:
+    """Choose recordings for validation by a hash of their ids; none where that would be all.
+
+    Frames of one drive are alike: divided among both splits, they would let a model be judged by
+    what it was trained on.
+    """
+    digests = {name: hashlib.sha256(name.encode()).digest()[:8] for name in known}
+    chosen = {name for name in known if int.from_bytes(digests[name], "big") % VALIDATION == 0}
+    return chosen if len(chosen) < len(known) else set()
+
+
+def split_frames(
+    frames: Iterable[formats.ExportFrame], split: formats.Split
+) -> Iterator[formats.ExportFrame]:
+    """Give frames their split."""
+    for frame in frames:
+        yield replace(frame, split=split)

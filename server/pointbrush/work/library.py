@@ -45,9 +45,13 @@ class Library:
         found = [found.manifest for found in self.survey() if found.manifest is not None]
         return sorted(found, key=lambda manifest: manifest.name.lower())
 
+    def ids(self) -> list[str]:
+        """Ids of everything that is, or should be, a recording."""
+        return [name for name in self.store.ids() if name not in self.hidden]
+
     def survey(self) -> list[Found]:
         """Every one that is, or should be, a recording."""
-        names = [name for name in self.store.ids() if name not in self.hidden]
+        names = self.ids()
         with ThreadPoolExecutor(self.store.at_once, "pointbrush-survey") as pool:
             return list(pool.map(self.look, names))
 

@@ -17,6 +17,7 @@ from pointbrush.formats.exports.labeled import (
     LabeledFrame,
     Palette,
     PaletteEntry,
+    Split,
     category_names,
     sizes_of,
 )
@@ -48,6 +49,8 @@ class Export:
     masks: bool = True
     numbering: Numbering | None = None
     """Numbers that its files have for classes; None: those of the workspace."""
+    splits: bool = False
+    """Its frames are split into those for training and those for validation."""
 
 
 GAPS = "gaps.json"
@@ -105,6 +108,7 @@ _ALL = (
         training.write_pointcept,
         (_PROVENANCE, _FIELDS),
         numbering=TRAINING_NUMBERS,
+        splits=True,
     ),
     Export(
         "openpcdet",
@@ -120,6 +124,7 @@ _ALL = (
         ),
         masks=False,
         numbering=TRAINING_NUMBERS,
+        splits=True,
     ),
     Export(
         "boxes",
@@ -188,6 +193,7 @@ __all__ = [
     "Output",
     "Palette",
     "PaletteEntry",
+    "Split",
     "category_names",
     "export",
     "sizes_of",

@@ -43,6 +43,22 @@ class PaletteEntry(Protocol):
         """Its number where it came from, 0 for a class without instances; None: nowhere."""
 
 
+@dataclass(frozen=True, slots=True)
+class Split:
+    """Split of a recording's frames for training.
+
+    ``val`` (validation) are frames by index, the others are "train"; ``by`` tells people what
+    chose them.
+    """
+
+    val: range = range(0)
+    by: str = "default"
+
+    def of(self, index: int) -> str:
+        """Name the split of a frame."""
+        return "val" if index in self.val else "train"
+
+
 def stem_of(index: int) -> str:
     """File name of a frame, without ending."""
     return f"{index:06d}"
@@ -78,6 +94,7 @@ class LabeledFrame:
     dropped: int = 0
     recording: str = ""
     """Id of the recording that the frame is of."""
+    split: Split = Split()
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -135,6 +152,7 @@ class BlockedFrame:
     rows: NDArray[np.int64] | None = None
     dropped: int = 0
     recording: str = ""
+    split: Split = Split()
 
     @property
     def stem(self) -> str:

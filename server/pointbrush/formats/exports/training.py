@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from typing import Any
@@ -12,7 +11,13 @@ from numpy.typing import NDArray
 
 from pointbrush.formats.exports.about import PLACEMENT
 from pointbrush.formats.exports.boxes import upright_box
-from pointbrush.formats.exports.labeled import ExportFrame, LabeledFrame, Palette, category_of
+from pointbrush.formats.exports.labeled import (
+    ExportFrame,
+    LabeledFrame,
+    Palette,
+    Split,
+    category_of,
+)
 from pointbrush.formats.exports.output import Output
 from pointbrush.formats.exports.placement import (
     Matrix,
@@ -25,28 +30,16 @@ from pointbrush.formats.npy import write_column
 from pointbrush.formats.numbering import TRAINING_NUMBERS
 from pointbrush.formats.table import Spools
 
-VALIDATION = 5
-"""Of so many recordings about one is for validation."""
 NONE = -1
 """Value of Pointcept for points without a class or an instance."""
 FEWEST = 5
 """Points that a box must hold to be worth learning."""
 
 
-def split_of(recording: str) -> str:
-    """Choose the split of all frames of a recording, "train" or "val", by a hash of its id.
-
-    Frames of one drive are alike: divided among both splits, they would let a model be judged by
-    what it was trained on.
-    """
-    digest = hashlib.sha256(recording.encode()).digest()
-    return "val" if int.from_bytes(digest[:8], "big") % VALIDATION == 0 else "train"
-
-
 class _Scenes:
-    """The frames of a recording with the names of their scenes; all are in one split and place.
+    """The frames of a recording with the splits and the names of their scenes, all in one place.
 
-    Iterate before ``split``, ``T_export_source`` (4, 4) and ``told`` are asked for.
+    Iterate before ``T_export_source`` (4, 4) and ``told`` are asked for.
     """
 
     def __init__(
@@ -54,27 +47,32 @@ class _Scenes:
     ) -> None:
         """``axes(up)`` turns the points, (3, 3); without it they keep the source's axes."""
         self._frames, self._axes = frames, axes
-        self.split = split_of("")
+        self._split = Split()
+        self.names: dict[str, list[str]] = {"train": [], "val": []}
+        """Scenes of each split."""
         self.T_export_source = np.eye(4)
 
-    def __iter__(self) -> Iterator[tuple[ExportFrame, str]]:
+    def __iter__(self) -> Iterator[tuple[ExportFrame, str, str]]:
         at_place = False
         for frame in self._frames:
-            self.split = split_of(frame.recording)
             if not at_place and frame.count:
                 turn = np.eye(3) if self._axes is None else self._axes(frame.up)
                 self.T_export_source, at_place = placement_of(frame, turn), True
-            yield frame, f"{frame.recording}_{frame.stem}" if frame.recording else frame.stem
+            name = f"{frame.recording}_{frame.stem}" if frame.recording else frame.stem
+            self._split, split = frame.split, frame.split.of(frame.index)
+            self.names[split].append(name)
+            yield frame, split, name
 
     def told(self) -> dict[str, Any]:
         """List what ``export.json`` tells of them."""
-        return {"split": self.split, PLACEMENT: self.T_export_source.tolist()}
+        split = {"by": self._split.by, **self.names}
+        return {"split": split, PLACEMENT: self.T_export_source.tolist()}
 
 
 def write_pointcept(
     frames: Iterable[ExportFrame], palette: Palette, output: Output
 ) -> dict[str, Any]:
-    """Write Pointcept's scenes, ``train/RECORDING_NNNNNN/`` or ``val/…`` by recording.
+    """Write Pointcept's scenes, ``train/RECORDING_NNNNNN/`` or ``val/…`` by the frame's split.
 
     Each has coord, color, strength, segment and instance as ``.npy``.
     ``segment`` is the number of ``classes.json``, the same in all recordings of a workspace;
@@ -82,8 +80,8 @@ def write_pointcept(
     """
     segments = _places(palette)
     scenes = _Scenes(frames)
-    for frame, name in scenes:
-        folder = f"{scenes.split}/{name}"
+    for frame, split, name in scenes:
+        folder = f"{split}/{name}"
         with ExitStack() as stack:
             columns = Spools(stack)
             for block in frame.blocks():
@@ -130,9 +128,8 @@ def write_openpcdet(
     ``points/RECORDING_NNNNNN.npy`` are x y z intensity in float32, z up, x ahead; the ``.txt`` of
     that name in ``labels`` has lines ``x y z dx dy dz heading class`` of upright boxes.
     """
-    splits: dict[str, list[str]] = {"train": [], "val": []}
     scenes = _Scenes(frames, upright_axes)
-    for frame, name in scenes:
+    for frame, _, name in scenes:
         boxes: dict[int, list[Matrix]] = {}
         with ExitStack() as stack:
             columns = Spools(stack)
@@ -146,8 +143,7 @@ def write_openpcdet(
                 write_column(file, columns.tables()["points"])
         with output.file(f"labels/{name}.txt") as file:
             file.write("".join(f"{line}\n" for line in _box_lines(boxes, palette)).encode())
-        splits[scenes.split].append(name)
-    for split, names in splits.items():
+    for split, names in scenes.names.items():
         with output.file(f"ImageSets/{split}.txt") as file:
             file.write("".join(f"{name}\n" for name in names).encode())
     write_palette(palette, output)

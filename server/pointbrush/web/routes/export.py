@@ -34,6 +34,15 @@ FrameRange = Annotated[
     str | None, Query(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$", description="I:J, J not included")
 ]
 
+Validation = Annotated[
+    str | None,
+    Query(
+        max_length=4096,
+        description="frames for validation, of formats that split: I:J, ids of recordings with "
+        "commas, or none; without it one recording in five, never all",
+    ),
+]
+
 
 @dataclass
 class Place:
@@ -197,12 +206,16 @@ async def respond(
 
 
 class ExportOut(BaseModel):
-    """An export format: what its files contain, and what of points and labels they cannot hold."""
+    """An export format: what its files contain, and what of points and labels they cannot hold.
+
+    ``splits``: its frames are split for training and validation.
+    """
 
     format: str
     title: str
     content: str
     cannot_hold: list[str]
+    splits: bool
 
 
 @router.get("/exports")
@@ -214,6 +227,7 @@ def list_exports() -> list[ExportOut]:
             title=each.title,
             content=each.content,
             cannot_hold=list(each.cannot_hold),
+            splits=each.splits,
         )
         for each in EXPORTS.values()
     ]
@@ -234,12 +248,13 @@ async def export_sequence(
     who: Caller,
     format: Annotated[str, Query(pattern=one_of(EXPORTS))],
     frames: FrameRange = None,
+    val: Validation = None,
 ) -> Response:
     """Frames with their labels in the source's order, as a zip."""
     return await respond(
         request.app.state.exports,
         person_of(request, who),
-        lambda file: workspace.export(seq, format, file, frames),
+        lambda file: workspace.export(seq, format, file, frames, val),
         {"Content-Disposition": f'attachment; filename="{seq}-{format}.zip"'},
     )
 
