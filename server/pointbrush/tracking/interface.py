@@ -98,6 +98,25 @@ class TrackFrame(Protocol):
         """The camera's pixels, where the import found them."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PositionsFrame:
+    """A ``TrackFrame`` of positions alone, by which its sensor is told."""
+
+    xyz: F32
+    viewpoint: F64 | None
+    pose: F64 | None = None
+    lattice: PixelLattice | None = None
+    rgb: None = None
+    intensity: None = None
+
+    @property
+    def kdtree(self) -> cKDTree:
+        """A tree made for this call."""
+        from scipy.spatial import cKDTree as Tree
+
+        return Tree(self.xyz, balanced_tree=False)
+
+
 Frames = Callable[[int], TrackFrame]
 """Frame number → frame."""
 

@@ -16,10 +16,11 @@ from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
     from pointbrush.selection.objects.choosing import Candidate, candidates
-    from pointbrush.selection.objects.options import SENSOR_KINDS, ObjectOptions, SensorKind
+    from pointbrush.selection.objects.options import ObjectOptions
     from pointbrush.selection.objects.preparing import prepare
     from pointbrush.selection.objects.state import ObjectFrame, ObjectState
     from pointbrush.selection.objects.weights import Weights, load_weights, save_weights
+    from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
 __all__ = [
     "SENSOR_KINDS",
@@ -37,9 +38,9 @@ __all__ = [
 _PLACES = {
     "Candidate": "pointbrush.selection.objects.choosing",
     "candidates": "pointbrush.selection.objects.choosing",
-    "SENSOR_KINDS": "pointbrush.selection.objects.options",
+    "SENSOR_KINDS": "pointbrush.sensor_kind",
     "ObjectOptions": "pointbrush.selection.objects.options",
-    "SensorKind": "pointbrush.selection.objects.options",
+    "SensorKind": "pointbrush.sensor_kind",
     "prepare": "pointbrush.selection.objects.preparing",
     "ObjectFrame": "pointbrush.selection.objects.state",
     "ObjectState": "pointbrush.selection.objects.state",

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled
-from pointbrush.selection.objects.options import CellOptions, GroundOptions, SensorKind
+from pointbrush.selection.objects.options import CellOptions, GroundOptions
+from pointbrush.sensor_kind import SensorKind
 
 Floats = NDArray[np.float64]
 LOW_SHARE = 0.005

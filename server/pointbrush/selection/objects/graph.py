@@ -19,8 +19,8 @@ from pointbrush.selection.objects.options import (
     GraphOptions,
     GroundOptions,
     PieceOptions,
-    SensorKind,
 )
+from pointbrush.sensor_kind import SensorKind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

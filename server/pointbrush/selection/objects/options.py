@@ -3,15 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from typing import Literal
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.candidate import MOST_LEVELS
-
-SensorKind = Literal["camera", "lidar", "room"]
-"""One view of a depth camera; one turn of a spinning lidar; a scan joined from many views."""
-
-SENSOR_KINDS: tuple[SensorKind, ...] = ("camera", "lidar", "room")
 
 
 def _above_zero(options: object) -> None:

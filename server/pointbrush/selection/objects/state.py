@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.objects.options import SENSOR_KINDS, SensorKind
 from pointbrush.selection.objects.tree import MergeTree
+from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
-VERSION = 1
+VERSION = 2
 """Of the file; a state of another version is prepared anew."""
 
 

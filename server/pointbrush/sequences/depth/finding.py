@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.depth.placing import find
+from pointbrush.tracking.interface import PositionsFrame
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import Lens, find_lens
 
@@ -20,18 +21,6 @@ FIT_SHARE = 1 / 8
 """Greatest distance of a point from its pixel's ray, as a share of the grid's step."""
 MARGIN_SHARE = 1 / 32
 """Margin for later frames beyond the first one's edges, as a share of the image."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Seen:
-    """A frame as ``find_lens`` looks at it, local metres."""
-
-    xyz: NDArray[np.float32]
-    viewpoint: NDArray[np.float64] | None
-    rgb: None = None
-    intensity: None = None
-    pose: None = None
-    lattice: None = None
 
 
 def find_lattice(
@@ -48,7 +37,7 @@ def find_lattice(
     options = TrackerOptions()
     # All points: every so many of a whole image may lie in every so many of its columns.
     options = replace(options, lens=replace(options.lens, sampled_points=len(xyz)))
-    lens = find_lens(_Seen(xyz, viewpoint), options=options)  # type: ignore[arg-type]
+    lens = find_lens(PositionsFrame(xyz, viewpoint), options=options)
     if lens is None or not lens.lattice:
         return None
     lattice = _fitted(lens, xyz, step)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled
 from pointbrush.errors import BadInputError
+from pointbrush.sensor_kind import SensorKind
 from pointbrush.tracking.compute.grid import Runs, in_box, runs_of, widened
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask, TrackFrame
@@ -206,16 +207,22 @@ class View:
         )
 
     @cached_property
-    def scans(self) -> bool:
-        """Whether the frame is a lidar's, or several lidars': one that moves, looks all round from
-        one place, or sees farther than depth cameras do."""
+    def kind(self) -> SensorKind:
+        """Kind of the sensor: a lidar, or several, moves without a pixel grid, looks all round
+        from one place, or sees farther than depth cameras do."""
         if self.lens is not None:
-            return False
-        return (
+            return "camera"
+        scans = (
             self.roams
             or self.shade is not None
             or self._reach > self.options.range_image.camera_reach_m
         )
+        return "lidar" if scans else "room"
+
+    @property
+    def scans(self) -> bool:
+        """Whether the frame is a lidar's."""
+        return self.kind == "lidar"
 
     @property
     def _reach(self) -> float:

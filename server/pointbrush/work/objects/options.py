@@ -8,28 +8,6 @@ from pointbrush.errors import BadInputError
 
 
 @dataclass(frozen=True, slots=True)
-class SensingOptions:
-    """Options that tell the kind of sensor behind a frame; all above 0."""
-
-    sample: int = 20_000
-    """Points that are looked at."""
-    per_direction: int = 4
-    """Of them in a cell of directions, on average."""
-    behind: float = 1.25
-    """Times the distance of the nearest point of its direction at which a point is behind it."""
-    one_view: float = 0.15
-    """Share of points behind others up to which a frame is one view of one sensor."""
-    all_round: float = 0.6
-    """Share of the compass in which a spinning lidar has points; a camera has less."""
-    open_air: float = 40.0
-    """Metres; what is wider than this and no one view is a street, not a room."""
-
-    def check(self) -> None:
-        """Raise BadInputError for a number that is not above 0."""
-        _above_zero(self)
-
-
-@dataclass(frozen=True, slots=True)
 class ObjectOptions:
     """Sizes and counts; all above 0."""
 
@@ -56,11 +34,7 @@ class ObjectOptions:
 
     def check(self) -> None:
         """Raise BadInputError for a number that is not above 0."""
-        _above_zero(self)
-
-
-def _above_zero(options: SensingOptions | ObjectOptions) -> None:
-    for each in fields(options):
-        value = getattr(options, each.name)
-        if not value > 0:
-            raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if not value > 0:
+                raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
