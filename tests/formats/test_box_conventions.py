@@ -183,6 +183,86 @@ def test_cuboids_of_argoverse_are_told_by_their_time(tmp_path: Path) -> None:
     assert np.allclose(box.rotation, RZ)
 
 
+def wxyz(axis: int, angle: float) -> list[float]:
+    """Quaternion of a turn about an axis."""
+    turn = [np.cos(angle / 2), 0.0, 0.0, 0.0]
+    turn[1 + axis] = np.sin(angle / 2)
+    return turn
+
+
+def test_boxes_of_nuscenes_come_in_the_coordinates_of_the_scanner(tmp_path: Path) -> None:
+    """nuscenes-devkit docs/schema_nuscenes.md, python-sdk/nuscenes/utils/data_classes.py: a
+    sample's boxes in the world, width length height, quaternion w x y z."""
+    world = np.array([411.0, 1180.0, 0.5])
+    tables = {
+        "category": [{"token": "c", "name": "vehicle.car", "index": 17}],
+        "instance": [{"token": "i", "category_token": "c"}],
+        "ego_pose": [{"token": "e", "translation": world.tolist(), "rotation": wxyz(2, 0.7)}],
+        "calibrated_sensor": [{"token": "l", "translation": [0, 0, 1.8], "rotation": wxyz(1, 0.1)}],
+        "sample_data": [
+            {
+                "filename": f"{folder}/{place}/x.bin",
+                "sample_token": "s",
+                "ego_pose_token": "e",
+                "calibrated_sensor_token": "l",
+                "is_key_frame": folder == "samples",
+                "timestamp": 1533151603547590,
+            }
+            for folder in ("samples", "sweeps")
+            for place in ("LIDAR_TOP", "CAM_FRONT")
+        ],
+    }
+    R = about(2, 0.7) @ about(1, 0.1)
+    length, width, height = SIZE.tolist()
+    tables["sample_annotation"] = [
+        {
+            "token": "a",
+            "sample_token": "s",
+            "instance_token": "i",
+            "translation": (R @ CENTER + about(2, 0.7) @ [0, 0, 1.8] + world).tolist(),
+            "size": [width, length, height],
+            "rotation": wxyz(2, 1.45),
+        }
+    ]
+    for name, rows in tables.items():
+        write(tmp_path / "v1.0-mini" / f"{name}.json", rows)
+    path = tmp_path / "v1.0-mini" / "sample_annotation.json"
+    found = [name for name in tables if is_box_file(path.with_stem(name), "nuscenes-boxes")]
+    assert found == ["sample_annotation"]
+    (part,) = read_boxes(path, "nuscenes-boxes")
+    (box,) = part.boxes
+    assert part.time == pytest.approx(1533151603.54759)
+    assert isinstance(box, Box)
+    assert (box.name, box.key) == ("vehicle.car", "i")
+    assert np.allclose(box.center, CENTER)
+    assert np.allclose(box.size, SIZE)
+    assert np.allclose(box.rotation, R.T @ about(2, 1.45))
+
+
+@pytest.mark.parametrize("every_camera", [False, True])
+def test_waymo_in_the_form_of_kitti(tmp_path: Path, every_camera: bool) -> None:
+    """waymo_kitti_converter converter.py, save_label and save_calib: x ahead of the vehicle becomes
+    z of the camera; the bottom's middle; heading about z as -heading - pi / 2 about y."""
+    R_cam_front = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])
+    mount = np.array([1.5, 0.1, 2.1])
+    length, width, height = SIZE.tolist()
+    x, y, z = R_cam_front @ (CENTER - [0, 0, height / 2] - mount)
+    row = f"Car 0 0 -10 0 0 0 0 {height} {width} {length} {x} {y} {z} {-ANGLES[2] - np.pi / 2}"
+    (tmp_path / "label_all").mkdir()
+    (tmp_path / "calib").mkdir()
+    path = tmp_path / "label_all" / "0000001.txt"
+    path.write_text(row + (" 0 ZFpMuZ1cWW\n" if every_camera else "\n"))
+    T = np.column_stack([R_cam_front, -R_cam_front @ mount])
+    numbers = " ".join(map(str, T.ravel()))
+    name = "Tr_velo_to_cam_0" if every_camera else "Tr_velo_to_cam"
+    (tmp_path / "calib" / path.name).write_text(f"R0_rect: 1 0 0 0 1 0 0 0 1\n{name}: {numbers}\n")
+    box = only(path, "kitti-object")
+    assert np.allclose(box.center, CENTER)
+    assert np.allclose(box.size[[0, 2, 1]], SIZE)  # along x, y, z of the camera's object
+    assert np.allclose(box.rotation[:, 0], RZ[:, 0])
+    assert box.key == ("ZFpMuZ1cWW" if every_camera else "")
+
+
 @pytest.mark.parametrize("name", ["traffic-cone", "Truck2", "汽车"])
 def test_names_of_kitti_are_any_word(tmp_path: Path, name: str) -> None:
     row = "0 0 -10 -1 -1 -1 -1 2 2 2 0 1 10 -1.57"

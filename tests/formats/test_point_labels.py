@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import plyfile
 import pytest
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.annotation import find_label_files
+from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.options import Limits, ReadOptions
 
 
@@ -59,3 +63,63 @@ def test_lines_that_are_no_labels_say_so(tmp_path: Path) -> None:
     (tmp_path / "scan.labels").write_text("2\n0.5\n")
     with pytest.raises(BadInputError, match=r"scan\.labels: expected whole labels, got 0\.5"):
         read(tmp_path)
+
+
+def test_labelcloud_marks_points_with_the_classes_that_it_states(tmp_path: Path) -> None:
+    """labelCloud io/segmentations/numpy.py, model/point_cloud.py: an int8 a point; points have the
+    default class until somebody labels them."""
+    named = [{"name": name, "id": i, "color": "#f156ff"} for i, name in enumerate(("none", "cart"))]
+    (tmp_path / "segmentation").mkdir()
+    stated = {"classes": named, "default": 0, "type": "object_detection"}
+    (tmp_path / "_classes.json").write_text(json.dumps(stated))
+    np.array([0, 1, 1], np.int8).tofile(tmp_path / "segmentation" / "scan.bin")
+    files = find_label_files(tmp_path, None, {}, Limits())
+    assert files.format == "labelcloud-points"
+    assert files.names == {1: ClassName("cart", "#f156ff")}
+    assert read(tmp_path) == [[0, 1, 1]]
+    (tmp_path / "_classes.json").write_text(json.dumps(stated | {"default": 1}))
+    assert set(find_label_files(tmp_path, None, {}, Limits()).names) == {0, 1}
+
+
+def test_nuscenes_states_its_classes(tmp_path: Path) -> None:
+    """nuscenes-devkit python-sdk/nuscenes/nuscenes.py: ``index`` of category.json."""
+    rows = [{"token": str(i), "name": name, "index": i} for i, name in enumerate(("noise", "cow"))]
+    for folder in ("v1.0-mini", "lidarseg/v1.0-mini"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "v1.0-mini" / "category.json").write_text(json.dumps(rows))
+    path = tmp_path / "lidarseg" / "v1.0-mini" / f"{'a' * 32}_lidarseg.bin"
+    path.write_bytes(b"\0\1")
+    names = find_label_files(path.parent, None, {}, Limits()).names
+    assert (names.get(0), names[1]) == (None, ClassName("cow"))
+    without = [{"token": "t", "name": "cow"}]
+    (tmp_path / "v1.0-mini" / "category.json").write_text(json.dumps(without))
+    assert find_label_files(path.parent, None, {}, Limits()).names[1] == ClassName(
+        "animal", "#4682b4"
+    )
+
+
+def cloudcompare_ply(path: Path, values: np.ndarray) -> None:
+    rows = [(i, 0.0, 0.0, value) for i, value in enumerate(values)]
+    kind = [("x", "f4"), ("y", "f4"), ("z", "f4"), ("scalar_Classification", "f4")]
+    plyfile.PlyData([plyfile.PlyElement.describe(np.array(rows, kind), "vertex")]).write(str(path))
+
+
+def cloudcompare_pcd(path: Path, values: np.ndarray) -> None:
+    names = "VERSION .7\nFIELDS x y z Classification\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\n"
+    size = f"WIDTH {len(values)}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(values)}\n"
+    rows = np.array([(i, 0, 0, value) for i, value in enumerate(values)], "<f4")
+    path.write_bytes(f"{names}{size}DATA binary\n".encode() + rows.tobytes())
+
+
+def cloudcompare_asc(path: Path, values: np.ndarray) -> None:
+    rows = [f"{i}.000000 0.000000 0.000000 {value:f}" for i, value in enumerate(values)]
+    path.write_text("\n".join(["//X Y Z Classification", str(len(values)), *rows, ""]))
+
+
+@pytest.mark.parametrize("write", [cloudcompare_ply, cloudcompare_pcd, cloudcompare_asc])
+def test_cloudcompare_keeps_classes_in_a_scalar_field_with_nan_for_none(
+    tmp_path: Path, write: Callable[[Path, np.ndarray], None]
+) -> None:
+    """CloudCompare qCC_io/src/PlyFilter.cpp, AsciiFilter.cpp, qPCL/PclUtils/utils/cc2sm.cpp."""
+    write(tmp_path / f"scan.{write.__name__[-3:]}", np.array([2, np.nan, 6, 0]))
+    assert read(tmp_path) == [[2, 0, 6, 0]]

@@ -10,9 +10,10 @@ from types import MappingProxyType
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.boxes.registry import BOX_READERS, is_box_file
+from pointbrush.formats.class_maps import class_file, stated_classes
 from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
 from pointbrush.formats.names import LABEL_FORMATS
-from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.options import Limits, ReadOptions, read_bytes
 from pointbrush.formats.own_export import OwnExport, own_export
 from pointbrush.formats.palette import SourceLabel, own_palette
 from pointbrush.formats.point_labels import LINE_ENDINGS, READERS, PointLabels, has_label_lines
@@ -70,10 +71,11 @@ def find_label_files(
         )
     own = {label.id: label for label in own_palette(found[0]) or []}
     dataset = None if own else _DATASETS.get(chosen)
+    known = dict(dataset.classes) if dataset else {}
     return LabelFiles(
         chosen,
         tuple(in_order(found)),
-        MappingProxyType({**(dataset.classes if dataset else {}), **names}),
+        MappingProxyType(known | stated_classes(found[0], chosen) | dict(names)),
         MappingProxyType(own),
         dataset.name if dataset else "",
         export,
@@ -120,6 +122,9 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
             return lower.endswith("_lidarseg.bin" if sure else ".bin")
         case "panoptic":
             return lower.endswith("_panoptic.npz" if sure else ".npz")
+        case "labelcloud-points":
+            stated = class_file(path, format) if lower.endswith(".bin") else None
+            return stated is not None and (not sure or _states_segmentation(stated, path))
         case "las":
             return lower.endswith((".las", ".laz"))
         case "npy":
@@ -134,3 +139,8 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
     if format in BOX_READERS:
         return is_box_file(path, format)
     return format_by_name(path) is not None
+
+
+def _states_segmentation(stated: Path, path: Path) -> bool:
+    """Tell whether labelCloud's file of classes, or the folder's name, says labels a point."""
+    return path.parent.name == "segmentation" or b"semantic_segmentation" in read_bytes(stated)

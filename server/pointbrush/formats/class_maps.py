@@ -2,6 +2,7 @@
 
 YAML: ``labels`` and ``color_map`` (blue, green, red) of PRBonn/semantic-kitti-api, config/*.yaml.
 XML: ``label`` elements of jbehley/point_labeler, assets/labels.xml.
+JSON: ``classes`` of ch-sa/labelCloud, labels/_classes.json; rows of nuScenes' category.json.
 """
 
 from __future__ import annotations
@@ -27,6 +28,13 @@ YAML_BYTES = 1 << 18
 LONGEST_NAME = 200
 NO_CLASS = ("unlabeled", "unlabelled", "unclassified", "undefined", "void", "none", "ignore")
 """Names of points without a class, and of number 0 where it is none."""
+CLASS_FILES = {
+    "lidarseg": "v1.0-*/category.json",
+    "panoptic": "v1.0-*/category.json",
+    "labelcloud-points": "_classes.json",
+}
+"""Files that state the classes of label files of a format, in a folder above these."""
+CLASS_LEVELS = 4
 _LINE = re.compile(r"\s*(\d+)\s*[:,;\s]\s*(\S.*?)\s*", re.ASCII)
 _YAML_KEY = re.compile(r"^[A-Za-z_]\w*\s*:", re.MULTILINE)
 _RGB_STATED = re.compile(r"^color_map\s*:.*\brgb\b", re.MULTILINE | re.IGNORECASE)
@@ -63,14 +71,31 @@ def read_map(path: Path) -> dict[int, ClassName]:
     return parse_map(path.name, read_bytes(path).decode("utf-8-sig", "replace"))
 
 
+def stated_classes(path: Path, format: str) -> dict[int, ClassName]:
+    """Read the classes that are stated for a label file by one above it; {} where none is.
+
+    Raises BadInputError.
+    """
+    found = class_file(path, format)
+    return {} if found is None else read_map(found)
+
+
+def class_file(path: Path, format: str) -> Path | None:
+    """Find the file above a label file that states its classes."""
+    pattern = CLASS_FILES.get(format)
+    above = path.absolute().parents[:CLASS_LEVELS] if pattern else ()
+    return next((file for place in above for file in sorted(place.glob(str(pattern)))), None)
+
+
 def parse_map(name: str, text: str) -> dict[int, ClassName]:
-    """Parse class names from JSON ``{"10": "car"}`` or ``{"10": {"name": …, "color": …}}``, YAML
-    with ``labels``, XML of point_labeler, or lines ``10 car`` or ``10: car``.
+    """Parse class names from JSON ``{"10": "car"}`` or ``{"10": {"name": …, "color": …}}``, or as
+    labelCloud and nuScenes have it, YAML with ``labels``, XML of point_labeler, or lines
+    ``10 car`` or ``10: car``.
 
     Raises BadInputError naming ``name`` for other content.
     """
     start = text.lstrip()[:1]
-    if start == "{":
+    if start in ("{", "["):
         return _of_json(name, text)
     if start == "<":
         return _of_xml(name, text)
@@ -84,7 +109,18 @@ def _of_json(name: str, text: str) -> dict[int, ClassName]:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise BadInputError(f"{name}: expected JSON of numbers and names: {error}") from None
-    return dict(_entry(name, key, value) for key, value in content.items())
+    if isinstance(content, dict) and not isinstance(content.get("classes"), list):
+        return dict(_entry(name, key, value) for key, value in content.items())
+    # 0 is what no one has labelled: labelCloud's default class, nuScenes' noise.
+    rows, none = (
+        (content["classes"], content.get("default")) if isinstance(content, dict) else (content, 0)
+    )
+    numbered = ((row.get("id", row.get("index")), row) for row in rows if isinstance(row, dict))
+    return {
+        number: _entry(name, str(number), row)[1]
+        for number, row in numbered
+        if number is not None and (number or none != 0)
+    }
 
 
 def _of_lines(name: str, text: str) -> dict[int, ClassName]:

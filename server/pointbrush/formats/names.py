@@ -9,9 +9,9 @@ DELIMITERS: Mapping[str, str] = {
 }  # fmt: skip
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
-    *("semantickitti", "lidarseg", "panoptic", "npy", "lines", "las"),
+    *("semantickitti", "lidarseg", "panoptic", "labelcloud-points", "npy", "lines", "las"),
     *("labelcloud", "sustechpoints", "supervisely", "datumaro", "xtreme1", "argoverse"),
-    *("kitti-object", "kitti-tracking", "kitti-tracklets"),
+    *("nuscenes-boxes", "kitti-object", "kitti-tracking", "kitti-tracklets"),
     *("openpcdet", "boxes"),
     "points",
 )

@@ -22,7 +22,8 @@ TOKEN = re.compile(r"([0-9a-f]{32})_(lidarseg\.bin|panoptic\.npz)")
 """Names of label files, which tell only by a table what they are of."""
 LEVELS = 3
 """Folders above label files in which tables are looked for."""
-TABLES = ("sample_data", "calibrated_sensor", "ego_pose")
+PLACES = ("calibrated_sensor", "ego_pose")
+"""Tables of the rows that sample data refer to."""
 STAMP = re.compile(r"__(\d{16})\.")
 """Microseconds at the end of a file's name."""
 MOST_APART = 100_000
@@ -54,14 +55,18 @@ def read_tables(folder: Path) -> Tables | None:
     """
     top = folder.parent.parent
     place = next((path.parent for path in sorted(top.glob("v1.0-*/sample_data.json"))), None)
-    if place is None:
-        return None
-    data, sensors, egos = (_table(place / f"{name}.json") for name in TABLES)
-    by_token = {
-        "calibrated_sensor_token": {str(each.get("token")): each for each in sensors},
-        "ego_pose_token": {str(each.get("token")): each for each in egos},
-    }
-    return Tables(place.name, data, by_token)
+    return None if place is None else tables_in(place)
+
+
+def tables_in(place: Path) -> Tables:
+    """Read the tables in a folder ``v1.0-…``.  Raises BadInputError for damaged or missing ones."""
+    by_token = {f"{name}_token": rows_by_token(place / f"{name}.json") for name in PLACES}
+    return Tables(place.name, read_table(place / "sample_data.json"), by_token)
+
+
+def rows_by_token(path: Path) -> dict[str, Record]:
+    """Read a table's rows by their tokens.  Raises BadInputError."""
+    return {str(each.get("token")): each for each in read_table(path)}
 
 
 def nuscenes_poses(tables: Tables | None, files: Sequence[Path]) -> Poses | None:
@@ -72,7 +77,7 @@ def nuscenes_poses(tables: Tables | None, files: Sequence[Path]) -> Poses | None
     scans = None if tables is None else tables.of_sweeps(files)
     if tables is None or not scans:
         return None
-    chains = [_world_from_sensor(scan, tables.by_token) for scan in scans]
+    chains = [world_from_sensor(scan, tables.by_token) for scan in scans]
     to_first = np.linalg.inv(chains[0])
     return Poses([to_first @ chain for chain in chains], tables.name)
 
@@ -93,12 +98,12 @@ def nuscenes_pictures(
             of_sample.setdefault(str(each.get("sample_token")), []).append(each)
     rows: list[dict[Camera, Path]] = []
     for scan in scans:
-        T_world_scan = _world_from_sensor(scan, by_token)
+        T_world_scan = world_from_sensor(scan, by_token)
         row = {}
         for each in of_sample.get(str(scan.get("sample_token")), []):
             path = top / str(each["filename"])
             if path.is_file():
-                T_camera_frame = np.linalg.inv(_world_from_sensor(each, by_token)) @ T_world_scan
+                T_camera_frame = np.linalg.inv(world_from_sensor(each, by_token)) @ T_world_scan
                 sensor = _of(each, "calibrated_sensor_token", by_token)
                 row[_camera(path.parent.name, sensor, T_camera_frame)] = path
         rows.append(dict(sorted(row.items(), key=lambda item: item[0].name)))
@@ -121,7 +126,7 @@ def label_times(paths: Sequence[Path]) -> dict[Path, float]:
             f"{paths[0].name}: expected nuScenes' tables (v1.0-*/sample_data.json) in a folder "
             "above: names that are tokens do not tell which sweeps the labels are of"
         )
-    stamps = {str(each.get("token")): each.get("timestamp") for each in _table(table)}
+    stamps = {str(each.get("token")): each.get("timestamp") for each in read_table(table)}
     missing = [path.name for path, token in tokens.items() if not _is_time(stamps.get(token))]
     if missing:
         raise BadInputError(f"{table.name}: expected a record of {missing[0]}, got none")
@@ -132,7 +137,8 @@ def _is_time(value: object) -> bool:
     return isinstance(value, int | float) and value > 0
 
 
-def _table(path: Path) -> list[Record]:
+def read_table(path: Path) -> list[Record]:
+    """Read a table.  Raises BadInputError for another file."""
     try:
         content = json.loads(path.read_bytes())
     except (OSError, ValueError) as error:
@@ -149,14 +155,18 @@ def _of(record: Record, key: str, by_token: dict[str, dict[str, Record]]) -> Rec
     return found
 
 
-def _world_from_sensor(record: Record, by_token: dict[str, dict[str, Record]]) -> Pose:
-    ego = _rigid(_of(record, "ego_pose_token", by_token), "ego_pose.json")
-    sensor = _rigid(_of(record, "calibrated_sensor_token", by_token), "calibrated_sensor.json")
+def world_from_sensor(record: Record, by_token: dict[str, dict[str, Record]]) -> Pose:
+    """Compute ``T_world_sensor`` (4, 4) of sample data.  Raises BadInputError."""
+    ego = rigid(_of(record, "ego_pose_token", by_token), "ego_pose.json")
+    sensor = rigid(_of(record, "calibrated_sensor_token", by_token), "calibrated_sensor.json")
     return np.asarray(ego @ sensor)
 
 
-def _rigid(record: Record, where: str) -> Pose:
-    """The transform of a record with ``translation`` and ``rotation`` (w, x, y, z)."""
+def rigid(record: Record, where: str) -> Pose:
+    """Read the transform (4, 4) of a record: ``translation`` and ``rotation`` (w, x, y, z).
+
+    Raises BadInputError naming ``where``.
+    """
     try:
         w, x, y, z = (float(value) for value in record["rotation"])
         row = np.array([*map(float, record["translation"]), x, y, z, w])

@@ -27,7 +27,8 @@ from pointbrush.formats.registry import format_by_name
 Numbers = NDArray[np.int64]
 PANOPTIC = 1000
 """nuScenes panoptic: a category's number times this, plus the instance's."""
-CLASSIFICATION = "classification=label"
+CLASSIFICATIONS = ("classification", "scalar_classification")
+"""Fields of classes as LAS calls them, and as CloudCompare does in PLY."""
 LINE_ENDINGS = (".labels", ".seg")
 """Of text with a label a line: Semantic3D's and ShapeNet's."""
 HEAD = 4096
@@ -60,7 +61,8 @@ def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
     return PointLabels(path.name, packed & 0xFFFF, instance if instance.any() else None)
 
 
-def _read_lidarseg(path: Path, options: ReadOptions) -> PointLabels:
+def _read_octets(path: Path, options: ReadOptions) -> PointLabels:
+    """Read a class a byte: nuScenes-lidarseg and labelCloud."""
     data = read_bytes(path)
     require_count(path.name, len(data), options.limits)
     return PointLabels(path.name, np.frombuffer(data, np.uint8).astype(np.int64), None)
@@ -128,6 +130,11 @@ def _read_points(path: Path, options: ReadOptions) -> PointLabels:
     if entry is None:
         raise BadInputError(f"{path.name}: expected a file of points with labels, got another")
     frame = next(iter(entry.read(path, options)), None)
+    if frame is not None and frame.label is None and not options.chosen.columns:
+        named = [name for name in frame.other if name.lower() in CLASSIFICATIONS]
+        if named:
+            chosen = Corrections(columns=(f"{named[0]}=label",))
+            return _read_points(path, replace(options, chosen=chosen))
     if frame is None or frame.label is None:
         raise BadInputError(f"{path.name}: expected a field of labels, got none")
     if frame.dropped and frame.rows is None:
@@ -158,14 +165,17 @@ def _of_rows(labels: PointLabels, rows: Numbers, dropped: int) -> PointLabels:
 
 def _read_classification(path: Path, options: ReadOptions) -> PointLabels:
     """Read the classification of LAS and LAZ; 0 and 1 are points that nobody classified."""
-    labels = _read_points(path, replace(options, chosen=Corrections(columns=(CLASSIFICATION,))))
+    labels = _read_points(
+        path, replace(options, chosen=Corrections(columns=(f"{CLASSIFICATIONS[0]}=label",)))
+    )
     return replace(labels, category=np.where(labels.category == 1, 0, labels.category))
 
 
 READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxyType({
     "semantickitti": _read_semantic_kitti,
-    "lidarseg": _read_lidarseg,
+    "lidarseg": _read_octets,
     "panoptic": _read_panoptic,
+    "labelcloud-points": _read_octets,
     "npy": _read_npy,
     "lines": _read_lines,
     "las": _read_classification,

@@ -35,9 +35,9 @@ class Box:
     rotation: Floats
     label: int = 0
 
-    def moved_back(self, T_export_source: Floats) -> Box:
-        """Move a box of an export to the coordinates of the source; ``T_export_source`` (4, 4)."""
-        R, t = T_export_source[:3, :3], T_export_source[:3, 3]
+    def moved_back(self, T_boxes_points: Floats) -> Box:
+        """Move a box to the coordinates of the points; ``T_boxes_points`` (4, 4)."""
+        R, t = T_boxes_points[:3, :3], T_boxes_points[:3, 3]
         return replace(self, center=R.T @ (self.center - t), rotation=R.T @ self.rotation)
 
     def inside(self, xyz: Floats) -> NDArray[np.bool_]:
@@ -71,10 +71,10 @@ class FrameBoxes:
     boxes: tuple[Figure, ...]
     time: float | None = None
 
-    def moved_back(self, T_export_source: Floats) -> FrameBoxes:
-        """Move the boxes of an export to the coordinates of the source."""
+    def moved_back(self, T_boxes_points: Floats) -> FrameBoxes:
+        """Move the boxes to the coordinates of the points."""
         moved = (
-            each.moved_back(T_export_source) if isinstance(each, Box) else each
+            each.moved_back(T_boxes_points) if isinstance(each, Box) else each
             for each in self.boxes
         )
         return replace(self, boxes=tuple(moved))

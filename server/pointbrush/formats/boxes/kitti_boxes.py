@@ -39,7 +39,11 @@ def read_kitti_object(path: Path) -> Iterator[FrameBoxes]:
         boxes = [_untransformed(words) for words in _lines(path, OBJECT_WORDS)]
     else:
         T_velo_cam = np.asarray(np.linalg.inv(_camera_from_velodyne(path)), np.float64)
-        boxes = [_of_camera(words, "", T_velo_cam) for words in _lines(path, OBJECT_WORDS)]
+        boxes = [
+            # The converter from Waymo adds the camera and the object's key.
+            _of_camera(words, words[16] if len(words) > 16 else "", T_velo_cam)
+            for words in _lines(path, OBJECT_WORDS)
+        ]
     yield FrameBoxes(None, tuple(boxes))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.boxes.argoverse import read_argoverse
+from pointbrush.formats.boxes.drives import read_argoverse, read_nuscenes_boxes
 from pointbrush.formats.boxes.editors import read_labelcloud, read_sustechpoints, read_xtreme1
 from pointbrush.formats.boxes.figures import FrameBoxes
 from pointbrush.formats.boxes.kitti_boxes import (
@@ -24,7 +24,7 @@ from pointbrush.formats.boxes.projects import read_datumaro, read_supervisely
 START = 1 << 16
 """Bytes of a file by which its format is told."""
 _NUMBER = r"-?[\d.]+(?:[eE][-+]?\d+)?"
-_OBJECT = rf"\S+(?: {_NUMBER}){{14}}(?: \S+)?"
+_OBJECT = rf"\S+(?: {_NUMBER}){{14}}(?: \S+){{0,2}}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +43,9 @@ BOX_READERS: Mapping[str, BoxFormat] = MappingProxyType({
     "datumaro": BoxFormat(read_datumaro, ".json", ('"categories"', '"items"', '"annotations"')),
     "xtreme1": BoxFormat(read_xtreme1, ".json", ('"contour"', '"center3D"')),
     "argoverse": BoxFormat(read_argoverse, ".feather", ("track_uuid", "length_m")),
+    "nuscenes-boxes": BoxFormat(
+        read_nuscenes_boxes, ".json", ('"sample_token"', '"instance_token"', '"size"')
+    ),
     "kitti-object": BoxFormat(read_kitti_object, ".txt", (rf"\A\s*{_OBJECT}\s*(\n|\Z)",)),
     "kitti-tracking": BoxFormat(
         read_kitti_tracking, ".txt", (rf"\A\s*\d+ -?\d+ {_OBJECT}\s*(\n|\Z)",)
