@@ -168,3 +168,17 @@ def test_a_point_in_two_boxes_goes_to_the_nearer_centre_and_ground_may_stay(
     inner = Box("inner", "", car.center + [1.0, 0, 0], np.full(3, 3.0), np.eye(3))
     near = car.center + np.array([[0.2, 0, 0], [0.9, 0, 0]])
     assert points_of((car, inner), near, UP, no_ground=False).tolist() == [0, 1]
+
+
+def test_a_file_with_more_frames_than_the_recording_is_told_once(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    kitti_tracking(tmp_path)
+    path = tmp_path / "0000.txt"
+    rows = path.read_text().splitlines()[:2]
+    later = [f"{k}{row[1:]}" for k in range(2, 9) for row in rows]
+    path.write_text("\n".join([*path.read_text().splitlines(), *later]))
+    job = workspace.import_labels("drive", path, "me", dry_run=True)
+    result = workspace.runner.wait(job.id, PATIENCE).result
+    assert result["matched"] == 2
+    assert result["unmatched_files"] == ["0000.txt (7 of 9 frames)"]

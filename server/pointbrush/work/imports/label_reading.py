@@ -194,10 +194,11 @@ class ReadLabelsWork:
         up = recording.manifest.T_room_local[1, :3]
         frames = self._box_frames(files, found, recording)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
+            missed = 0
             for part in file:
                 frame = frames[part]
                 if frame is None or not 0 <= frame < len(recording):
-                    channel.item(Unmatched(path.name))
+                    missed += 1
                     continue
                 which = figures_of(path.name, part, recording, frame, up, self.request.no_ground)
                 keys = tuple(
@@ -206,6 +207,9 @@ class ReadLabelsWork:
                 )
                 rows = np.flatnonzero(which >= 0)
                 channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
+            if missed:
+                some = f" ({missed} of {len(file)} frames)" if missed < len(file) else ""
+                channel.item(Unmatched(path.name + some))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
 
 
