@@ -16,6 +16,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.depth_camera import depth_camera
 
 UTM = np.array([388_096.0, 5_948_996.0, 40.0])
 CAR = 200
@@ -46,6 +47,20 @@ def test_boxes_of_openpcdet_come_back_to_the_source(
         back = workspace.annotation("scan", 0)[0]
     assert np.count_nonzero(back[:CAR]) >= 0.97 * CAR  # those on the box's faces may be outside
     assert not back[CAR:].any()
+
+
+@pytest.mark.parametrize("up", ["-y", None])
+def test_points_of_a_depth_camera_have_x_ahead_and_z_up(tmp_path: Path, up: str | None) -> None:
+    frame = depth_camera(0)
+    settings = Settings(workspace=tmp_path / "workspace")
+    place = settings.workspace / "sequences" / "room"
+    import_frames([frame], place, sequence_id="room", name="room", fps=1.0, up=up)
+    with closing(Workspace(settings)) as workspace:
+        workspace.export("room", "openpcdet", tmp_path / "out")
+    got = np.load(tmp_path / "out" / "points" / "room_000000.npy")[:, :3]
+    right, down, ahead = frame.xyz.T
+    for axis, expected in zip(got.T, (ahead, -right, -down), strict=True):
+        assert np.corrcoef(axis, expected)[0, 1] > 0.95
 
 
 @pytest.fixture

@@ -191,9 +191,9 @@ export interface Actions {
   retargetImport(sequence: string | null): Promise<void>;
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
-  /** Downloads; `frames` like "3:10", empty for all. */
+  /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none". */
   loadExportFormats(): Promise<void>;
-  exportSequence(format: string, frames?: string): Promise<void>;
+  exportSequence(format: string, frames?: string, val?: string): Promise<void>;
 
   // connection and messages
   reconnect(): void;

@@ -37,6 +37,14 @@ describe('an export', () => {
     expect(click).toHaveBeenCalledOnce();
     expect(state.notices.value).toMatchObject([{ kind: 'success' }]);
   });
+
+  it('asks for the frames for validation that were chosen', async () => {
+    const link = { click, href: '' };
+    answer(() => Promise.resolve(Response.json({ id: 'wall' })));
+    vi.stubGlobal('document', { baseURI: 'http://host/', createElement: () => link });
+    await recordingActions.exportSequence('openpcdet', '', '3:5');
+    expect(link.href).toMatch(/\/export\?format=openpcdet&val=3%3A5$/);
+  });
 });
 
 describe('a recording that is deleted here', () => {

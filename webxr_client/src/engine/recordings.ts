@@ -96,22 +96,27 @@ function download(href: string): void {
   link.click();
 }
 
-/** An export format as the server offers it; `cannot_hold`: what is lost in it. */
+/**
+ * An export format as the server offers it; `cannot_hold`: what is lost in it; `splits`: its frames
+ * are for training or for validation.
+ */
 export interface ExportFormat {
   readonly format: string;
   readonly title: string;
   readonly content: string;
   readonly cannot_hold: readonly string[];
+  readonly splits: boolean;
 }
 
 /** The formats that the server offers, once they were asked for. */
 export const exportFormats = signal<readonly ExportFormat[]>([]);
 
-async function exportSequence(format: string, frames = ''): Promise<void> {
+async function exportSequence(format: string, frames = '', val = ''): Promise<void> {
   const info = state.sequence.peek();
   if (!info) return;
   const query = new URLSearchParams({ format });
   if (frames) query.set('frames', frames);
+  if (val) query.set('val', val);
   // A download that finds no server, or is refused, tells nobody: ask first.
   await api('GET', sequencePath(info.id));
   download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
@@ -165,8 +170,8 @@ export const recordingActions: RecordingActions = {
     attempt('The export formats did not load', async () => {
       exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
     }),
-  exportSequence: (format, frames) =>
-    attempt('The export did not start', () => exportSequence(format, frames)),
+  exportSequence: (format, frames, val) =>
+    attempt('The export did not start', () => exportSequence(format, frames, val)),
   cancelJob: (id, keep = false) =>
     attempt('The job could not be stopped', async () => {
       const query = keep ? '?keep=true' : '';

@@ -3,13 +3,15 @@ import { signal } from '@preact/signals';
 import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../actions';
-import { exportFormats } from '../engine/recordings';
+import { exportFormats, type ExportFormat } from '../engine/recordings';
 import { state } from '../state';
 import { Check } from './controls';
 import { frameRange, ordered } from './range';
 import { Popover } from './popover';
 
 const onlyRange = signal(true);
+/** Frames for validation in formats for training: a range, "none", or empty for the default. */
+const validation = signal('');
 
 interface ExportMenuProps {
   anchor: RefObject<HTMLElement | null>;
@@ -20,6 +22,14 @@ export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
   useEffect(() => void actions.loadExportFormats(), []);
+  const start = (format: string, judged = ''): void => {
+    onClose();
+    void actions.exportSequence(format, frames, judged);
+  };
+  // Of an export of the range alone it would be everything.
+  const stretch = range && !frames ? `${range[0]}:${range[1] + 1}` : '';
+  const chosen = validation.value;
+  const val = ['none', ':', stretch].includes(chosen) ? chosen : '';
   const all = state.sequence.value?.frames ?? 0;
   return (
     <Popover anchor={anchor} label="Export" onClose={onClose} class="export-menu">
@@ -31,21 +41,48 @@ export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
           onChange={(checked) => (onlyRange.value = checked)}
         />
       )}
-      {exportFormats.value.map(({ format, title, content, cannot_hold }) => (
+      <Formats formats={exportFormats.value.filter((each) => !each.splits)} start={start} />
+      <label class="row">
+        <span>Validation</span>
+        <select
+          class="field"
+          value={val}
+          onChange={(event) => (validation.value = event.currentTarget.value)}
+        >
+          <option value="">one recording in five</option>
+          <option value="none">none of these frames</option>
+          <option value=":">all of these frames</option>
+          {stretch && <option value={stretch}>the chosen range</option>}
+        </select>
+      </label>
+      <Formats
+        formats={exportFormats.value.filter((each) => each.splits)}
+        start={(format) => start(format, val)}
+      />
+    </Popover>
+  );
+}
+
+interface FormatsProps {
+  formats: readonly ExportFormat[];
+  start: (format: string) => void;
+}
+
+function Formats({ formats, start }: FormatsProps) {
+  return (
+    <>
+      {formats.map(({ format, title, content, cannot_hold }) => (
         <button
           key={format}
           type="button"
           class="menu-item export-format"
-          onClick={() => {
-            onClose();
-            void actions.exportSequence(format, frames);
-          }}
+          onClick={() => start(format)}
         >
           {title}
           <span class="end">{content}</span>
           {cannot_hold.length > 0 && <small>without {cannot_hold.join(', ')}</small>}
         </button>
       ))}
-    </Popover>
+    </>
   );
 }
