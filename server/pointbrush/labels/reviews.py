@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,16 +47,26 @@ class Reviews:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def add(self, sequence: str, identity: str, author: str, review: Review) -> Review:
+    def add(
+        self,
+        sequence: str,
+        identity: str,
+        author: str,
+        review: Review,
+        require: Callable[[Sequence[Review]], object] | None = None,
+    ) -> Review:
         """Append a review to the log; durable when this returns.
 
-        ``identity`` is that of the import which was looked at.  Raises NotFoundError where another
-        import has the id by now, UnavailableError, ReadOnlyError.
+        ``identity`` is that of the import which was looked at.  ``require`` raises what speaks
+        against it in the log that it is appended to: nobody adds to that meanwhile.  Raises
+        NotFoundError where another import has the id by now, UnavailableError, ReadOnlyError.
         """
         with self._database.write() as connection:
             row = _sequence(connection, sequence, lock=True)
             if row.identity not in (None, identity):
                 raise NotFoundError(f"sequence: {sequence!r} was imported anew meanwhile")
+            if require is not None:
+                require(_entries(connection, row.number))
             last = select(func.max(reviews.c.number)).where(reviews.c.sequence == row.number)
             values = {
                 "number": (connection.execute(last).scalar() or 0) + 1,
@@ -76,10 +87,12 @@ class Reviews:
     def entries(self, sequence: str) -> list[Review]:
         """Return the whole log, oldest first; raises NotFoundError."""
         with self._database.read() as connection:
-            number = _sequence(connection, sequence).number
-            mine = reviews.c.sequence == number
-            query = select(reviews).where(mine).order_by(reviews.c.number)
-            return [_review(row) for row in connection.execute(query)]
+            return _entries(connection, _sequence(connection, sequence).number)
+
+
+def _entries(connection: Connection, number: int) -> list[Review]:
+    query = select(reviews).where(reviews.c.sequence == number).order_by(reviews.c.number)
+    return [_review(row) for row in connection.execute(query)]
 
 
 def _sequence(connection: Connection, sequence: str, *, lock: bool = False) -> Row[Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
@@ -68,13 +68,18 @@ class Reviewing:
         recording = self._recording(sequence)
         _check_frames(review, len(recording))
         _check_words(review)
-        if review.label and review.label not in {one.id for one in self._store.palette(sequence)}:
+        palette = {one.id for one in self._store.palette(sequence)}
+        if review.label and review.label not in palette:
             raise NotFoundError(f"label: expected the id of a label, got {review.label}")
-        if not decides:
-            self._require_undecided(sequence, review)
         if review.state in SETTLED and review.note is None:
             review = replace(review, note="")
-        self._store.reviews.add(sequence, recording.identity, author, review)
+
+        def require_undecided(log: Sequence[Review]) -> None:
+            _require_undecided(states.replay(log, len(recording), palette, {}), review)
+
+        self._store.reviews.add(
+            sequence, recording.identity, author, review, None if decides else require_undecided
+        )
 
     def checks(self, sequence: str, frames: str | None = None) -> Checked:
         """Return suspicious things in frames ``I:J``, all unless given, in their order.
@@ -108,15 +113,6 @@ class Reviewing:
         recording = self._recording(sequence)
         return gather(self._store, recording, self.overview(sequence), self._name)
 
-    def _require_undecided(self, sequence: str, review: Review) -> None:
-        overview = self.overview(sequence)
-        if review.first is None or review.last is None:
-            there = [each for each in overview.labels if each.label == review.label]
-        else:
-            there = list(states.overlapping(overview, review.first, review.last, review.label))
-        if any(each.state == "accepted" for each in there):
-            raise ForbiddenError("expected a reviewer to take back what is accepted")
-
     def _name(self, account: str) -> str:
         return self._store.accounts.name(account)
 
@@ -134,6 +130,15 @@ def _is_settled(finding: Finding, overview: Overview) -> bool:
         for layer in ((0,), finding.labels)
         if layer
     )
+
+
+def _require_undecided(overview: Overview, review: Review) -> None:
+    if review.first is None or review.last is None:
+        there = [each for each in overview.labels if each.label == review.label]
+    else:
+        there = list(states.overlapping(overview, review.first, review.last, review.label))
+    if any(each.state == "accepted" for each in there):
+        raise ForbiddenError("expected a reviewer to take back what is accepted")
 
 
 def _check_frames(review: Review, frames: int) -> None:
