@@ -30,7 +30,7 @@ from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change
 from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
 from pointbrush.labels.statements import Driver, Statement, upsert
-from pointbrush.labels.types import Commit
+from pointbrush.labels.types import Commit, Label
 
 FIND = Statement(
     select(edits).where(
@@ -114,6 +114,8 @@ class Entry:
     state: int = schema.ACTIVE
     target: int | None = None
     """Revision of the edit that an undo or redo is about."""
+    label: Label | None = None
+    """The label that it makes or changes, as it leaves it."""
 
     def told(self, points: int, frames: int) -> str:
         """The sentence of the history."""

@@ -48,13 +48,10 @@ def check_text(name: str, value: Any, limit: int) -> str:
 # ── palette ──────────────────────────────────────────────────────────────────────────────────
 
 
-def create(
-    entry: Entry, label_id: int | None, fields: dict[str, Any], distinct: bool, made: list[Label]
-) -> Plan:
+def create(entry: Entry, label_id: int | None, fields: dict[str, Any], distinct: bool) -> Plan:
     """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken.
 
-    ``made`` receives it.  ``distinct``: a name or colour that another label has by now gives way
-    to a free one.
+    ``distinct``: a name or colour that another label has by now gives way to a free one.
     """
 
     def plan(draft: Draft) -> Entry:
@@ -64,25 +61,25 @@ def create(
         given = {"color": palette.default_color(number), **fields}
         if distinct:
             given |= free_name_and_color(given, draft.palette.values())
-        made[:] = [Label(number, **given)]  # the plan may be made anew
-        add_label(draft, made[0])
-        return replace(entry, summary=f"create label '{given['name']}'")
+        label = Label(number, **given)
+        add_label(draft, label)
+        return replace(entry, summary=f"create label '{label.name}'", label=label)
 
     return plan
 
 
-def change(entry: Entry, label_id: int, fields: dict[str, Any], made: list[Label]) -> Plan:
-    """Change fields of a label; ``made`` receives it as it is then."""
+def change(entry: Entry, label_id: int, fields: dict[str, Any]) -> Plan:
+    """Change fields of a label."""
 
     def plan(draft: Draft) -> Entry:
         label = palette.require(draft.palette, label_id)
         news = {name: value for name, value in fields.items() if getattr(label, name) != value}
-        made.append(replace(label, **news))
+        changed = replace(label, **news)
         if news:
-            draft.labels[label_id] = made[0]
+            draft.labels[label_id] = changed
             draft.label_fields[label_id] = news
         what = ", ".join(news) or "nothing"
-        return replace(entry, summary=f"change {what} of label '{label.name}'")
+        return replace(entry, summary=f"change {what} of label '{label.name}'", label=changed)
 
     return plan
 

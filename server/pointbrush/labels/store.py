@@ -168,11 +168,10 @@ class LabelStore:
         fields = palette.check_fields(fields)
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
-        made: list[Label] = []
-        plan = plans.create(entry, number, fields, distinct, made)
+        plan = plans.create(entry, number, fields, distinct)
         commit = self._sessions.commit(sequence, entry.id, plan)
-        if made:  # without another look at a database that may have gone away meanwhile
-            return made[0], commit
+        if commit.label:  # without another look at a database that may have gone away meanwhile
+            return commit.label, commit
         with self._sessions.reading(sequence) as (connection, state):
             return palette.created_by(connection, state.number, commit.revision), commit
 
@@ -188,11 +187,10 @@ class LabelStore:
         """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``; None keeps."""
         given = palette.check_fields(fields)
         entry = new_entry(edit_id, author, "label", "change a label")
-        made: list[Label] = []
-        plan = plans.change(entry, label_id, given, made)
+        plan = plans.change(entry, label_id, given)
         commit = self._sessions.commit(sequence, entry.id, plan)
-        if made:  # and not the palette of now, from which it may be gone already
-            return made[0], commit
+        if commit.label:  # and not the palette of now, from which it may be gone already
+            return commit.label, commit
         with self._sessions.knowing(sequence) as state:
             return palette.require(state.palette, label_id), commit
 

@@ -127,6 +127,7 @@ class Commit:
 
     ``revision`` is the sequence's after it and ``base`` the one before it; ``changed`` counts
     points whose visible value changed; ``target`` is the edit that an undo or redo was about;
+    ``label`` is the one that it made or changed, as it left it, unless it is read from the journal;
     ``repeated`` is True when this edit's id had been committed before and nothing was done now.
     """
 
@@ -139,6 +140,7 @@ class Commit:
     changed: int
     time: float = 0.0
     target: str | None = None
+    label: Label | None = None
     repeated: bool = False
     frames: Deltas = field(default_factory=dict)
     palette_changed: bool = False

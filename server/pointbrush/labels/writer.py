@@ -198,6 +198,7 @@ class Writer:
             changed=effect.changed,
             time=time.time(),
             target=journal.edit_id_of(draft.connection, state.number, entry.target),
+            label=entry.label,
             frames=effect.frames,
             palette_changed=bool(draft.labels),
             tracks_changed=bool(draft.tracks),
