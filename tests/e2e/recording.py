@@ -29,6 +29,15 @@ def name_person(desk: Desk, server: LiveServer) -> None:
     desk.until(f"pb.state.activeLabel.value === {label}")
 
 
+def paint_person(
+    desk: Desk, truth: Truth, frame: int = 0, *, length: float = 0.12, above: float = 0.0
+) -> None:
+    """A stroke upward over the person, ``length`` metres from ``above`` their middle on."""
+    x, y, z = truth(frame, PERSON)
+    desk.paint([[x, y + above, z], [x, y + above + length, z]])
+    desk.settled()
+
+
 def shows_paint(desk: Desk, server: LiveServer, least: int) -> None:
     """The first label has more than ``least`` points in frame 0, and the window shows as many."""
     count = painted(server, 0)

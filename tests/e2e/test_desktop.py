@@ -8,16 +8,18 @@ from collections.abc import Callable
 import numpy as np
 
 from tests.e2e.desk import Desk
-from tests.e2e.recording import PERSON, SEQUENCE, Truth, name_person, painted, shows_paint
+from tests.e2e.recording import (
+    PERSON,
+    SEQUENCE,
+    Truth,
+    name_person,
+    paint_person,
+    painted,
+    shows_paint,
+)
 from tests.e2e.server import LiveServer
 
 Open = Callable[..., Desk]
-
-
-def paint_person(desk: Desk, truth: Truth, frame: int = 0, dx: float = 0.12) -> None:
-    x, y, z = truth(frame, PERSON)
-    desk.paint([[x, y, z], [x, y + dx, z]])
-    desk.settled()
 
 
 # ── time ─────────────────────────────────────────────────────────────────────────────────────
@@ -120,15 +122,15 @@ def test_undo_and_redo(desk: Desk, server: LiveServer, truth: Truth) -> None:
 
 def test_eraser_and_deleting_noise(desk: Desk, server: LiveServer, truth: Truth) -> None:
     name_person(desk, server)
-    paint_person(desk, truth, dx=0.2)
+    paint_person(desk, truth, length=0.2)
     before = painted(server, 0, 1)
     desk.press("c")
     desk.until("pb.state.tool.value === 'erase'")
-    paint_person(desk, truth, dx=0.0)
+    paint_person(desk, truth, length=0.0)
     assert 0 < painted(server, 0, 1) < before
     desk.press("x")
     desk.until("pb.state.tool.value === 'delete'")
-    paint_person(desk, truth, dx=0.0)
+    paint_person(desk, truth, length=0.0)
     deleted = int(server.annotation(SEQUENCE, 0, "deleted").sum())
     assert deleted > 5
     desk.until(f"pb.labels()[-1] === {deleted}")
@@ -139,12 +141,12 @@ def test_a_locked_label_keeps_its_points(desk: Desk, server: LiveServer, truth: 
         server.create_label(SEQUENCE, name, color)
     desk.until("pb.state.palette.value.length === 2")
     desk.press("1")
-    paint_person(desk, truth, dx=0.0)
+    paint_person(desk, truth, length=0.0)
     kept = painted(server, 0, 1)
     server.request("PATCH", f"sequences/{SEQUENCE}/labels/1", json={"locked": True})
     desk.until("pb.state.palette.value[0].locked")
     desk.press("2")
-    paint_person(desk, truth, dx=0.2)
+    paint_person(desk, truth, length=0.2)
     assert painted(server, 0, 1) == kept
     assert painted(server, 0, 2) > 0
     desk.until(f"pb.labels()[1] === {kept}")
@@ -281,7 +283,7 @@ def test_a_lost_graphics_context_comes_back(open_desk: Open) -> None:
 
 def test_tracks_and_takes_the_run_back(desk: Desk, server: LiveServer, truth: Truth) -> None:
     name_person(desk, server)
-    paint_person(desk, truth, dx=0.3)
+    paint_person(desk, truth, length=0.3)
     desk.until("(pb.state.timeline.value.rows.get(1)?.points[0] ?? 0) > 20")
     button = desk.page.get_by_role("button", name="Track")
     button.first.click()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.e2e.desk import Desk
-from tests.e2e.recording import PERSON, Truth, name_person, painted
+from tests.e2e.recording import Truth, name_person, paint_person, painted
 from tests.e2e.server import LiveServer
 
 
@@ -11,9 +11,7 @@ def test_lists_edits_and_goes_to_their_frame(desk: Desk, server: LiveServer, tru
     name_person(desk, server)
     desk.press("ArrowRight")
     desk.until("pb.shown().frame === 1 && pb.shown().points === pb.shown().total")
-    x, y, z = truth(1, PERSON)
-    desk.paint([[x, y, z], [x, y + 0.1, z]])
-    desk.settled()
+    paint_person(desk, truth, 1)
     desk.press("ArrowRight")
     desk.until("pb.state.frame.value === 2")
 
@@ -34,13 +32,10 @@ def test_a_second_tab_of_one_browser_takes_back_the_strokes_of_the_first(
     desk: Desk, server: LiveServer, truth: Truth
 ) -> None:
     name_person(desk, server)
-    x, y, z = truth(0, PERSON)
-    desk.paint([[x, y, z], [x, y + 0.1, z]])
-    desk.settled()
+    paint_person(desk, truth)
     one = painted(server, 0)
     assert one > 0
-    desk.paint([[x, y + 0.3, z], [x, y + 0.4, z]])
-    desk.settled()
+    paint_person(desk, truth, above=0.3)
     assert painted(server, 0) > one
     desk.press("Control+z")
     desk.settled()
@@ -60,9 +55,7 @@ def test_undo_goes_on_after_a_restart_with_another_token(
     desk: Desk, server: LiveServer, truth: Truth
 ) -> None:
     name_person(desk, server)
-    x, y, z = truth(0, PERSON)
-    desk.paint([[x, y, z], [x, y + 0.1, z]])
-    desk.settled()
+    paint_person(desk, truth)
     assert painted(server, 0) > 0
     desk.page.close()
     server.stop()

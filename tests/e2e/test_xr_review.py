@@ -104,6 +104,8 @@ def test_the_ground_under_the_ray_is_deleted_and_comes_back_and_can_be_set_as_fl
     assert spread[2] < 0.05 * spread[1]
     height = headset.ask(f"hs.place({points[gone].mean(axis=0).tolist()})[1]")
     assert abs(height) < 0.05
+    # Off the ground: the preview under a still hand shows what a further press would delete.
+    headset.move("right", [0.5, 1.3, -0.2], [0.5, 3.0, -0.2])
     headset.button("b-button")
     headset.until("!(-1 in pb.labels())")
     set_the_floor(headset, server)

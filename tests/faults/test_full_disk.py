@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import shutil
-import subprocess
 import uuid
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +17,7 @@ from tests.faults.clients import ENDED, RefusedError, SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.faults.torture import check
 from tests.serving import add_sequence, settings_in, surface
+from tests.torture.machine import Ballast, mounted
 
 SIZE = 12 * 2**20
 POINTS = 20_000
@@ -27,31 +26,8 @@ POINTS = 20_000
 @pytest.fixture
 def disk(tmp_path: Path) -> Iterator[Path]:
     """A file system of 12 MB."""
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", f"size={SIZE}", "tmpfs", str(folder)]
-    if shutil.which("mount") is None or subprocess.run(command, capture_output=True).returncode:
-        pytest.skip("this user may not mount a small file system")
-    yield folder
-    subprocess.run(["umount", "-l", str(folder)], check=True)
-
-
-class Ballast:
-    """A file that takes all the room there is."""
-
-    def __init__(self, disk: Path) -> None:
-        self.path = disk / "ballast"
-
-    def fill(self) -> None:
-        with self.path.open("ab", buffering=0) as file:
-            try:
-                while file.write(bytes(4096)):
-                    pass
-            except OSError:
-                return
-
-    def drop(self) -> None:
-        self.path.unlink()
+    with mounted(tmp_path / "disk", SIZE) as folder:
+        yield folder
 
 
 @pytest.fixture
