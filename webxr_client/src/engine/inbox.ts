@@ -73,6 +73,8 @@ export class Inbox {
       return;
     }
     this.deps.playback.labels(update);
+    this.deps.objects.onLabels(update.frame);
+    this.deps.regions.onLabels(update.frame);
     if (update.edit !== null) this.deps.strokes.drop(update.edit);
   }
 

@@ -70,6 +70,24 @@ describe('the object tool', () => {
     expect(asks()[1]!.samples[0]!.origin[0]).toBeCloseTo(100.3);
   });
 
+  it('asks again when labels of the frame change under a still hand, at the level that was chosen', () => {
+    const { tool, asks } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5, 20, 80]));
+    tool.step(1);
+    tool.onLabels(7);
+    expect(asks()).toHaveLength(1);
+    tool.onLabels(0);
+    expect(asks()[1]!.samples).toEqual(asks()[0]!.samples);
+    // Labels that change while an answer is on its way may not be in it.
+    tool.onLabels(0);
+    tool.onCandidates(answer(asks()[1]!, [6, 21]));
+    expect(state.object.value).toMatchObject({ level: 1, points: 21 });
+    expect(asks()).toHaveLength(3);
+    tool.onCandidates(answer(asks()[2]!, [6, 21]));
+    expect(asks()).toHaveLength(3);
+  });
+
   it('takes the level shown, and keeps it on screen until the server has it', () => {
     const { frame, tool, asks, begun, sent } = setUp();
     tool.hover(at(0.1));

@@ -221,6 +221,15 @@ export class ObjectTool {
     }
   }
 
+  /** Labels of a frame changed, and with them what a click there would take: ask again. */
+  onLabels(frame: number): void {
+    const { asked, offer } = this;
+    const question = asked ?? offer?.question;
+    if (this.taken || question?.purpose !== 'hover' || question.frame.index !== frame) return;
+    if (asked) this.waiting ??= asked.positives[0]!;
+    else this.ask(question, 'hover', offer!.level);
+  }
+
   /** The server refused a question or a stroke; true when it was ours and is asked again. */
   onError(about: string, status: number): boolean {
     if (this.asked?.id === about) {

@@ -18,11 +18,18 @@ export interface RegionDeps {
   readonly changed: () => void;
 }
 
+interface Question {
+  readonly id: string;
+  readonly frame: CloudFrame;
+  readonly brush: Brush;
+  readonly sample: PointerSample;
+}
+
 export class RegionPreview {
-  private asked: { readonly id: string; readonly frame: CloudFrame; readonly brush: Brush } | null =
-    null;
+  private asked: Question | null = null;
   private waiting: PointerSample | null = null;
-  private shownIn: CloudFrame | null = null;
+  /** The question that was answered last, until the pointer leaves. */
+  private answered: Question | null = null;
 
   constructor(private readonly deps: RegionDeps) {}
 
@@ -36,7 +43,7 @@ export class RegionPreview {
     const brush = this.deps.brush();
     if (!frame || !brush) return;
     const id = crypto.randomUUID();
-    this.asked = { id, frame, brush };
+    this.asked = { id, frame, brush, sample };
     const samples = [sourceSample(sample, this.deps.shift())];
     this.deps.send({ type: 'ask', id, frame: frame.index, brush, samples });
   }
@@ -60,10 +67,17 @@ export class RegionPreview {
       const value = brush.tool === 'paint' ? PREVIEW : brush.tool === 'delete' ? DELETED : 0;
       const indices = numbersOf(region.runs);
       frame.setOverlay(OVERLAY, { indices, values: Uint16Array.of(value) });
-      this.shownIn = frame;
     }
+    this.answered = asked;
     this.deps.changed();
     if (waiting) this.hover(waiting);
+  }
+
+  /** Labels of a frame changed, and with them what a press there would take. */
+  onLabels(frame: number): void {
+    const { asked } = this;
+    if (asked?.frame.index === frame) this.waiting ??= asked.sample;
+    else if (!asked && this.answered?.frame.index === frame) this.hover(this.answered.sample);
   }
 
   /** The server refused the question. */
@@ -72,7 +86,7 @@ export class RegionPreview {
   }
 
   private hide(): void {
-    if (this.shownIn?.dropOverlay(OVERLAY)) this.deps.changed();
-    this.shownIn = null;
+    if (this.answered?.frame.dropOverlay(OVERLAY)) this.deps.changed();
+    this.answered = null;
   }
 }

@@ -1,7 +1,9 @@
 /** Preview of what the hand would take, asked of the server before the trigger is pressed. */
 import type { Engine } from '../engine/engine';
+import { state } from '../state';
 import type { PointerSample } from '../tools/path';
 import type { Way } from '../tools/ways';
+import { watch } from '../watch';
 
 /** So often a question may be asked, milliseconds. */
 const EVERY_MS = 60;
@@ -12,8 +14,13 @@ export class Asking {
   private last = 0;
   private shows: Way | null = null;
   private readonly asked = new Float64Array(6).fill(NaN);
+  private readonly unfollow: () => void;
 
-  constructor(private readonly engine: Engine) {}
+  constructor(private readonly engine: Engine) {
+    // With these the engine ends what is shown, and a still hand must be asked for anew.
+    const { tool, brush, activeLabel, palette, frame } = state;
+    this.unfollow = watch([tool, brush, activeLabel, palette, frame], () => this.asked.fill(NaN));
+  }
 
   /** Once per frame while the trigger is up; `sample` may be used again. */
   update(way: Way, sample: PointerSample, now: number): void {
@@ -38,6 +45,11 @@ export class Asking {
     this.asked.fill(NaN);
     this.engine.objects.leave();
     this.engine.regions.leave();
+  }
+
+  dispose(): void {
+    this.leave();
+    this.unfollow();
   }
 
   private moved({ origin, direction }: PointerSample): boolean {

@@ -82,7 +82,7 @@ export class Painter {
 
   dispose(): void {
     this.finish();
-    this.asking.leave();
+    this.asking.dispose();
     this.engine.objects.end();
     this.unfeel();
     this.look.dispose();
