@@ -5,8 +5,8 @@ import { actions } from '../actions';
 import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
 import { Button } from './controls';
-import { plural } from './format';
 import { Icon } from './icons';
+import { lossOf, pointsOf } from './label-points';
 import { shiftLabel } from './label-rows';
 import { renaming } from './palette-list';
 import { Popover } from './popover';
@@ -19,7 +19,7 @@ interface LabelMenuProps {
 
 export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
   const [confirm, setConfirm] = useState(false);
-  const points = state.counts.value.get(label.id) ?? 0;
+  const [here, all] = lossOf(label.id);
   const remove = (): void => {
     onClose();
     void actions.deleteLabel(label.id);
@@ -29,7 +29,7 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
       {confirm ? (
         <div class="confirm">
           <p>
-            {plural(points, 'point')} of “{label.name}” will be unlabeled. This can be undone.
+            {here} and {all} have “{label.name}” and will be unlabeled. This can be undone.
           </p>
           <div class="form-end">
             <Button label="Keep" onClick={onClose} />
@@ -90,7 +90,7 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
             type="button"
             class="menu-item"
             disabled={!canEdit.value || label.locked}
-            onClick={() => (points > 0 ? setConfirm(true) : remove())}
+            onClick={() => (pointsOf(label.id).all > 0 ? setConfirm(true) : remove())}
           >
             <Icon name="trash" /> Delete{label.locked && <span class="end">locked</span>}
           </button>

@@ -6,8 +6,9 @@ import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
 import { LABEL_COLORS } from './colors';
 import { Button, NameField } from './controls';
-import { count, plural, shortCount } from './format';
+import { shortCount } from './format';
 import { Icon } from './icons';
+import { lossOf, pointsOf } from './label-points';
 import { dragged, onRowDown, onRowFocus, onRowKey, tabStop } from './label-rows';
 import { LabelMenu } from './label-menu';
 import { keyOf, renaming } from './palette-list';
@@ -135,13 +136,9 @@ function ColorButton({ label }: { label: Label }) {
 
 /** Points in this frame over points in all frames; the head of the list says which is which. */
 function Counts({ id }: { id: number }) {
-  const here = state.timeline.value.rows.get(id)?.points[state.frame.value] ?? 0;
-  const all = state.counts.value.get(id) ?? 0;
+  const { here, all } = pointsOf(id);
   return (
-    <span
-      class="counts number"
-      data-tip={`${plural(here, 'point')} in this frame, ${count(all)} in all`}
-    >
+    <span class="counts number" data-tip={lossOf(id).join(', ')}>
       <b>{shortCount(here)}</b>
       <span class="faint">{shortCount(all)}</span>
     </span>

@@ -96,6 +96,7 @@ export class PalettePanel extends Panel {
 
   override dispose(): void {
     this.unfollow();
+    this.edit.dispose();
     this.keyboard.close();
     this.glow.dispose();
     super.dispose();

@@ -69,7 +69,28 @@ describe('who comes and goes', () => {
     worn.go(0.5);
     expect(worn.said).toEqual([]);
     worn.go(0.6);
-    expect(worn.said).toEqual(['The right controller is away']);
+    expect(worn.said).toEqual(['The right controller is away:\nswitch it on by its system button']);
+  });
+
+  it('is told within three seconds that nothing came, with what to do; once, and not where something points', () => {
+    const worn = new Worn();
+    worn.show('visible-blurred');
+    worn.go(5);
+    worn.show('visible');
+    worn.go(1.5);
+    expect(worn.said).toEqual([]);
+    worn.go(1.4);
+    expect(worn.said).toEqual([
+      'No controller is seen yet:\nswitch one on by its system button,\nor hold a hand before the headset',
+    ]);
+    worn.go(5);
+    expect(worn.said).toHaveLength(1);
+    const [eyes, look] = [new Worn(), pinch('right')];
+    eyes.change([look]);
+    eyes.go();
+    eyes.change([], [look]);
+    eyes.go(5);
+    expect(eyes.said).toEqual([]);
   });
 
   it('the wished hand is asked anew, and a trigger that is held does not paint for it', () => {
@@ -140,7 +161,9 @@ describe('who comes and goes', () => {
     worn.go(0.4);
     expect([worn.pointers.brush?.tracked, worn.pointers.brush?.trigger]).toEqual([false, 0]);
     for (let i = 0; i < 5; i++) worn.go(0.4);
-    expect(worn.said).toEqual(['The headset does not see the right controller']);
+    expect(worn.said).toEqual([
+      'The headset does not see the right controller:\nhold it before the headset',
+    ]);
   });
 });
 

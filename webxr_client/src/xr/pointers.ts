@@ -14,6 +14,12 @@ import type { Object3D } from 'three';
 
 /** Seconds after which a controller out of the headset's sight, or gone, is missed. */
 const MISSED = 1;
+/** Seconds of a session after which it is told that nothing points: hands and controllers wake in the first. */
+const NOBODY_CAME = 2;
+const NO_CONTROLLER = 'No controller is seen yet:\nswitch one on by its system button';
+const NOTHING = `${NO_CONTROLLER},\nor hold a hand before the headset`;
+const SWITCH_ON = 'switch it on by its system button';
+const SHOW = 'hold it before the headset';
 
 /** A controller that has gone, and may be back in a moment: system menus take all of them. */
 interface Gone {
@@ -38,6 +44,8 @@ export class Pointers {
   readonly bodies: Body[] = [];
   private roles = NOBODY;
   private readonly gone: Gone[] = [];
+  /** Seconds for which nothing has pointed since the session began; NaN once something did. */
+  private readonly awaited = new Float64Array(1);
   private readonly undo: (() => void)[] = [];
 
   constructor(
@@ -191,7 +199,19 @@ export class Pointers {
       body.follow(frame, space, matrixWorld);
       this.miss(body, seconds);
     }
-    if (this.session.visibilityState === 'visible') this.missGone(seconds);
+    if (this.session.visibilityState !== 'visible') return;
+    this.missGone(seconds);
+    this.missAll(seconds);
+  }
+
+  /** Say once that nothing has come that points. */
+  private missAll(seconds: Float64Array): void {
+    const { awaited } = this;
+    if (this.bodies.length > 0) awaited[0] = NaN;
+    const before = awaited[0]!;
+    awaited[0] = before + seconds[0]!;
+    if (before >= NOBODY_CAME || !(awaited[0] >= NOBODY_CAME)) return;
+    this.changes.say(peek(xrSettings).hands ? NOTHING : NO_CONTROLLER);
   }
 
   /** Say that a controller has gone, unless it or a hand in its place was there again in a moment. */
@@ -202,7 +222,7 @@ export class Pointers {
       const back = side !== 'none' && this.of(side) !== null;
       if (!back && since[0] < MISSED) continue;
       this.gone.splice(i, 1);
-      if (!back) this.changes.say(`The ${name} is away`);
+      if (!back) this.changes.say(`The ${name} is away:\n${SWITCH_ON}`);
     }
   }
 
@@ -225,7 +245,9 @@ export class Pointers {
     const missed = unseen[0]! >= MISSED;
     unseen[0] = unseen[0]! + seconds[0]!;
     if (missed || unseen[0] < MISSED) return;
-    this.changes.say(`The headset does not see the ${nameOf(pointer, pointer.kind.name)}`);
+    this.changes.say(
+      `The headset does not see the ${nameOf(pointer, pointer.kind.name)}:\n${SHOW}`,
+    );
   }
 
   /**

@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { kindOf } from './kinds';
-import { layoutOf, PROFILES, registered, type Layout, type Profile } from './registry';
+import { tipsFor } from './lessons';
+import { layoutOf, profileOf, PROFILES, registered, type Layout, type Profile } from './registry';
 
 const SIDES = ['left', 'right'] as const;
 const HANDS = ['generic-fixed-hand', 'generic-hand', 'generic-hand-select',
@@ -63,6 +64,35 @@ describe('the profiles of the registry', () => {
       if (button < 0) expect(name).toBe('');
       else expect(buttons[button]).toBe(`${name.toLowerCase()}-button`);
     }
+  }); // prettier-ignore
+
+  it.each(CASES)('%s (%s) has a hint for eraser and undo, or the panel only, and none names what is not there', (_, side, profile) => {
+    const device = deviceOf(profile, side);
+    const layout = layoutOf(profile, side);
+    const named: Record<string, string> = {
+      Trigger: layout.selectComponentId, Pinch: layout.selectComponentId, Grip: 'xr-standard-squeeze',
+      Stick: 'xr-standard-thumbstick', Pad: 'xr-standard-touchpad',
+      A: 'a-button', B: 'b-button', X: 'x-button', Y: 'y-button',
+    }; // prettier-ignore
+    for (const part of ['alone', 'brush', 'other'] as const) {
+      const tips = tipsFor(device, part, side === 'left');
+      for (const { text } of tips) {
+        const used = text.split(':')[0]!.match(/[A-Z][a-z]*/g)!;
+        for (const word of used) {
+          if (word !== 'Half') expect(layout.gamepad!.buttons, text).toContain(named[word]);
+        }
+      }
+      const lessons = new Set(tips.map(({ lesson }) => lesson));
+      const buttons = device.pad !== 'none' && (device.squeeze >= 0 || device.secondary >= 0);
+      if (buttons && part !== 'other') expect(lessons).toContain('undo');
+    }
+  }); // prettier-ignore
+
+  it('give an Index its A, and undo where it has no B', () => {
+    const device = deviceOf(profileOf('valve-index'), 'right');
+    const texts = tipsFor(device, 'brush', false).map(({ text }) => text);
+    expect(texts).toContain('A: eraser');
+    expect(texts).toContain('Grip + Stick ←: undo');
   }); // prettier-ignore
 
   it('that an Index, a Vive wand or a Magic Leap 2 with joints names keeps its buttons', () => {

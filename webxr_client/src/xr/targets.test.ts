@@ -1,6 +1,7 @@
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../actions';
-import type { Label } from '../protocol/messages';
+import { takeTimeline } from '../engine/labels';
+import type { Label, Timeline } from '../protocol/messages';
 import { halted } from '../engine/review';
 import { state } from '../state';
 import type { PaletteControls, PalettePanel } from './palette-panel';
@@ -13,11 +14,15 @@ import type { TimelinePanel } from './timeline-panel';
 const LEAST_METRES = 0.022;
 const LEAST_DEGREES = 2.5;
 
+/** Words that were drawn since a test emptied this. */
+const written: string[] = [];
+
 /** A pen that draws nothing: what answers is laid out by text of so many pixels a letter. */
 function pen(): CanvasRenderingContext2D {
   const draws = (): unknown => undefined;
   const measures = (text: string): { width: number } => ({ width: 16 * text.length });
-  const known: Record<string, unknown> = { measureText: measures };
+  const writes = (text: string): number => written.push(text);
+  const known: Record<string, unknown> = { measureText: measures, fillText: writes };
   return new Proxy(known, {
     get: (fields, name: string) => fields[name] ?? draws,
     set: (fields, name: string, value) => Reflect.set(fields, name, value),
@@ -152,6 +157,31 @@ describe('the palette changes the active label', () => {
     expect(sides(palette).has('Delete it')).toBe(false);
     expect(did('Delete', 'Delete it')).toEqual([['deleteLabel', 2]]);
     expect(sides(palette).has('New')).toBe(true);
+  });
+});
+
+describe('the palette counts the points of a label', () => {
+  it('of this frame and of all before it is deleted, and of all in its row', () => {
+    state.activeLabel.value = 1;
+    state.counts.value = new Map([[1, 59_726]]);
+    const cells = [20, 3669].map((points, frame) => ({ label: 1, frame, points, painted: points }));
+    takeTimeline({ whole: true, cells } as unknown as Timeline, 6);
+    state.frame.value = 1;
+    for (const page of ['Labels', 'Edit', 'Delete']) press(palette, page);
+    written.length = 0;
+    sides(palette);
+    expect(written).toContain('3\u2009669 points in this frame');
+    expect(written).toContain('59\u2009726 points in all frames');
+    // The question is asked of the frame that is shown.
+    state.frame.value = 0;
+    written.length = 0;
+    palette.update((now += 1000));
+    expect(written).toContain('20 points in this frame');
+    press(palette, 'Keep');
+    press(palette, 'Back');
+    written.length = 0;
+    sides(palette);
+    expect(written).toContain('60\u2009k in all');
   });
 });
 

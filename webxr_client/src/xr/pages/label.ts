@@ -1,9 +1,10 @@
 /** Pages of one label: a new one, or the active one with another name, another colour, or gone. */
 import { actions } from '../../actions';
 import { LABEL_COLORS, suggestColor, suggestName } from '../../panels/colors';
-import { plural } from '../../panels/format';
+import { lossOf } from '../../panels/label-points';
 import type { Label } from '../../protocol/messages';
 import { state } from '../../state';
+import { watch } from '../../watch';
 import { INK, type Ui } from '../ui';
 import type { AskName } from '../writing';
 
@@ -43,12 +44,20 @@ const [PITCH, HEIGHT, COLORS, END] = [2.4, 2.2, 12.4, 17.8];
 export class EditPage {
   /** The label that was asked to be deleted; 0: none. */
   private doomed = 0;
+  private readonly unfollow: () => void;
 
   constructor(
     private readonly touch: () => void,
     private readonly ask: AskName,
     private readonly back: () => void,
-  ) {}
+  ) {
+    // The question counts points of the frame that is shown.
+    this.unfollow = watch([state.frame, state.timeline], () => this.doomed !== 0 && touch());
+  }
+
+  dispose(): void {
+    this.unfollow();
+  }
 
   /** The page is turned to: nothing was asked. */
   begin(): void {
@@ -92,12 +101,8 @@ export class EditPage {
 
   private drawQuestion(ui: Ui, x: number, top: number, inner: number, label: Label): void {
     const { em } = ui;
-    const points = plural(state.counts.peek().get(label.id) ?? 0, 'point');
-    const lines = [
-      'Delete this label in all frames?',
-      `${points} of it in this one will be unlabeled.`,
-      'This can be undone.',
-    ];
+    const [here, all] = lossOf(label.id);
+    const lines = ['Delete this label?', here, all, 'will be unlabeled. This can be undone.'];
     lines.forEach((line, i) => {
       ui.text(line, x + em * 0.4, top + em * (4 + 1.6 * i), { color: INK.quiet });
     });

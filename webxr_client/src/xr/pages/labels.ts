@@ -86,7 +86,7 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
   const tools = 3 * em * ICON_EMS + em * 0.15;
   const doubtful = unsure.peek().includes(label.id);
   // The sign takes the category's place.
-  const note = doubtful ? '' : on ? paintedOf(label) : label.category;
+  const note = doubtful ? '' : on ? pointsIn(label) : label.category;
   ui.button(
     x,
     y,
@@ -113,8 +113,8 @@ function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: num
   );
 }
 
-/** Count of the active label's points in this frame. */
-function paintedOf({ id, category }: Label): string {
+/** Count of the active label's points in the whole recording, which no step through frames changes. */
+function pointsIn({ id, category }: Label): string {
   const count = state.counts.peek().get(id) ?? 0;
-  return count > 0 ? `${shortCount(count)} pts` : category;
+  return count > 0 ? `${shortCount(count)} in all` : category;
 }
