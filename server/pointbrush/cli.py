@@ -240,6 +240,11 @@ def _corrections(command: argparse.ArgumentParser) -> None:
         "--poses", default="auto", help="auto, none, or a file of poses (default: auto)"
     )
     command.add_argument(
+        "--by-order",
+        action="store_true",
+        help="take poses that begin with times, and colour images, for frames in their order",
+    )
+    command.add_argument(
         "--drop-invalid", action="store_true", help="leave out points that are NaN or infinite"
     )
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.matching import FrameName, match
+from pointbrush.formats.matching import FrameName, match, matched, partners
 
 WORDS = st.text("abcxyz", min_size=1, max_size=6)
 
@@ -74,3 +74,33 @@ def test_files_are_taken_in_their_order_only_when_asked() -> None:
     with pytest.raises(BadInputError, match="expected 2 files, one a frame, got 1"):
         match(["x.npy"], known, by_order=True)
     assert match(["predicted.npy"], frames("hall.las")) == [0]
+
+
+@given(
+    st.lists(st.floats(0, 100), max_size=8),
+    st.lists(st.floats(0, 100), max_size=8),
+    st.floats(0.01, 50),
+)
+def test_the_nearest_time_is_found_within_a_limit(
+    times: list[float], among: list[float], most: float
+) -> None:
+    found = matched([FrameName("", t) for t in times], [FrameName("", t) for t in among], most)
+    for time, place in zip(times, found, strict=True):
+        least = min((abs(other - time) for other in among), default=float("inf"))
+        if place is None:
+            assert least > most
+        else:
+            assert abs(among[place] - time) == least <= most
+
+
+def test_names_that_are_times_are_never_numbers() -> None:
+    poses = [FrameName(f"0.{k}.txt") for k in range(3)]
+    with pytest.raises(BadInputError, match=r"names, times or numbers of the frames .*--by-order"):
+        partners(frames("000000.pcd", "000001.pcd"), poses)
+    assert partners(frames("a.pcd", "b.pcd"), poses[:2], by_order=True) == [0, 1]
+
+
+def test_a_picture_of_one_name_costs_no_other_its_time() -> None:
+    depths = frames("100.500.png", "101.500.png", "102.500.png")
+    colors = frames("100.500.jpg", "101.508.jpg", "102.493.jpg")
+    assert partners(depths, colors) == [0, 1, 2]

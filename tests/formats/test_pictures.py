@@ -80,7 +80,7 @@ def test_a_cameras_file_gives_each_frame_its_pictures_as_they_are(tmp_path: Path
         ({"files": ["front/0.jpg"]}, "a file for each of 3 frames, got 1"),
         ({"files": ["../room.jpg", None, None]}, "files below the folder"),
         ({"files": ["/etc/passwd", None, None]}, "files below the folder"),
-        ({"files": {"7": "front/0.jpg"}}, "names of frames in files, got '7'"),
+        ({"files": {"7": "front/0.jpg"}}, "got 1 of no frame: 7"),
         ({"T_camera_frame": "left"}, "expected T_camera_frame in numbers"),
     ],
 )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,7 +12,6 @@ from hypothesis import strategies as st
 from pointbrush.errors import BadInputError
 from pointbrush.formats.timing import (
     natural_key,
-    nearest,
     rate_of,
     read_times,
     stated_rate,
@@ -103,20 +101,3 @@ def test_a_header_of_a_list_is_passed_over(tmp_path):
 def test_a_stated_rate_is_believed_if_it_is_one(tmp_path, meta, rate):
     (tmp_path / "meta.json").write_text(json.dumps(meta))
     assert stated_rate(tmp_path) == rate
-
-
-@given(
-    st.lists(st.floats(0, 100), max_size=8),
-    st.lists(st.floats(0, 100), max_size=8),
-    st.floats(0.01, 50),
-)
-def test_the_nearest_time_is_found_within_a_limit(
-    times: list[float], among: list[float], most: float
-) -> None:
-    found = nearest(times, among, most)
-    for time, place in zip(times, found, strict=True):
-        least = min((abs(other - time) for other in among), default=np.inf)
-        if place is None:
-            assert least > most
-        else:
-            assert abs(among[place] - time) == least <= most

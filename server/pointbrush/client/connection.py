@@ -109,7 +109,8 @@ class Server(Part[L]):
     ) -> Steps[Recording[L]]:
         """Import a path that the server can read, and wait; ``progress`` shows a bar.
 
-        ``options``: name, fps, format, columns, delimiter, scale, up, topic, poses, drop_invalid.
+        ``options``: name, fps, format, columns, delimiter, scale, up, topic, poses,
+        by_order, drop_invalid.
         ``patience``: seconds for which the server may be away meanwhile.
         """
         job = yield from _start_import(str(path), options, patience)

@@ -17,6 +17,7 @@ from PIL import Image
 from pointbrush.errors import BadInputError
 from pointbrush.formats.bag import Bag, BagMessage, Clouds, Topic
 from pointbrush.formats.bag_transforms import mounts
+from pointbrush.formats.matching import FrameName, partners
 from pointbrush.formats.pictures import (
     MAX_CAMERAS,
     Camera,
@@ -36,7 +37,6 @@ from pointbrush.formats.ros_message import (
     kind_of,
     reader_of,
 )
-from pointbrush.formats.timing import nearest
 
 log = logging.getLogger(__name__)
 MOST_APART = 0.2
@@ -85,7 +85,8 @@ def _jobs(
     for camera, topic in cameras:
         name = f"{path.name} {topic.name}"
         try:
-            numbers = nearest(found.stamps.tolist(), _stamps(bag, path, topic), MOST_APART)
+            moments = [FrameName("", stamp) for stamp in found.stamps.tolist()]
+            numbers = partners(moments, _stamps(bag, path, topic), near=MOST_APART)
         except BadInputError as error:
             log.warning("the pictures of %s are left out: %s", topic.name, error)
             continue
@@ -133,10 +134,11 @@ def _first(bag: Bag, path: Path, topic: Topic) -> str | None:
     return frame_id
 
 
-def _stamps(bag: Bag, path: Path, topic: Topic) -> list[float]:
-    """Stamps of a topic's messages, seconds."""
+def _stamps(bag: Bag, path: Path, topic: Topic) -> list[FrameName]:
+    """Stamps of a topic's messages."""
     name, kind = f"{path.name} {topic.name}", kind_of(topic.type)
-    return [head_of_message(name, each, kind)[0] for each in bag.messages(path, topic.name)]
+    messages = bag.messages(path, topic.name)
+    return [FrameName("", head_of_message(name, each, kind)[0]) for each in messages]
 
 
 def _content(name: str, topic: Topic, message: BagMessage) -> bytes:

@@ -66,15 +66,16 @@ def poses_beside(
     names = [path.name for path in files]
     named = named_file(options)
     if named is not None:
-        return read_poses(named, names, times)
+        return read_poses(named, names, times, by_order=options.chosen.by_order)
     kitti = entry.name in ("kitti", "bin")
     try:
         if entry.name == "feather":
-            return argoverse_poses(folder.parent.parent, names, options.limits)
+            return argoverse_poses(folder.parent.parent, times, options.limits)
         told = nuscenes_poses(tables, files)
         if told is not None:
             return told
-        return find_poses(folder, names, times, above=kitti)
+        by_order = options.chosen.by_order
+        return find_poses(folder, names, times, above=kitti, by_order=by_order)
     except BadInputError as error:
         if kitti:
             raise

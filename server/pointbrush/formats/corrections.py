@@ -44,6 +44,8 @@ class Corrections:
     """Of a bag: the topic, or "topic#frame_id" where several sensors speak on it."""
     poses: str = "auto"
     """"auto", "none", or the path of a file of poses, a line a frame."""
+    by_order: bool = False
+    """Take poses that begin with times, and colour images, for frames in their order."""
     drop_invalid: bool = False
     """Leave NaN and infinite points out, and count them."""
 
@@ -116,7 +118,7 @@ def parse_corrections(given: Mapping[str, Any]) -> Corrections:
             values["scale"] = float(values["scale"])
         except ValueError:
             raise BadInputError(f"scale: expected a number, got {values['scale'][:40]!r}") from None
-    for name in ("drop_invalid", "decimal_comma"):
+    for name in ("drop_invalid", "decimal_comma", "by_order"):
         if isinstance(values.get(name), str):
             if values[name] not in ("true", "false"):
                 raise BadInputError(f"{name}: expected true or false, got {values[name][:40]!r}")

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.columns import frame_from_columns
+from pointbrush.formats.interpolation import interpolated
 from pointbrush.formats.options import Limits, ReadOptions, require_count
 from pointbrush.formats.poses import Poses, of_quaternion
 
 POSES = "city_SE3_egovehicle.feather"
+STAMP = "timestamp_ns"
 PLACE = ("tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw")
 
 
@@ -57,24 +59,18 @@ def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[st
     }
 
 
-def argoverse_poses(log: Path, names: Sequence[str], limits: Limits) -> Poses | None:
-    """Poses of the vehicle at the frames ``names`` of an Argoverse 2 log, by their times.
+def argoverse_poses(log: Path, times: Sequence[float] | None, limits: Limits) -> Poses | None:
+    """Poses of the vehicle at the ``times`` of frames, seconds, of an Argoverse 2 log.
 
-    Raises BadInputError for a table without poses, or one that lacks a frame's.
+    Raises BadInputError for a table without poses, or one of other times.
     """
     path = log / POSES
-    if not path.is_file():
+    if times is None or not path.is_file():
         return None
     table = read_table(path, limits)
-    absent = [name for name in ("timestamp_ns", *PLACE) if name not in table]
-    if absent:
-        raise BadInputError(f"{path.name}: expected columns timestamp_ns, {', '.join(PLACE)}")
-    rows = {int(time): row for row, time in enumerate(table["timestamp_ns"].tolist())}
-    matrices = []
-    for name in names:
-        row = rows.get(int(Path(name).stem)) if Path(name).stem.isdigit() else None
-        if row is None:
-            raise BadInputError(f"{path.name}: expected a pose at the time of {name}, got none")
-        place = np.array([float(table[column][row]) for column in PLACE])
-        matrices.append(of_quaternion(f"{path.name} row {row}", place))
-    return Poses(matrices, POSES)
+    if not {STAMP, *PLACE} <= table.keys():
+        raise BadInputError(f"{path.name}: expected columns {STAMP}, {', '.join(PLACE)}")
+    places = np.stack([np.asarray(table[column], np.float64) for column in PLACE], axis=1)
+    poses = [of_quaternion(f"{path.name} row {row}", place) for row, place in enumerate(places)]
+    stamps = [time / 1e9 for time in table[STAMP].tolist()]
+    return Poses(interpolated(path.name, stamps, poses, times), POSES)

@@ -16,7 +16,6 @@ from pointbrush.formats.beside import find_tables, pictures_beside, poses_beside
 from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
-from pointbrush.formats.poses import named_file
 from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
 from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
@@ -97,7 +96,7 @@ def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
 
 def _images(folder: Path, format: str | None, options: ReadOptions) -> Listing | None:
     wanted = format is None or format_named(format).name == "rgbd"
-    return list_rgbd(folder, named_file(options)) if wanted else None
+    return list_rgbd(folder, options) if wanted else None
 
 
 def _files(folder: Path, options: ReadOptions) -> list[Path]:

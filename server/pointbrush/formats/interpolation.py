@@ -14,6 +14,8 @@ log = logging.getLogger(__name__)
 Pose = NDArray[np.float64]
 NEAR = 0.02
 """Seconds between files of one moment, as the TUM benchmark's tools pair them."""
+SAME = 1e-6
+"""Seconds between two times that are one, written with other digits."""
 MOST_GAP = 2.0
 """Seconds between two poses for a pose between them."""
 
@@ -34,7 +36,9 @@ def interpolated(
     wanted = np.asarray(times, np.float64)
     after = np.searchsorted(at, wanted).clip(1, max(len(at) - 1, 1))
     before, after = after - 1, np.minimum(after, len(at) - 1)
-    nearest = np.minimum(np.abs(at[before] - wanted), np.abs(at[after] - wanted))
+    apart = np.abs(at[[before, after]] - wanted)
+    nearest = apart.min(axis=0)
+    wanted = np.where(nearest < SAME, at[np.where(apart[0] <= apart[1], before, after)], wanted)
     between = (at[before] <= wanted) & (wanted <= at[after]) & (at[after] - at[before] <= MOST_GAP)
     known = between | (nearest <= NEAR)
     if not known.any():

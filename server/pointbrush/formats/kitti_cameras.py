@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.matching import FrameName, partners
 from pointbrush.formats.options import Limits
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
 from pointbrush.formats.poses import rigid_of
@@ -73,13 +74,15 @@ def kitti_pictures(files: Sequence[Path], folder: Path, limits: Limits) -> Pictu
     calibrations = _calibrations(files, top, inner, raw=raw)
     rows: list[dict[Camera, Path]] = [{} for _ in files]
     cameras: dict[tuple[str, int], Camera] = {}
+    scans = [FrameName(file.name) for file in files]
     for name, place in places.items():
-        for index, (file, matrices) in enumerate(zip(files, calibrations, strict=True)):
-            found = next((p for e in PICTURES if (p := place / f"{file.stem}{e}").is_file()), None)
-            if found is not None:
+        shown = [p for p in sorted(place.glob("*")) if p.suffix.lower() in PICTURES]
+        found = partners(scans, [FrameName(path.name) for path in shown]) if shown else []
+        for row, matrices, picture in zip(rows, calibrations, found, strict=bool(shown)):
+            if picture is not None:
                 key = (name, id(matrices))
                 cameras[key] = cameras.get(key) or _camera(name, matrices)
-                rows[index][cameras[key]] = found
+                row[cameras[key]] = shown[picture]
     named = {camera.name: camera for camera in reversed(cameras.values())}
     if named and all(camera.T_camera_frame is None for camera in named.values()):
         log.warning(

@@ -6,11 +6,14 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import PurePath
+
+import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import NEAR
-from pointbrush.formats.timing import nearest, time_in_name
+from pointbrush.formats.timing import time_in_name
 
 POINT_ENDINGS = frozenset(
     {".pcd", ".ply", ".bin", ".las", ".laz", ".copc", ".npy", ".npz", ".txt", ".csv", ".xyz"}
@@ -18,6 +21,9 @@ POINT_ENDINGS = frozenset(
 """Endings of points that other files' names keep before their own."""
 LISTED = 8
 """Files that a message names."""
+_NUMBER = re.compile(r"\d+(\.\d+)?", re.ASCII)
+_DECIMAL = re.compile(r"\d{1,10}\.\d+", re.ASCII)
+"""A name that is seconds of a clock of any beginning."""
 BY_ORDER = "or match them in their order (--by-order)"
 
 
@@ -32,8 +38,8 @@ class Origin:
 
 @dataclass(frozen=True, slots=True)
 class FrameName:
-    """Marks of a frame for matching: the file that it came from, and its time in seconds; "" and
-    None where they are not known."""
+    """Marks for matching of a frame, or of a file beside frames: the file's name, and a time in
+    seconds; "" and None where they are not known."""
 
     file: str = ""
     time: float | None = None
@@ -42,6 +48,26 @@ class FrameName:
     def stem(self) -> str:
         """The file's name without folders and endings."""
         return stem_of(self.file)
+
+    @property
+    def seconds(self) -> float | None:
+        """The time that is known, else that in the name."""
+        return _seconds(self.stem) if self.time is None else self.time
+
+    @property
+    def is_time(self) -> bool:
+        """Whether nothing but a time tells it from others."""
+        if not self.file:
+            return self.time is not None
+        return _NUMBER.fullmatch(self.stem) is not None and _seconds(self.stem) is not None
+
+
+def _seconds(stem: str) -> float | None:
+    return float(stem) if _DECIMAL.fullmatch(stem) else time_in_name(stem)
+
+
+Rule = Callable[[Sequence[FrameName], Sequence[FrameName]], list[int | None]]
+"""Finder of the frame that each file is of, None where it tells none."""
 
 
 def stem_of(name: str) -> str:
@@ -58,34 +84,80 @@ def match(
     by_order: bool = False,
     times: Sequence[float] | None = None,
 ) -> list[int]:
-    """Find the frame that each file is of.
+    """Find the frame that each file is of, as ``matched`` does.
 
-    The first rule that fits any file is the rule for all: equal names, names that contain those of
-    frames, times (``times`` of the files, seconds, or those in their names), numbers in the names.
-    ``by_order`` takes the files one a frame, in their order, and nothing else does but one file for
-    the only frame.
+    ``times``: those of the files, seconds, which count in place of their names.  ``by_order`` takes
+    the files one a frame, in their order, and nothing else does but one file for the only frame.
 
     Raises BadInputError, which lists the files that are of no frame, or several of one frame.
     """
-    alone = len(files) == len(frames) == 1
-    if by_order or alone:
-        if len(files) != len(frames):
-            raise BadInputError(
-                f"by order: expected {len(frames)} files, one a frame, got {len(files)}"
-            )
-        return list(range(len(files)))
-    rules: tuple[Callable[[], list[int | None]], ...] = (
-        lambda: _by_name(files, frames),
-        lambda: _by_part(files, frames),
-        lambda: _by_time(files, frames, times),
-        lambda: _by_number(files, frames),
-    )
-    found: list[int | None] = [None] * len(files)
-    for rule in rules[2:3] if times is not None else rules:
-        found = rule()
+    if by_order or len(files) == len(frames) == 1:
+        return in_their_order(len(files), len(frames))
+    names = [FrameName(file) for file in files]
+    if times is not None:
+        names = [FrameName("", time) for time in times]
+    return _require_all(files, frames, matched(names, frames))
+
+
+def in_their_order(files: int, frames: int) -> list[int]:
+    """Match as many files as frames by their places.  Raises BadInputError for other numbers."""
+    if files != frames:
+        raise BadInputError(f"by order: expected {frames} files, one a frame, got {files}")
+    return list(range(files))
+
+
+def matched(
+    files: Sequence[FrameName], frames: Sequence[FrameName], near: float = NEAR
+) -> list[int | None]:
+    """Find the frame that each file is of, None for a file of no frame.
+
+    The first rule that fits any file is the rule for all: equal names, names that contain those of
+    frames, times at most ``near`` seconds apart, numbers in the names.  Names that are times are
+    compared as such first, and never as numbers.
+    """
+    by_time: Rule = partial(_by_time, near=near)
+    rules: tuple[Rule, ...] = (_by_name, _by_part, by_time, _by_number)
+    if all(file.is_time for file in files) or all(f.file and f.is_time for f in frames):
+        rules = (by_time, _by_name)
+    for rule in rules:
+        found = rule(files, frames)
         if any(frame is not None for frame in found):
-            break
-    return _require_all(files, frames, found)
+            return found
+    return [None] * len(files)
+
+
+def partners(
+    frames: Sequence[FrameName],
+    files: Sequence[FrameName],
+    *,
+    near: float = NEAR,
+    by_order: bool = False,
+) -> list[int | None]:
+    """Find the file, a picture or a pose, that goes with each frame, as ``matched`` does.
+
+    A frame may have none, and several frames one.  Raises BadInputError where no frame has one, or
+    files have one name.
+    """
+    if by_order:
+        return list(in_their_order(len(files), len(frames)))
+    held: dict[str, list[str]] = defaultdict(list)
+    for file in files:
+        held[file.stem].append(file.file)
+    twice = next((names for stem, names in held.items() if stem and len(names) > 1), None)
+    if twice:
+        raise BadInputError(f"expected one file a moment, got {listed(twice)}")
+    found = matched(frames, files, near)
+    if frames and all(file is None for file in found):
+        raise BadInputError(
+            f"expected files with the names, times or numbers of the frames ({_told(frames)}), got "
+            f"{_told(files)}; {BY_ORDER}"
+        )
+    return found
+
+
+def _told(names: Sequence[FrameName]) -> str:
+    known = [name.file for name in names if name.file]
+    return listed(known) or f"{len(names)} of {names[0].time:g} s on" if names else "none"
 
 
 def _require_all(
@@ -96,8 +168,8 @@ def _require_all(
         known = [frame.file for frame in frames if frame.file]
         raise BadInputError(
             f"expected files with the names, times or numbers of frames"
-            f"{f' ({_listed(known)})' if known else ''}, got {len(lost)} of no frame: "
-            f"{_listed(lost)}; leave them out, {BY_ORDER}"
+            f"{f' ({listed(known)})' if known else ''}, got {len(lost)} of no frame: "
+            f"{listed(lost)}; leave them out, {BY_ORDER}"
         )
     held: dict[int, list[str]] = defaultdict(list)
     for file, frame in zip(files, found, strict=True):
@@ -106,13 +178,14 @@ def _require_all(
     twice = [name for names in held.values() if len(names) > 1 for name in names]
     if twice:
         raise BadInputError(
-            f"expected one file a frame, got several of one: {_listed(twice)}; leave some out, "
+            f"expected one file a frame, got several of one: {listed(twice)}; leave some out, "
             f"{BY_ORDER}"
         )
     return [frame for frame in found if frame is not None]
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """The first names of some files, for a message."""
     more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
     return ", ".join(PurePath(name).name for name in names[:LISTED]) + more
 
@@ -126,22 +199,21 @@ def _only(frames: Sequence[FrameName]) -> Mapping[str, int]:
     return {stem: found[0] for stem, found in places.items() if len(found) == 1}
 
 
-def _by_name(files: Sequence[str], frames: Sequence[FrameName]) -> list[int | None]:
+def _by_name(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[int | None]:
     """Match files to frames of the same name, or of the folder that they are the only one in."""
     known = _only(frames)
-    stems = [stem_of(file) for file in files]
-    folders = [PurePath(file).parent.name.lower() for file in files]
+    stems = [file.stem for file in files]
     if len(set(stems)) == 1 < len(files):
-        stems = folders
+        stems = [PurePath(file.file).parent.name.lower() for file in files]
     return [known.get(stem) for stem in stems]
 
 
-def _by_part(files: Sequence[str], frames: Sequence[FrameName]) -> list[int | None]:
+def _by_part(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[int | None]:
     """Match files whose names contain that of a frame as a whole word; the longest counts."""
     known = _only(frames)
     found: list[int | None] = []
     for file in files:
-        words = re.split(r"([^0-9a-z]+)", stem_of(file))
+        words = re.split(r"([^0-9a-z]+)", file.stem)
         parts = {
             "".join(words[first:last])
             for first in range(0, len(words), 2)
@@ -155,28 +227,33 @@ def _by_part(files: Sequence[str], frames: Sequence[FrameName]) -> list[int | No
 
 
 def _by_time(
-    files: Sequence[str], frames: Sequence[FrameName], times: Sequence[float] | None
+    files: Sequence[FrameName], frames: Sequence[FrameName], near: float
 ) -> list[int | None]:
-    """Match files to the frames nearest in time, within NEAR seconds."""
-    wanted = [time_in_name(stem_of(file)) for file in files] if times is None else list(times)
-    timed = [(index, frame.time) for index, frame in enumerate(frames) if frame.time is not None]
-    asked = [(place, time) for place, time in enumerate(wanted) if time is not None]
+    """Match files to the frames nearest in time, at most ``near`` seconds away."""
+    known = [(index, time) for index, f in enumerate(frames) if (time := f.seconds) is not None]
+    asked = [(place, time) for place, f in enumerate(files) if (time := f.seconds) is not None]
     found: list[int | None] = [None] * len(files)
-    near = nearest([time for _, time in asked], [time for _, time in timed], NEAR)
-    for (place, _), frame in zip(asked, near, strict=True):
-        found[place] = None if frame is None else timed[frame][0]
+    if not known or not asked:
+        return found
+    at, wanted = (np.array([time for _, time in rows]) for rows in (known, asked))
+    order = np.argsort(at, kind="stable")
+    after = np.searchsorted(at[order], wanted)
+    sides = order[np.stack([after - 1, after]).clip(0, len(at) - 1)]
+    apart = np.abs(at[sides] - wanted)
+    best = sides[apart.argmin(axis=0), np.arange(len(wanted))]
+    for (place, _), frame, away in zip(asked, best.tolist(), apart.min(axis=0), strict=True):
+        found[place] = known[frame][0] if away <= near else None
     return found
 
 
-def _by_number(files: Sequence[str], frames: Sequence[FrameName]) -> list[int | None]:
+def _by_number(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[int | None]:
     """Match files to frames of the same number: the one in which the names differ."""
     numbers = _numbers([frame.stem for frame in frames])
     if None in numbers or len(set(numbers)) < len(frames):
         # Frames without numbers of their own are counted.
         numbers = list(range(len(frames)))
     known = {number: index for index, number in enumerate(numbers)}
-    stems = [stem_of(file) for file in files]
-    wanted = _numbers(stems)
+    wanted = _numbers([file.stem for file in files])
     return [None if number is None else known.get(number) for number in wanted]
 
 

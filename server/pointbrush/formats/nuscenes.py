@@ -13,10 +13,10 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import Pose
+from pointbrush.formats.matching import FrameName, partners
 from pointbrush.formats.options import Limits
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
 from pointbrush.formats.poses import Poses, of_quaternion
-from pointbrush.formats.timing import nearest
 
 TOKEN = re.compile(r"([0-9a-f]{32})_(lidarseg\.bin|panoptic\.npz)")
 """Names of label files, which tell only by a table what they are of."""
@@ -24,10 +24,8 @@ LEVELS = 3
 """Folders above label files in which tables are looked for."""
 PLACES = ("calibrated_sensor", "ego_pose")
 """Tables of the rows that sample data refer to."""
-STAMP = re.compile(r"__(\d{16})\.")
-"""Microseconds at the end of a file's name."""
-MOST_APART = 100_000
-"""Microseconds between a sweep and the picture that is taken for it, where no table pairs them."""
+MOST_APART = 0.1
+"""Seconds between a sweep and the picture that is taken for it, where no table pairs them."""
 
 Record = dict[str, Any]
 
@@ -187,26 +185,16 @@ def _camera(name: str, sensor: Record, T_camera_frame: Pose) -> Camera:
 def _by_time(files: Sequence[Path], folder: Path, limits: Limits) -> PictureSource | None:
     """Pictures in folders ``CAM_…`` beside the sweeps', by the times in their names."""
     rows: list[dict[Camera, Path]] = [{} for _ in files]
-    timed = [(row, time) for row, path in zip(rows, files, strict=True) if (time := _time(path))]
+    sweeps = [FrameName(path.name) for path in files]
     cameras = []
     for place in sorted(folder.parent.glob("CAM_*")):
-        stamped = [
-            (time, path)
-            for path in sorted(place.iterdir())
-            if path.suffix.lower() in (".jpg", ".png") and (time := _time(path))
-        ]
-        if not stamped:
+        pictures = [p for p in sorted(place.iterdir()) if p.suffix.lower() in (".jpg", ".png")]
+        if not pictures:
             continue
         camera = Camera(place.name)
         cameras.append(camera)
-        found = nearest([time for _, time in timed], [time for time, _ in stamped], MOST_APART)
-        for (row, _), which in zip(timed, found, strict=True):
-            if which is not None:
-                row[camera] = stamped[which][1]
+        names = [FrameName(path.name) for path in pictures]
+        for row, found in zip(rows, partners(sweeps, names, near=MOST_APART), strict=True):
+            if found is not None:
+                row[camera] = pictures[found]
     return of_files(folder.parent.parent, rows, cameras, limits)
-
-
-def _time(path: Path) -> int:
-    """Microseconds in the name of a file, 0 without."""
-    found = STAMP.search(path.name)
-    return int(found[1]) if found else 0

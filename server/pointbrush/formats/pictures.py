@@ -17,6 +17,7 @@ from PIL import Image, UnidentifiedImageError
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.inside import is_inside
+from pointbrush.formats.matching import FrameName, match
 from pointbrush.formats.options import Limits
 
 log = logging.getLogger(__name__)
@@ -237,13 +238,11 @@ def _shaped(where: str, key: str, value: object, side: int) -> Matrix:
 def _files_of(where: str, given: object, names: Sequence[str]) -> Iterator[tuple[int, str]]:
     """Frame and file of the pictures that an entry lists."""
     if isinstance(given, dict):
-        numbers = {name: i for i, name in enumerate(names)}
-        numbers |= {Path(name).stem: i for i, name in enumerate(names)}
-        numbers |= {str(i): i for i in range(len(names)) if str(i) not in numbers}
-        unknown = [key for key in given if key not in numbers]
-        if unknown:
-            raise BadInputError(f"{where}: expected names of frames in files, got {unknown[0]!r}")
-        pairs = [(numbers[key], file) for key, file in given.items()]
+        try:
+            frames = match(list(given), [FrameName(name) for name in names])
+        except BadInputError as error:
+            raise BadInputError(f"{where}: {str(error).partition(';')[0]}") from None
+        pairs = list(zip(frames, given.values(), strict=True))
     elif isinstance(given, list):
         if len(given) != len(names):
             raise BadInputError(

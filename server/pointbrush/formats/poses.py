@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.interpolation import Pose, interpolated
+from pointbrush.formats.matching import FrameName, matched, partners
 from pointbrush.formats.numbers import is_number
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.timing import lines_of, natural_key, read_times, seconds_of
@@ -49,7 +50,12 @@ def named_file(options: ReadOptions) -> Path | None:
 
 
 def find_poses(
-    folder: Path, names: Sequence[str], times: Sequence[float] | None, *, above: bool
+    folder: Path,
+    names: Sequence[str],
+    times: Sequence[float] | None,
+    *,
+    above: bool,
+    by_order: bool = False,
 ) -> Poses | None:
     """The poses that lie with the files ``names`` of a folder; None where there are none.
 
@@ -59,7 +65,7 @@ def find_poses(
     for place in (folder, folder.parent) if above else (folder,):
         path = place / "poses.txt"
         if path.is_file():
-            return read_poses(path, names, times)
+            return read_poses(path, names, times, by_order=by_order)
     if not above:
         return None
     # dataset/sequences/00/velodyne has its poses in dataset/poses/00.txt.
@@ -77,13 +83,15 @@ def read_poses(
     names: Sequence[str],
     times: Sequence[float] | None = None,
     *,
+    by_order: bool = False,
     calibration: Path | None = None,
 ) -> Poses:
     """A file of poses, one for each of the files ``names``; the world is the first frame's sensor
     where they are a camera's.
 
     Lines that begin with a time or a name belong to frames by it; poses at another rate than the
-    frames are interpolated at ``times``, seconds.  ``calibration`` is the folder of ``calib.txt``,
+    frames are interpolated at ``times``, seconds.  ``by_order``: lines with a time are of frames in
+    their order.  ``calibration`` is the folder of ``calib.txt``,
     the file's own unless given.  Raises BadInputError for other lines.
     """
     rows = [
@@ -96,7 +104,7 @@ def read_poses(
     if not rows:
         raise BadInputError(f"{path.name}: expected lines of poses, got none")
     if {len(words) for _, words in rows} <= {7, 8}:
-        return Poses(_timed(path.name, rows, names, times), path.name)
+        return Poses(_timed(path.name, rows, names, times, by_order), path.name)
     T_cam_velo = _velodyne_to_camera((calibration or path.parent) / "calib.txt")
     if T_cam_velo is None:
         log.warning(
@@ -116,26 +124,27 @@ def _timed(
     rows: list[tuple[str, list[str]]],
     names: Sequence[str],
     times: Sequence[float] | None,
+    by_order: bool,
 ) -> list[Pose | None]:
-    """Poses of lines ``[time] x y z qx qy qz qw``: by name, by time, else in their order."""
+    """Poses of lines ``[mark] x y z qx qy qz qw``: by the names, times or numbers that they begin
+    with, interpolated where they are times, else in their order."""
     poses = [of_quaternion(where, _floats(where, words[-7:])) for where, words in rows]
-    if all(len(words) == 8 for _, words in rows):
-        line_of = {_bare(words[0]): line for line, (_, words) in enumerate(rows)}
-        stems = [_bare(Path(file).stem) for file in names]
-        if all(stem in line_of for stem in stems):
-            return [poses[line_of[stem]] for stem in stems]
-        if times is not None:
-            stamps = [seconds_of(words[0]) for _, words in rows]
-            known = [stamp for stamp in stamps if stamp is not None]
-            if len(known) < len(stamps):
-                raise BadInputError(f"{rows[stamps.index(None)][0]}: expected a time first")
-            return interpolated(name, known, poses, times)
-    return [poses[line] for line in lines_of(name, "poses", len(rows), names)]
-
-
-def _bare(word: str) -> str:
-    """A name without leading zeros."""
-    return word.lstrip("0") or "0"
+    if any(len(words) < 8 for _, words in rows):
+        return [poses[line] for line in lines_of(name, "poses", len(rows), names)]
+    # An ending keeps the decimals of a time from being one.
+    marks = [FrameName(f"{words[0]}.txt") for _, words in rows]
+    frames = [FrameName(file) for file in names]
+    found = [] if by_order or all(mark.is_time for mark in marks) else matched(frames, marks)
+    if times is not None and not any(line is not None for line in found) and not by_order:
+        stamps = [seconds_of(words[0]) for _, words in rows]
+        if None in stamps:
+            raise BadInputError(f"{rows[stamps.index(None)][0]}: expected a time first")
+        return interpolated(name, [stamp or 0.0 for stamp in stamps], poses, times)
+    found = partners(frames, marks, by_order=by_order)
+    lost = found.count(None)
+    if lost:
+        log.warning("%s: %d of %d frames have no pose of their name", name, lost, len(found))
+    return [None if line is None else poses[line] for line in found]
 
 
 def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
@@ -243,8 +252,5 @@ def _of_oxts(drive: Path, names: Sequence[str], times: Sequence[float] | None) -
     if times is not None and stamps.is_file():
         moments = read_times(stamps, [file.name for file in files])
         return Poses(interpolated("oxts", moments, poses, times), "oxts")
-    by_stem = {file.stem: pose for file, pose in zip(files, poses, strict=True)}
-    absent = [name for name in names if Path(name).stem not in by_stem]
-    if absent:
-        raise BadInputError(f"oxts: expected a pose for {absent[0]}, got none")
-    return Poses([by_stem[Path(name).stem] for name in names], "oxts")
+    found = partners([FrameName(name) for name in names], [FrameName(f.name) for f in files])
+    return Poses([None if place is None else poses[place] for place in found], "oxts")

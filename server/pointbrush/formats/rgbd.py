@@ -13,14 +13,13 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth_image import Cameras, cameras_of, depth_frame
-from pointbrush.formats.image_pairs import colors_of, listed, moment_of
 from pointbrush.formats.interpolation import NEAR, Pose
 from pointbrush.formats.listing import FrameFile, Listing
+from pointbrush.formats.matching import FrameName, listed, matched, partners
 from pointbrush.formats.options import Extras, ReadOptions
-from pointbrush.formats.poses import Poses, pose_of, read_poses
+from pointbrush.formats.poses import Poses, named_file, pose_of, read_poses
 from pointbrush.formats.timing import (
     natural_key,
-    nearest,
     rate_of,
     stated_rate,
     times_of,
@@ -34,6 +33,8 @@ DEPTH_FOLDERS = ("depth", "depth_raw", "depths")
 COLOR_FOLDERS = ("rgb", "color", "colour", "colors", "registered", "image", "images")
 POSE_FOLDERS = ("pose", "poses")
 TUM_SCALE = 5000.0
+_KINDS = re.compile(r"depth|rgb|colou?rs?|registered|images?|img|pose|raw")
+"""Words of a file name that tell what its image is of, and not when."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,21 +46,21 @@ class Pair:
     time: float | None = None
 
 
-def list_rgbd(folder: Path, poses_file: Path | None = None) -> Listing | None:
+def list_rgbd(folder: Path, options: ReadOptions) -> Listing | None:
     """List the depth images of a folder with their colours as frames; None without such a layout.
 
     TUM RGB-D: ``depth.txt`` and ``rgb.txt`` list times and files, ``groundtruth.txt`` poses.
-    Otherwise: a ``depth`` and a ``color`` (``rgb``) folder, or files named so, paired by name, by
-    time, else by number; poses of a file ``.pose.txt`` each (7-Scenes), or a ``pose`` folder.
+    Otherwise: a ``depth`` and a ``color`` (``rgb``) folder, or files named so, matched to each
+    other; poses of a file ``.pose.txt`` each (7-Scenes), or a ``pose`` folder.
     Raises BadInputError when lists do not fit, or names of images do not tell pairs.
     """
     tum = (folder / "depth.txt").is_file() and (folder / "rgb.txt").is_file()
-    pairs = _tum_pairs(folder) if tum else _paired(folder)
+    pairs = _tum_pairs(folder) if tum else _paired(folder, options.chosen.by_order)
     if not pairs:
         return None
     times = [pair.time for pair in pairs if pair.time is not None]
     known = times if len(times) == len(pairs) else None
-    poses = _poses(folder, pairs, known, poses_file)
+    poses = _poses(folder, pairs, known, options)
     cameras = cameras_of(pairs[0].depth, TUM_SCALE if tum else None)
     frames = [
         FrameFile(
@@ -94,7 +95,8 @@ def _tum_pairs(folder: Path) -> list[Pair]:
     depths, colors = _timed(folder, "depth.txt"), _timed(folder, "rgb.txt")
     if not depths or not colors:
         raise BadInputError(f"{folder.name}: expected lines in depth.txt and rgb.txt, got none")
-    places = nearest([time for time, _ in depths], [time for time, _ in colors], NEAR)
+    of_depth, of_color = ([FrameName("", time) for time, _ in rows] for rows in (depths, colors))
+    places = matched(of_depth, of_color)
     pairs, alone = [], []
     for (time, depth), place in zip(depths, places, strict=True):
         if place is None:
@@ -108,7 +110,7 @@ def _tum_pairs(folder: Path) -> list[Pair]:
     if alone:
         log.warning(
             "%s: %d of %d depth images are left out, as there is no colour image within %g s: %s",
-            folder.name, len(alone), len(depths), NEAR, listed(alone),
+            folder.name, len(alone), len(depths), NEAR, listed([path.name for path in alone]),
         )  # fmt: skip
     return pairs
 
@@ -137,7 +139,7 @@ def _timed(folder: Path, name: str) -> list[tuple[float, Path]]:
 # ── pairs of images ──────────────────────────────────────────────────────────────────────────
 
 
-def _paired(folder: Path) -> list[Pair]:
+def _paired(folder: Path, by_order: bool) -> list[Pair]:
     inner = {path.name.lower(): path for path in folder.iterdir() if path.is_dir()}
     depth_folder = next((inner[name] for name in DEPTH_FOLDERS if name in inner), None)
     color_folder = next((inner[name] for name in COLOR_FOLDERS if name in inner), None)
@@ -153,9 +155,42 @@ def _paired(folder: Path) -> list[Pair]:
     times = times_of(depths, depth_folder or folder)
     pairs = [
         Pair(depth, color, times[i] if times else None)
-        for i, (depth, color) in enumerate(zip(depths, colors_of(depths, colors), strict=True))
+        for i, (depth, color) in enumerate(
+            zip(depths, _colors(depths, colors, by_order), strict=True)
+        )
     ]
     return sorted(pairs, key=lambda pair: pair.time or 0.0) if times else pairs
+
+
+def _moment(path: Path) -> FrameName:
+    """The name of an image without its kind: the same for all files of a moment."""
+    moment = _KINDS.sub("", path.stem.lower()).strip("._- ")
+    return FrameName(f"{moment or path.stem}{path.suffix}")
+
+
+def _colors(
+    depths: Sequence[Path], colors: Sequence[Path], by_order: bool
+) -> Sequence[Path | None]:
+    """Find the colour image of each depth image; those without a partner are told in warnings.
+
+    Raises BadInputError as ``partners``.
+    """
+    if not colors:
+        return [None] * len(depths)
+    moments = [[_moment(path) for path in paths] for paths in (depths, colors)]
+    found = partners(*moments, by_order=by_order)
+    alone = [path.name for path, place in zip(depths, found, strict=True) if place is None]
+    if alone:
+        log.warning(
+            "%d of %d depth images have no colour: %s", len(alone), len(depths), listed(alone)
+        )
+    unused = [path.name for place, path in enumerate(colors) if place not in found]
+    if unused:
+        log.warning(
+            "%d of %d colour images have no depth image and are left out: %s",
+            len(unused), len(colors), listed(unused),
+        )  # fmt: skip
+    return [None if place is None else colors[place] for place in found]
 
 
 def _images(folder: Path, endings: tuple[str, ...]) -> list[Path]:
@@ -167,16 +202,17 @@ def _images(folder: Path, endings: tuple[str, ...]) -> list[Path]:
 
 
 def _poses(
-    folder: Path, pairs: Sequence[Pair], times: list[float] | None, named: Path | None
+    folder: Path, pairs: Sequence[Pair], times: list[float] | None, options: ReadOptions
 ) -> Poses | None:
     """``T_world_camera`` of each frame: of the named file, of a list, or of a file each."""
-    names = [moment_of(pair.depth) or pair.depth.stem for pair in pairs]
+    names, by_order = [_moment(pair.depth).file for pair in pairs], options.chosen.by_order
+    named = named_file(options)
     if named is not None:
-        return read_poses(named, names, times)
+        return read_poses(named, names, times, by_order=by_order)
     try:
         for name in ("groundtruth.txt", "poses.txt"):
             if (folder / name).is_file():
-                return read_poses(folder / name, names, times)
+                return read_poses(folder / name, names, times, by_order=by_order)
         return _pose_files(folder, pairs)
     except BadInputError as error:
         log.warning("%s: the poses are not used: %s", folder.name, error)
@@ -188,18 +224,16 @@ def _pose_files(folder: Path, pairs: Sequence[Pair]) -> Poses | None:
     places = [place for name in POSE_FOLDERS if (place := folder / name).is_dir()]
     files = [path for place in places for path in place.glob("*.txt")]
     files += pairs[0].depth.parent.glob("*.pose.txt")
-    by_moment = {moment_of(path): path for path in files}
-    found = [by_moment.get(moment_of(pair.depth)) for pair in pairs]
-    poses = [None if path is None else _pose_in(path) for path in found]
-    known = [path for path, pose in zip(found, poses, strict=True) if path and pose is not None]
-    if not known:
+    if not files:
         return None
-    if len(known) < len(poses):
+    found = partners([_moment(pair.depth) for pair in pairs], [_moment(path) for path in files])
+    poses = [None if place is None else _pose_in(files[place]) for place in found]
+    if lost := sum(pose is None for pose in poses):
         log.warning(
             "%s: %d of %d frames have no pose, or one that is not finite",
-            folder.name, len(poses) - len(known), len(poses),
+            folder.name, lost, len(poses),
         )  # fmt: skip
-    return Poses(poses, f"{known[0].name} …")
+    return Poses(poses, f"{files[0].name} …") if lost < len(poses) else None
 
 
 def _pose_in(path: Path) -> Pose | None:

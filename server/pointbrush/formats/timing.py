@@ -196,25 +196,6 @@ def _iso(text: str) -> float | None:
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
-def nearest(times: Sequence[float], among: Sequence[float], most: float) -> list[int | None]:
-    """The place of the nearest of ``among`` to each time, None where it is more than ``most`` away.
-
-    All are in one unit and in any order.
-    """
-    if not len(among):
-        return [None] * len(times)
-    at, wanted = np.asarray(among, np.float64), np.asarray(times, np.float64)
-    order = np.argsort(at, kind="stable")
-    after = np.searchsorted(at[order], wanted)
-    sides = order[np.stack([after - 1, after]).clip(0, len(at) - 1)]
-    apart = np.abs(at[sides] - wanted)
-    best = sides[apart.argmin(axis=0), np.arange(len(wanted))]
-    return [
-        place if distance <= most else None
-        for place, distance in zip(best.tolist(), apart.min(axis=0).tolist(), strict=True)
-    ]
-
-
 def rate_of(times: Sequence[float] | None) -> float | None:
     """Frames per second of increasing times; None where it is not clear.
 

@@ -42,6 +42,7 @@ class ImportOptions(Body):
     up: Annotated[str, Field(pattern=r"^\+?(x|y|z|-x|-y|-z)$")] | None = None
     topic: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
     poses: Text | None = None
+    by_order: bool = False
     drop_invalid: bool = False
     id: JobId | None = None
 

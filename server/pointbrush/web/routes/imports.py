@@ -40,7 +40,7 @@ router = resource("imports")
 MAX_FILES = 20_000
 MAX_FIELD = 64 * 1024
 MAX_FIELDS = 32
-NUMBERS, WORDS = ("fps", "scale"), ("drop_invalid", "decimal_comma")
+NUMBERS, WORDS = ("fps", "scale"), ("drop_invalid", "decimal_comma", "by_order")
 TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
 """Options of a form that have no pattern of their own, with an example."""
 UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]

@@ -21,13 +21,11 @@ from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.interpolation import NEAR
-from pointbrush.formats.matching import FrameName, match
+from pointbrush.formats.matching import FrameName, match, matched
 from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.source import reported
-from pointbrush.formats.timing import nearest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.manifest import Manifest
@@ -174,9 +172,8 @@ class ReadLabelsWork:
             frames |= zip(named, match(list(named.values()), known), strict=True)
         # A table has the times of a whole drive, of which the recording may be a part.
         timed = {part: part.time for _, part in parts if part.time is not None}
-        at = {index: name.time for index, name in enumerate(known) if name.time is not None}
-        near = nearest(list(timed.values()), list(at.values()), NEAR)
-        frames |= zip(timed, (None if k is None else list(at)[k] for k in near), strict=True)
+        moments = [FrameName("", time) for time in timed.values()]
+        frames |= zip(timed, matched(moments, known), strict=True)
         silent = {part: path for path, part in parts if part not in frames}
         asked = replace(files, paths=tuple(silent.values()))
         return frames | dict(zip(silent, self._frames(asked, recording), strict=True))
