@@ -25,6 +25,8 @@ ROOT = f"/sequences/{SEQUENCE}"
 FAR = 120.0
 STROKES = ((1, (0.0, 0.0, 1.0)), (1, (0.4, 0.4, 1.3)), (2, (-0.4, -0.4, 1.3)))
 """Label and place of the strokes that each frame has: label 1 is in two pieces."""
+TRACKED = 2
+"""Provenance of what tracking found."""
 CLASSES = ("stone", "brick", "clay")
 State = dict[str, Any]
 
@@ -188,15 +190,26 @@ def _post(path: str, body: dict[str, Any]) -> Callable[[httpx.Client], object]:
     return lambda api: api.post(f"{ROOT}{path}", json=body).raise_for_status()
 
 
+def _is_tracked(api: httpx.Client) -> bool:
+    """Return whether frame 1 has something that tracking found."""
+    path = f"{ROOT}/frames/1/annotation?layer=provenance"
+    return bool((np.load(io.BytesIO(api.get(path).raise_for_status().content)) == TRACKED).any())
+
+
 def _tracked(api: httpx.Client) -> None:
     """Have something in frame 1 that tracking found."""
-    values = np.load(io.BytesIO(api.get(f"{ROOT}/frames/1/annotation?layer=provenance").content))
-    if not (values == 2).any():
+    if not _is_tracked(api):
         _track(api)
 
 
+def _untracked(api: httpx.Client) -> None:
+    """Have nothing that tracking found: the same again would change nothing."""
+    while _is_tracked(api):
+        api.post(f"{ROOT}/undo").raise_for_status()
+
+
 EDITS = (
-    Operation("track", _track),
+    Operation("track", _track, ready=_untracked),
     Operation("label import", _import_labels),
     Operation("merge", _post("/labels/1/merge", {"labels": [2]})),
     Operation("split", _post("/labels/1/split", {"frame": 0, "least": 1})),
