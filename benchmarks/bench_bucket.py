@@ -27,7 +27,8 @@ import s3fs
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from pointbrush.sequences import Sequence, import_frames, open_sequence
-from pointbrush.sequences.bucket import Bucket, BucketFiles
+from pointbrush.sequences.bucket import Bucket
+from pointbrush.sequences.bucket_files import BucketFiles
 from pointbrush.sequences.file_cache import FileCache
 from tests.serving import surface
 

@@ -19,6 +19,7 @@ from sqlalchemy import update
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import KEPT_SECONDS, schema
 from pointbrush.labels.guards import EXPIRY_SECONDS
+from pointbrush.labels.recordings import SURE_SECONDS
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackState
 from pointbrush.work.tracking.job import PendingEdit
@@ -119,18 +120,37 @@ def test_of_two_deleted_ones_the_id_means_the_last(
         workspace.restore_sequence("ball")
 
 
+def age(workspace: Workspace, seconds: float) -> None:
+    """Let all times of deleted recordings lie further back."""
+    columns = schema.sequences.c
+    earlier = {"deleted": columns.deleted - seconds, "expired": columns.expired - seconds}
+    with workspace.store._database.write() as connection:
+        connection.execute(update(schema.sequences).values(earlier))
+
+
 def test_after_30_days_nothing_is_left(workspace: Workspace, settings: Settings) -> None:
     workspace.delete_sequence("ball")
-    old = update(schema.sequences).where(schema.sequences.c.deleted.is_not(None))
-    with workspace.store._database.write() as connection:
-        earlier = schema.sequences.c.deleted - KEPT_SECONDS - 1
-        connection.execute(old.values(deleted=earlier))
+    age(workspace, KEPT_SECONDS + 1)
     with pytest.raises(NotFoundError):
         workspace.restore_sequence("ball")
+    age(workspace, SURE_SECONDS)
     with closing(Workspace(settings)) as reopened:
         assert reopened.deleted_sequences() == []
     kept = [path for path in (workspace.library.folder / ".deleted").iterdir() if path.is_dir()]
     assert kept == []
+
+
+def test_a_clock_that_jumped_purges_nothing(workspace: Workspace) -> None:
+    before = painted(workspace)
+    workspace.delete_sequence("ball")
+    for _ in range(2):  # a month ahead, looked at, and set right again
+        age(workspace, KEPT_SECONDS + 1)
+        assert len(workspace.deleted_sequences()) == 1
+        age(workspace, -KEPT_SECONDS - 1)
+        assert len(workspace.deleted_sequences()) == 1
+        age(workspace, SURE_SECONDS)
+    assert workspace.restore_sequence("ball") == "ball"
+    assert painted(workspace) == before
 
 
 def test_a_stroke_of_before_does_not_reach_the_new_recording(

@@ -20,10 +20,12 @@ from s3fs import S3FileSystem
 from sqlalchemy import update
 
 from pointbrush.client import Client
-from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
+from pointbrush.errors import DamagedError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.labels import KEPT_SECONDS, schema
+from pointbrush.labels.recordings import SURE_SECONDS
 from pointbrush.sequences import import_frames, open_sequence, verify
-from pointbrush.sequences.bucket import Bucket, BucketFiles
+from pointbrush.sequences.bucket import Bucket
+from pointbrush.sequences.bucket_files import BucketFiles
 from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
 from pointbrush.work.imports.importing import ImportWork
@@ -138,10 +140,11 @@ def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_pa
     assert workspace.check(restored) == []
 
     workspace.delete_sequence(restored)
-    old = update(schema.sequences).where(schema.sequences.c.deleted.is_not(None))
+    columns = schema.sequences.c
+    over = update(schema.sequences).where(columns.deleted.is_not(None))
+    earlier = columns.deleted - KEPT_SECONDS - SURE_SECONDS - 1
     with workspace.store._database.write() as connection:
-        earlier = schema.sequences.c.deleted - KEPT_SECONDS - 1
-        connection.execute(old.values(deleted=earlier))
+        connection.execute(over.values(deleted=earlier, expired=earlier + KEPT_SECONDS))
     assert workspace.deleted_sequences() == []
     assert [one.id for one in workspace.listing()] == [again]
     if settings.sequences:
@@ -244,6 +247,25 @@ def test_frames_after_one_that_is_looked_at_are_fetched_ahead(served_from: Setti
         _ = recording[0]
         frames = recording.path / "frames"
         eventually(lambda: len(list(frames.glob("*.points"))) == FRAMES)
+
+
+@pytest.mark.parametrize("change", ["other bytes", "fewer bytes", "none"])
+def test_a_frame_whose_object_changed_is_named_and_served_again_once_it_is_right(
+    served_from: Settings, change: str
+) -> None:
+    fs, root = fsspec.url_to_fs(served_from.sequences, use_listings_cache=False)
+    name = f"{root}/room/frames/000002.points"
+    whole = fs.cat_file(name)
+    other = {"other bytes": whole[:-1] + bytes([whole[-1] ^ 1]), "fewer bytes": whole[:-9]}
+    fs.rm_file(name) if change == "none" else fs.pipe_file(name, other[change])
+    with closing(Workspace(served_from)) as workspace:
+        recording = workspace.recording("room")
+        for _ in range(2):
+            with pytest.raises(DamagedError, match="frame 2 is damaged"):
+                _ = recording[2].xyz
+        assert len(recording[1].xyz) == POINTS
+        fs.pipe_file(name, whole)
+        assert len(recording[2].xyz) == POINTS
 
 
 def test_an_octree_and_a_lack_of_room(

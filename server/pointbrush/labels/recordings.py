@@ -20,6 +20,9 @@ from pointbrush.labels.statements import driver_of
 
 KEPT_SECONDS = 30 * 86_400.0
 """Time in which a deleted recording can be restored."""
+SURE_SECONDS = 86_400.0
+"""Time for which it must have been over until what is left is purged: a clock that jumped ahead is
+set right before."""
 _SET_ASIDE = re.compile(r"\.labels-\d+")
 _SEQUENCES = schema.sequences.c
 _LIVE_INDEX = next(i for i in schema.sequences.indexes if i.name == "sequences_live")
@@ -159,24 +162,33 @@ class Recordings:
             row = connection.execute(_of(number).with_for_update()).one_or_none()
             if row is None or row.deleted is None or row.deleted < oldest:
                 raise NotFoundError(f"sequence: expected a deleted recording, got {sequence!r}")
-            _change(connection, number, id=sequence, deleted=None)
+            _change(connection, number, id=sequence, deleted=None, expired=None)
             row = connection.execute(_of(number)).one()
             self._sessions.watcher.announce(driver_of(connection))
         return _known(row)
 
     def expired(self) -> list[Known]:
-        """Deleted ones that can no longer be restored."""
+        """Deleted ones that could no longer be restored a day ago either, by when they were seen.
+
+        Looking notes when that is first so, and forgets it when the clock has been set back.
+        """
         with self._database.read() as connection:
-            oldest = self._database.now(connection) - KEPT_SECONDS
-            rows = connection.execute(select(schema.sequences).where(_SEQUENCES.deleted < oldest))
-            return [_known(row) for row in rows]
+            now = self._database.now(connection)
+            rows = connection.execute(select(schema.sequences).where(~LIVE)).all()
+        noted = {row.number: _first_seen(row, now) for row in rows}
+        changed = [row.number for row in rows if row.expired != noted[row.number]]
+        if changed:
+            with self._database.write() as connection:
+                for number in changed:
+                    _change(connection, number, expired=noted[number])
+        return [_known(row) for row in rows if _is_over(noted[row.number], now)]
 
     def purge(self, number: int) -> None:
         """Remove all that is left of a recording whose time to be restored is over."""
         with self._database.write() as connection:
-            oldest = self._database.now(connection) - KEPT_SECONDS
+            now = self._database.now(connection)
             row = connection.execute(_of(number).with_for_update()).one_or_none()
-            if row is not None and row.deleted is not None and row.deleted < oldest:
+            if row is not None and _is_over(_first_seen(row, now), now):
                 _erase(connection, number)
 
 
@@ -197,6 +209,17 @@ def _erase(connection: Connection, number: int) -> None:
     for table in schema.PER_SEQUENCE:
         connection.execute(delete(table).where(table.c.sequence == number))
     connection.execute(delete(schema.sequences).where(_SEQUENCES.number == number))
+
+
+def _first_seen(row: Row[Any], now: float) -> float | None:
+    """Return the moment at which its time to be restored was first seen to be over, or None."""
+    if row.deleted is None or row.deleted >= now - KEPT_SECONDS:
+        return None
+    return now if row.expired is None or row.expired > now else float(row.expired)
+
+
+def _is_over(first_seen: float | None, now: float) -> bool:
+    return first_seen is not None and now - first_seen >= SURE_SECONDS
 
 
 def _has(row: Row[Any], counts: list[int]) -> bool:

@@ -31,7 +31,7 @@ from sqlalchemy import (
 from pointbrush.errors import BadInputError
 from pointbrush.labels.database import Database
 
-HEAD = "0011"
+HEAD = "0012"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -68,6 +68,7 @@ sequences = Table(
     Column("points", LargeBinary, nullable=False),
     Column("identity", String(16)),  # of the import; NULL until its recording has been seen
     Column("deleted", Double),  # seconds since the epoch, or NULL
+    Column("expired", Double),  # when its time to be restored was first seen to be over, or NULL
     Index("sequences_live", "id", unique=True, sqlite_where=LIVE, postgresql_where=LIVE),
     sqlite_autoincrement=True,
 )

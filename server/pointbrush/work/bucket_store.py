@@ -22,7 +22,8 @@ from pointbrush.errors import PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
 from pointbrush.permissions import make_private
 from pointbrush.sequences import Manifest, clean_temporary
-from pointbrush.sequences.bucket import Bucket, BucketFiles
+from pointbrush.sequences.bucket import Bucket
+from pointbrush.sequences.bucket_files import BucketFiles
 from pointbrush.sequences.manifest import FILE, changed_manifest, encode_manifest, parse_manifest
 from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.folder_store import Progress, make_folder, temporary_in
