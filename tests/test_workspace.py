@@ -358,7 +358,7 @@ def test_labels_of_files_are_there_after_a_kill_between_import_and_labels(tmp_pa
     import_frames(marked, folder, sequence_id="marked", name="marked", fps=30)
     for _ in range(2):
         with closing(Workspace(settings)) as workspace:
-            assert [entry.name for entry in workspace.palette("marked")] == ["label 7"]
+            assert [entry.name for entry in workspace.palette("marked")] == ["class 7"]
             assert len(workspace.edits("marked", None, 10)) == 1
             np.testing.assert_array_equal(workspace.annotation("marked", 3)[0], label)
     with closing(Workspace(settings)) as workspace:

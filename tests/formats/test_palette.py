@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from pointbrush.formats import LabeledFrame, export, read, source_palette
+from pointbrush.formats import LabeledFrame, export, own_labels, read
+from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.exports.labeled import Palette
+from pointbrush.formats.palette import source_dataset
 from pointbrush.frame import PointFrame
 
 
@@ -37,7 +39,7 @@ FOLDERS = [(name, out) for name in ("ply", "semantickitti") for out in ("out", "
 @pytest.mark.parametrize(("name", "out"), [*FOLDERS, ("npz", "a.npz"), ("las", "a.las")])
 def test_an_export_read_again_keeps_ids_and_names(tmp_path, name, out):
     export(name, frames(), PALETTE, tmp_path / out)
-    labels = {label.id: label for label in source_palette([tmp_path / out])}
+    labels = {label.id: label for label in own_labels([tmp_path / out])}
     assert labels[300].name == "pin 1"
     assert labels[300].category == "pin"
     assert labels[300].color == "#ff8800"
@@ -51,9 +53,8 @@ def test_semantickitti_has_names_of_its_own(tmp_path):
         (tmp_path / "sequences" / "03" / folder).mkdir(parents=True)
     velodyne = tmp_path / "sequences" / "03" / "velodyne"
     for path in (tmp_path, tmp_path / "sequences" / "03", velodyne, velodyne / "0.bin"):
-        names = {label.id: label.name for label in source_palette([path])}
-        assert names[40] == "road"
-    assert source_palette([tmp_path / "sequences"]) == []
+        assert source_dataset([path]) is SEMANTIC_KITTI
+    assert source_dataset([tmp_path / "sequences"]) is None
 
 
 @pytest.mark.parametrize(
@@ -67,7 +68,7 @@ def test_semantickitti_has_names_of_its_own(tmp_path):
 )
 def test_other_files_of_that_name_name_nothing(tmp_path, document):
     (tmp_path / "palette.json").write_text(document)
-    assert source_palette([tmp_path]) == []
+    assert own_labels([tmp_path]) == []
 
 
 def test_a_class_gets_no_number_that_another_one_has_in_a_data_set():

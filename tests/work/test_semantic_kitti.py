@@ -84,8 +84,28 @@ def test_files_differ_in_the_points_that_were_painted_alone(tmp_path: Path, way:
         found = workspace.annotation(sequence, 1)[0]
         assert {names[n].name for n in np.unique(found[painted]).tolist()} == {"my car"}
         workspace.export(sequence, "semantickitti", tmp_path / "twice")
-    if way == "as labels":
-        np.testing.assert_array_equal(packed(tmp_path / "twice", 1), packed(tmp_path / "after", 1))
+    np.testing.assert_array_equal(packed(tmp_path / "twice", 1), packed(tmp_path / "after", 1))
+
+
+def test_labels_beside_scans_become_the_labels_that_an_import_of_them_alone_makes(
+    tmp_path: Path,
+) -> None:
+    source = drive(tmp_path / "kitti")
+    made = {}
+    with closing(opened(tmp_path)) as workspace:
+        beside = import_path(workspace, source)
+        labels = (source / "labels").rename(tmp_path / "labels")
+        alone = import_path(workspace, source)
+        job = workspace.runner.wait(workspace.import_labels(alone, labels, "ann").id, PATIENCE)
+        assert job.state == "done", job.error
+        for sequence in (beside, alone):
+            palette = workspace.palette(sequence)
+            points = [workspace.annotation(sequence, frame)[0] for frame in range(2)]
+            made[sequence] = palette, np.stack(points).tolist()
+    assert made[beside] == made[alone]
+    palette, _ = made[beside]
+    cars = {label.name for label in palette if label.category == "car"}
+    assert cars == {"car 3", "car 7"}
 
 
 def test_categories_keep_their_number_in_a_dataset_and_in_the_workspace(tmp_path: Path) -> None:

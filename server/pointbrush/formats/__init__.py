@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         sizes_of,
     )
     from pointbrush.formats.options import Limits, ReadOptions
-    from pointbrush.formats.palette import SourceLabel, source_palette
+    from pointbrush.formats.palette import SourceLabel, own_labels
     from pointbrush.formats.registry import FORMATS, Format, format_named, format_names
     from pointbrush.formats.source import Source, open_source, read, reported, source_name
 
@@ -41,11 +41,11 @@ __all__ = [
     "format_named",
     "format_names",
     "open_source",
+    "own_labels",
     "read",
     "reported",
     "sizes_of",
     "source_name",
-    "source_palette",
 ]
 _PLACES = {
     "EXPORTS": "pointbrush.formats.exports",
@@ -60,7 +60,7 @@ _PLACES = {
     "Limits": "pointbrush.formats.options",
     "ReadOptions": "pointbrush.formats.options",
     "SourceLabel": "pointbrush.formats.palette",
-    "source_palette": "pointbrush.formats.palette",
+    "own_labels": "pointbrush.formats.palette",
     "FORMATS": "pointbrush.formats.registry",
     "Format": "pointbrush.formats.registry",
     "format_named": "pointbrush.formats.registry",

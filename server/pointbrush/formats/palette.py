@@ -46,7 +46,7 @@ class SourceLabel:
 
 def source_dataset(paths: Sequence[Path]) -> Dataset | None:
     """The dataset whose layout the files have, and whose numbers their labels are; or None."""
-    if any(own_palette(path) is not None for path in paths):
+    if own_labels(paths):
         return None
     return SEMANTIC_KITTI if any(_is_semantic_kitti(path) for path in paths) else None
 
@@ -75,21 +75,17 @@ def labels_of_packed(
     return np.array(ids, np.uint16)[place]
 
 
-def source_palette(paths: Sequence[Path]) -> list[SourceLabel]:
+def own_labels(paths: Sequence[Path]) -> list[SourceLabel]:
     """The labels named by the ``palette.json`` of an export at or above ``paths``, or inside a zip.
 
-    Else those of SemanticKITTI where ``.label`` files lie in its layout, else none.  A file that
-    is no palette of ours names nothing: it may be anything.
+    A file that is no palette of ours names nothing: it may be anything.
     """
     for path in paths:
         text = _in_zip(path) if path.suffix.lower() == ".zip" else _beside(path)
         found = None if text is None else _parse(text)
         if found is not None:
             return found
-    dataset = source_dataset(paths)
-    if dataset is None:
-        return []
-    return [SourceLabel(i, c.name, c.name, c.color) for i, c in dataset.classes.items()]
+    return []
 
 
 def own_palette(file: Path) -> list[SourceLabel] | None:

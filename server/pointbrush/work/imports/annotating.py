@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 
 from pointbrush.formats import Limits
-from pointbrush.formats.annotation import LabelFiles
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.choosing import Chosen
-from pointbrush.work.imports.importing import IMPORTED, learn_own
+from pointbrush.work.imports.importing import IMPORTED
 from pointbrush.work.imports.label_reading import (
     FrameLabels,
     LabelRequest,
     ReadLabelsWork,
     Unmatched,
 )
+from pointbrush.work.imports.naming import Naming, learn_numbers
 from pointbrush.work.imports.submitting import drop_upload
 
 TOLD = 100
@@ -58,13 +58,13 @@ class LabelImports:
         found: list[FrameLabels] = []
         unmatched: list[str] = []
         warnings: list[str] = []
-        called: list[LabelFiles] = []
+        called: list[Naming] = []
 
-        def on_item(_: Job, item: LabelFiles | FrameLabels | Unmatched | list[str]) -> None:
+        def on_item(_: Job, item: Naming | FrameLabels | Unmatched | list[str]) -> None:
             match item:
                 case list():
                     warnings[:] = item
-                case LabelFiles():
+                case Naming():
                     called[:] = [item]
                 case Unmatched():
                     unmatched.append(item.file)
@@ -98,20 +98,18 @@ class LabelImports:
         request: LabelRequest,
         job: Job,
         found: list[FrameLabels],
-        files: LabelFiles,
+        naming: Naming,
     ) -> tuple[Chosen, Commit | None]:
         """Make what was found an edit, unless it is a trial or nothing; return its labels too."""
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
-        chosen = Chosen.of(self._store.choosing(sequence), keys, files)
+        chosen = Chosen.of(self._store.choosing(sequence), keys, naming)
         if request.dry_run or not any(len(frame.rows) for frame in found):
             return chosen, None
-        if files.dataset:
-            self._store.taxonomy.learn(files.dataset, chosen.classes, strict=False)
-        learn_own(self._store, files.own.values())
+        learn_numbers(self._store, naming, chosen.classes)
 
         def choose(palette: Palette) -> tuple[Sequence[Label], Iterator[tuple[int, Write]]]:
             nonlocal chosen  # others may have added labels meanwhile
-            chosen = Chosen.of(palette, keys, files)
+            chosen = Chosen.of(palette, keys, naming)
             return chosen.fresh, _writes(recording, found, chosen)
 
         commit = self._store.apply(

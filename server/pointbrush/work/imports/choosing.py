@@ -1,22 +1,23 @@
-"""The palette's label for each class and instance of label files, and those that are new."""
+"""Classes and instances of points that came from elsewhere → labels of a palette.
+
+One rule for labels in the files of a recording and for labels made elsewhere: a label of ours is
+itself, an instance of a class is a label, points of a class without an instance are one label.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from pointbrush.formats.annotation import LabelFiles
 from pointbrush.formats.datasets import ClassName
 from pointbrush.labels import Label
 from pointbrush.labels.palette import Called, Palette, default_color
-
-Key = tuple[int, int]
-"""Numbers of a class and of an instance, 0 for none."""
+from pointbrush.work.imports.naming import Key, Naming
 
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
-    """Labels of the palette for keys of label files.
+    """Labels of the palette for keys.
 
     ``ids``      the label of each key.
     ``fresh``    those of them that are new.
@@ -30,13 +31,13 @@ class Chosen:
     classes: Mapping[str, int]
 
     @classmethod
-    def of(cls, palette: Palette, keys: Iterable[Key], files: LabelFiles) -> Chosen:
+    def of(cls, palette: Palette, keys: Iterable[Key], naming: Naming) -> Chosen:
         """Choose a label for each key: one of its name and category, or a new one."""
         by_name: dict[Called, list[int]] = {}
         for label in palette.labels:
             by_name.setdefault((label.name, label.category), []).append(label.id)
         reserved = {
-            i for i, own in files.own.items() if i in by_name.get((own.name, own.category), ())
+            i for i, own in naming.own.items() if i in by_name.get((own.name, own.category), ())
         }
         free_ids = palette.free_ids()
         ids: dict[Key, int] = {}
@@ -44,9 +45,9 @@ class Chosen:
         unnamed: set[int] = set()
         classes: dict[str, int] = {}
         for key in sorted(set(keys)):
-            called, color, wanted = _called(key, files)
-            own = files.own.get(key[0])
-            if key[0] not in files.names and own is None:
+            called, color, wanted = _called(key, naming)
+            own = naming.own.get(key[0])
+            if key[0] not in naming.names and own is None:
                 unnamed.add(key[0])
             alike = by_name.setdefault(called, [])
             free = (each for each in alike if each not in reserved)
@@ -61,19 +62,19 @@ class Chosen:
                 made = Label(known, *called, color or default_color(known))
                 if own:
                     made = replace(made, instance=own.instance)
-                fresh.append(replace(made, instance=key[1]) if files.dataset else made)
+                fresh.append(replace(made, instance=key[1]) if naming.dataset else made)
             ids[key] = known
             classes[called[1] or called[0]] = key[0]
         return cls(ids, fresh, sorted(unnamed), classes)
 
 
-def _called(key: Key, files: LabelFiles) -> tuple[Called, str, int]:
+def _called(key: Key, naming: Naming) -> tuple[Called, str, int]:
     """Name and category, colour and wished id of a key."""
     number, instance = key
-    if number in files.own:
-        label = files.own[number]
+    if number in naming.own:
+        label = naming.own[number]
         return (label.name, label.category), label.color, label.id
-    given = files.names.get(number, ClassName(f"class {number}"))
+    given = naming.names.get(number, ClassName(f"class {number}"))
     if instance == 0:
         return (given.name, given.name), given.color, number
     # A class's colour is of all its instances: they are told apart by colours of their own.

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import uuid
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from pointbrush import formats
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.matching import Origin
 from pointbrush.formats.options import Limits, ReadOptions
-from pointbrush.formats.palette import SourceLabel, source_dataset, source_palette
 from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
-from pointbrush.labels import Label, LabelStore, Write
-from pointbrush.labels.palette import Palette, default_color
+from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
@@ -159,97 +152,6 @@ def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFra
     # One empty frame is a moment without returns; nothing but empty ones is a wrong file.
     if total == 0:
         raise BadInputError(f"expected points, got none in {number + 1} frame(s)")
-
-
-def import_source_labels(store: LabelStore, recording: Sequence) -> None:
-    """Make the labels that came with the files a first edit, with a palette for them.
-
-    Its id follows from the recording's, so that whoever comes back to it does nothing twice.
-    """
-    sequence = recording.manifest.id
-    found: set[int] = set()
-    frames: set[int] = set()
-    for index, _, label in _source_labels(recording):
-        frames.add(index)
-        found.update(np.unique(label).tolist())
-    if not frames:
-        return
-    sources = [Path(source) for source in recording.manifest.source.split(", ")]
-    named = {label.id: label for label in source_palette(sources)}
-    classes = enumerate(recording.manifest.classes, start=1)
-    named |= {number: SourceLabel(number, name, name, "") for number, name in classes}
-    dataset = source_dataset(sources)
-    labels = [label_of(label_id, named.get(label_id)) for label_id in sorted(found)]
-    if dataset is not None:
-        # Classes, whose points have the instance that came with them.
-        labels = [replace(label, instance=0) for label in labels]
-        numbers = {each.category or each.name: each.id for each in labels}
-        store.taxonomy.learn(dataset.name, numbers, strict=False)
-    learn_own(store, [named[label_id] for label_id in found if label_id in named])
-
-    def choose(palette: Palette) -> tuple[list[Label], Iterator[tuple[int, Write]]]:
-        fresh, ids = _fitted(labels, palette)
-        return fresh, (
-            (index, Write(numbers, label=ids[label], provenance=IMPORTED))
-            for index, numbers, label in _source_labels(recording)
-        )
-
-    store.apply(
-        sequence,
-        edit_id=str(uuid.uuid5(uuid.NAMESPACE_OID, sequence)),
-        author="import",
-        kind="import",
-        writes=choose,
-        summary=f"labels that came with the files, {len(frames)} frames",
-        identity=recording.identity,
-    )
-
-
-def _fitted(labels: list[Label], palette: Palette) -> tuple[list[Label], NDArray[np.uint16]]:
-    """Return those of ``labels`` that a palette has not, and for each id the one to write."""
-    known = {one.id: (one.name, one.category) for one in palette.labels}
-    free_ids, ids = palette.free_ids(), np.zeros(1 << 16, np.uint16)
-    fresh = []
-    for label in labels:
-        called = (label.name, label.category)
-        ids[label.id] = label.id
-        if known.get(label.id) != called:
-            ids[label.id] = free_ids.take(called, label.id)
-            fresh.append(replace(label, id=int(ids[label.id])))
-    return fresh, ids
-
-
-def learn_own(store: LabelStore, labels: Iterable[SourceLabel]) -> None:
-    """Keep the numbers that categories have in an export of ours, where nothing speaks against."""
-    numbers = {
-        label.category or label.name: label.packed & 0xFFFF
-        for label in labels
-        if label.packed is not None
-    }
-    if numbers:
-        store.taxonomy.learn(SEMANTIC_KITTI.name, numbers, strict=False)
-
-
-def _source_labels(
-    recording: Sequence,
-) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.uint16]]]:
-    """Frame, numbers (n,) and labels (n,) of the points that came with one, in little memory."""
-    for frame in recording:
-        if frame.label is None:
-            continue
-        for first in range(0, frame.count, PART_POINTS):
-            label = frame.read("label", first, min(first + PART_POINTS, frame.count))
-            numbers = np.flatnonzero(label)
-            if len(numbers):
-                yield frame.index, numbers + first, np.asarray(label[numbers])
-
-
-def label_of(label_id: int, given: SourceLabel | None) -> Label:
-    """A palette entry for a label that came with the files."""
-    if given is None:
-        return Label(label_id, f"label {label_id}", "", default_color(label_id))
-    color = given.color or default_color(label_id)
-    return Label(label_id, given.name, given.category, color, instance=given.instance)
 
 
 def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:

@@ -30,8 +30,8 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
-from pointbrush.work.imports.choosing import Key
 from pointbrush.work.imports.figures import figures_of
+from pointbrush.work.imports.naming import Key, Naming, keys_of
 from pointbrush.work.imports.submitting import LABELS, UPLOAD
 from pointbrush.worker import Channel
 
@@ -124,9 +124,7 @@ class ReadLabelsWork:
         if files.format in BOX_READERS:
             self._boxes(channel, files, recording)
             return
-        channel.item(
-            LabelFiles(files.format, (), dict(files.names), dict(files.own), files.dataset)
-        )
+        channel.item(Naming(dict(files.names), dict(files.own), files.dataset))
         columns = (f"{request.field}=label",) if request.field else ()
         classes, chosen = ClassNumbers(), Corrections(columns=columns)
         options = ReadOptions(limits=self.limits, chosen=chosen, class_number=classes.number)
@@ -141,7 +139,7 @@ class ReadLabelsWork:
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
         if classes.names:
             names = dict(enumerate(map(ClassName, classes.names), start=1))
-            channel.item(LabelFiles(files.format, (), names, {}))
+            channel.item(Naming(names))
 
     def _frames(self, files: LabelFiles, recording: Recording) -> list[int]:
         """Find the frame of each file.  Raises BadInputError as ``matching.match``."""
@@ -187,7 +185,7 @@ class ReadLabelsWork:
         names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
         instance_of = instance_numbers(figures)
-        channel.item(LabelFiles(files.format, (), names, dict(files.own)))
+        channel.item(Naming(names, dict(files.own)))
         up = recording.manifest.T_room_local[1, :3]
         frames = self._box_frames(files, found, recording)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
@@ -276,7 +274,5 @@ def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -
     rows = np.flatnonzero(labels.category > 0)
     if 0 in files.names and not files.own:
         rows = np.arange(count)
-    packed = labels.category[rows] << 32 | instance[rows]
-    keys, which = np.unique(packed, return_inverse=True)
-    pairs = tuple((int(key) >> 32, int(key) & 0xFFFFFFFF) for key in keys)
-    return FrameLabels(frame, labels.file, rows, which.astype(np.int64), pairs)
+    keys, which = keys_of(labels.category[rows], instance[rows])
+    return FrameLabels(frame, labels.file, rows, which, keys)

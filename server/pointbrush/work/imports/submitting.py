@@ -20,6 +20,7 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.imports import importing
+from pointbrush.work.imports.source_labels import import_source_labels
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for
 from pointbrush.worker import Work
@@ -125,7 +126,7 @@ class Imports:
         self._store.register(manifest.id, manifest.points, manifest.identity)
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
             recording = self._library.recording(manifest.id)
-            importing.import_source_labels(self._store, recording)
+            import_source_labels(self._store, recording)
 
     def of_paths(self, request: ImportRequest, owner: str | None, job_id: str) -> Job:
         """See ``Workspace.import_paths``."""
@@ -172,7 +173,7 @@ class Imports:
             max_points=self._max_points,
             roots=request.roots,
         )
-        label = importing.import_source_labels
+        label = import_source_labels
         return self._submit(guard, work, label, job, request.upload)
 
     def _begin_sample(self, frames: int, seed: int, job: Job) -> Job:

@@ -1,0 +1,54 @@
+"""Numbers of classes and instances that points came with, and what they are called."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.formats.datasets import SEMANTIC_KITTI, ClassName
+from pointbrush.formats.palette import SourceLabel
+from pointbrush.labels import LabelStore
+
+Key = tuple[int, int]
+"""Numbers of a class and of an instance, 0 for none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Naming:
+    """Meaning of the numbers of labels; picklable.
+
+    ``names``: classes by number.  ``own``: labels by id, where the numbers are those of a palette
+    of ours.  ``dataset``: the one whose numbers they are, "" where it is not known.
+    """
+
+    names: Mapping[int, ClassName] = field(default_factory=dict)
+    own: Mapping[int, SourceLabel] = field(default_factory=dict)
+    dataset: str = ""
+
+
+def keys_of(
+    category: NDArray[np.int64], instance: NDArray[np.int64]
+) -> tuple[tuple[Key, ...], NDArray[np.int64]]:
+    """Keys that points (n,) have, in order, and which of them each point (n,) has."""
+    packed, which = np.unique(category << 32 | instance, return_inverse=True)
+    keys = tuple((int(key) >> 32, int(key) & 0xFFFFFFFF) for key in packed)
+    return keys, which.astype(np.int64)
+
+
+def learn_numbers(store: LabelStore, naming: Naming, classes: Mapping[str, int]) -> None:
+    """Keep the numbers that categories have where they came from, where nothing speaks against.
+
+    ``classes``: numbers of the dataset by category.
+    """
+    if naming.dataset:
+        store.taxonomy.learn(naming.dataset, classes, strict=False)
+    exported = {
+        label.category or label.name: label.packed & 0xFFFF
+        for label in naming.own.values()
+        if label.packed is not None
+    }
+    if exported:
+        store.taxonomy.learn(SEMANTIC_KITTI.name, exported, strict=False)
