@@ -82,7 +82,14 @@ def parser() -> argparse.ArgumentParser:
 
     labels_ = _command(commands, "import-labels", "import labels made elsewhere, as one edit")
     labels_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
-    labels_.add_argument("path", type=Path, metavar="PATH", help="a file or folder of labels")
+    labels_.add_argument(
+        "path",
+        type=Path,
+        nargs="?",
+        metavar="PATH",
+        help="a file or folder of labels; none: those of the recording's own files, which did not "
+        "come in with it",
+    )
     labels_.add_argument("--format", help=f"of the labels: {', '.join(LABEL_FORMATS)}")
     labels_.add_argument(
         "--map",

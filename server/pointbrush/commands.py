@@ -75,6 +75,10 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
     from pointbrush.formats.class_maps import read_map
 
     with closing(Workspace(settings)) as workspace:
+        if given.path is None:
+            workspace.import_source_labels(given.sequence, AUTHOR)
+            printing.source_labels_imported(given.sequence)
+            return
         job = workspace.import_labels(
             given.sequence,
             given.path,
@@ -131,7 +135,7 @@ def info(given: argparse.Namespace, settings: Settings) -> None:
     with closing(Workspace(settings)) as workspace:
         if given.sequence is None:
             for entry in workspace.listing():
-                printing.line(entry.id, entry.manifest, entry.damaged)
+                printing.line(entry.id, entry.manifest, entry.damaged, entry.labels_missing)
             return
         manifest = workspace.recording(given.sequence).manifest
         revision = workspace.store.revision(manifest.id)

@@ -147,13 +147,24 @@ def tracked(result: Mapping[str, Any]) -> None:
     print(f"tracked {result['frames']} frames, {result['changed']:,} points labelled")
 
 
-def line(sequence: str, known: About | None, damaged: str | None) -> None:
+def line(
+    sequence: str, known: About | None, damaged: str | None, labels_missing: str | None
+) -> None:
     """Print a recording's line of the list; of a damaged one perhaps only the id is known."""
     parts = [sequence]
     if known is not None:
         points = f"{sum(known.points):,} points"
         parts += [f"{known.frames} frames", f"{known.fps:g} fps", points, known.name]
-    print("\t".join(parts if damaged is None else [*parts, f"damaged: {damaged}"]))
+    if damaged is not None:
+        parts.append(f"damaged: {damaged}")
+    if labels_missing is not None:
+        parts.append(f"labels did not come in: {labels_missing}")
+    print("\t".join(parts))
+
+
+def source_labels_imported(sequence: str) -> None:
+    """Print that the labels in a recording's own files are in."""
+    print(f"the labels in the files of {sequence} are in")
 
 
 def facts(known: About, revision: int, palette: Iterable[Entry]) -> None:

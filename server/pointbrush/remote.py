@@ -56,6 +56,10 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
     """Upload labels made elsewhere and print what was found."""
     with client_of(settings) as client:
         recording = client[given.sequence]
+        if given.path is None:
+            recording.import_source_labels()
+            printing.source_labels_imported(given.sequence)
+            return
         job = recording.start_label_import(
             [given.path],
             format=given.format,
@@ -133,7 +137,8 @@ def info(given: argparse.Namespace, settings: Settings) -> None:
     with client_of(settings) as client:
         if given.sequence is None:
             for known in client.manifests():
-                printing.line(known.id, known if known.frames else None, known.damaged)
+                facts = known if known.frames else None
+                printing.line(known.id, facts, known.damaged, known.labels_missing)
             return
         recording = client[given.sequence]
         printing.facts(recording.manifest, recording.manifest.revision, recording.labels())

@@ -203,7 +203,7 @@ class Workspace(Importing, Labelling):
 
     def entry(self, sequence: str) -> Listed:
         """One of them, damaged or not; raises NotFoundError."""
-        return listing.entry(self.library, self.store, sequence)
+        return listing.entry(self.library, self.store, self._imports, sequence)
 
     def recording(self, sequence: str) -> Recording:
         """The stored recording; raises NotFoundError, DamagedError."""
@@ -321,7 +321,7 @@ class Workspace(Importing, Labelling):
 
     def check(self, sequence: str) -> list[str]:
         """List faults of a recording's files, its journal or its annotations; [] if sound."""
-        return listing.problems_of(self.library, self.store, sequence)
+        return listing.problems_of(self.library, self.store, self._imports, sequence)
 
     def check_database(self) -> list[str]:
         """List faults of the label database itself; [] if all of it can be read."""

@@ -182,6 +182,8 @@ export interface Actions {
   refreshDeleted(): Promise<void>;
   /** Bring a deleted recording back, with its labels. */
   restoreSequence(identity: string): Promise<void>;
+  /** Try again to bring in the labels in a recording's own files. */
+  importSourceLabels(id: string): Promise<void>;
   /** Show what files on the server's machine, or here, are; `takeImport` imports them. */
   importPath(path: string, options?: ImportOptions): Promise<void>;
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;

@@ -59,6 +59,8 @@ export interface SequenceSummary {
   readonly points: number;
   /** Fault, in a sentence: it cannot be opened; null when it is sound. */
   readonly damaged: string | null;
+  /** Reason why the labels in its files did not come in; null when they did, or it has none. */
+  readonly labels_missing: string | null;
   /** Date of the import, ISO 8601. */
   readonly created: string | null;
   /** Frames with labels. */

@@ -266,6 +266,12 @@ class Recording(Part[L]):
         job = yield from self._label_import(files, given, dry_run, patience)
         return (yield from finished(job, progress=progress, patience=patience))
 
+    @steps
+    def import_source_labels(self) -> Steps[None]:
+        """Bring in the labels in the recording's own files, which did not come in with it."""
+        place = f"/sequences/{self.id}/source-labels"
+        yield from send(Request("POST", place, again=True))
+
     def _label_import(
         self, files: Files, given: dict[str, Any], dry_run: bool, patience: float
     ) -> Steps[Job]:

@@ -68,7 +68,10 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """Facts of a recording; ``points`` of each frame, ``labelled``: frames with labels."""
+    """Facts of a recording; ``points`` of each frame, ``labelled``: frames with labels.
+
+    ``labels_missing``: the reason why the labels in its files did not come in.
+    """
 
     id: str
     name: str
@@ -83,6 +86,7 @@ class Manifest:
     large: bool
     created: datetime | None = None
     labelled: int = 0
+    labels_missing: str | None = None
     damaged: str | None = None
     identity: str | None = None
     deleted: datetime | None = None

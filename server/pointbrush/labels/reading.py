@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from sqlalchemy import Connection, Row, and_, distinct, func, select
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import journal, schema
+from pointbrush.labels.database import CHUNK
 from pointbrush.labels.packing import BLOCK, DELETION, LABELS, deleted_of, label_of, provenance_of
 from pointbrush.labels.schema import edits
 from pointbrush.labels.sessions import Sessions
@@ -123,6 +125,21 @@ def labelled_frames(connection: Connection, sequence: str | None = None) -> dict
     if sequence is not None:
         query = query.where(sequences.c.id == sequence)
     return {str(name): int(frames) for name, frames in connection.execute(query)}
+
+
+def having(connection: Connection, wanted: Mapping[str, str]) -> set[str]:
+    """Live sequences of ``wanted`` whose journal has the edit of the id there."""
+    pairs, found = list(wanted.items()), set()
+    sequences = schema.sequences.c
+    for start in range(0, len(pairs), CHUNK):
+        part = dict(pairs[start : start + CHUNK])
+        rows = connection.execute(
+            select(sequences.id, edits.c.id.label("edit"))
+            .join(edits, edits.c.sequence == sequences.number)
+            .where(sequences.deleted.is_(None), edits.c.id.in_(part.values()))
+        )
+        found |= {str(row.id) for row in rows if part.get(row.id) == row.edit}
+    return found
 
 
 def history_lines(

@@ -366,6 +366,11 @@ class LabelStore:
         with self._database.read() as connection:
             return reading.labelled_frames(connection, sequence)
 
+    def having(self, edits: Mapping[str, str]) -> set[str]:
+        """Sequences whose history has the edit whose id ``edits`` gives for them."""
+        with self._database.read() as connection:
+            return reading.having(connection, edits)
+
     def require_answer(self) -> None:
         """Raise UnavailableError unless the database answers."""
         self._database.ping()

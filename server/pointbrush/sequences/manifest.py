@@ -17,11 +17,11 @@ from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, Lattice
 from pointbrush.sequences.files import replace_file
 
 FILE = "manifest.json"
-VERSION = 6
+VERSION = 7
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
 further fields as it packs arrays, and the coordinates of octrees, 5 tells the format of depth
 images, 6 names the classes of labels that are words, and the
-files of frames; all are read."""
+files of frames, 7 keeps what the numbers of labels mean; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -49,6 +49,9 @@ class Manifest:
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
     ``large``           a frame is an octree of chunks.
     ``classes``         names of the labels 1, 2, … where the files call them by words.
+    ``dataset``         the one whose numbers the labels are, "" where it is not known.
+    ``palette``         labels of ours whose ids the labels are, where the files are our export:
+                        fields of ``formats.palette.SourceLabel``.
     ``files``           name of the file that each frame came from, ``places`` its place among the
                         frames of that file; both empty where an older import did not keep them.
     ``imported_as``     ``id`` at the import: a restored recording may have got another one.
@@ -81,6 +84,8 @@ class Manifest:
     classes: list[str]
     files: list[str]
     places: list[int]
+    dataset: str
+    palette: list[dict[str, Any]]
 
     @property
     def identity(self) -> str:
@@ -152,6 +157,8 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
     content.setdefault("classes", [])
     content.setdefault("files", _files_of(content))
     content.setdefault("places", [0] * len(content["files"]))
+    content.setdefault("dataset", "")
+    content.setdefault("palette", [])
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 
@@ -177,6 +184,12 @@ def rename_sequence(path: Path, sequence: str) -> Manifest:
     manifest = replace(read_manifest(path), id=sequence)
     replace_file(path / FILE, encode_manifest(manifest))
     return manifest
+
+
+def name_labels(path: Path, dataset: str, palette: list[dict[str, Any]]) -> None:
+    """Note what the numbers of labels mean in the recording in folder ``path``; see Manifest."""
+    manifest = replace(read_manifest(path), dataset=dataset, palette=palette)
+    replace_file(path / FILE, encode_manifest(manifest))
 
 
 def update_manifest(path: Path, **fields: Any) -> Manifest:

@@ -156,4 +156,6 @@ def make_manifest(
         classes=list(classes),
         files=[origin.file for origin in origins],
         places=[origin.place for origin in origins],
+        dataset="",
+        palette=[],
     )

@@ -64,6 +64,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/frames/{i}/strokes"): "annotator",
     ("POST", "/sequences/{seq}/frames/{i}/object"): "annotator",
     ("POST", "/sequences/{seq}/annotations"): "annotator",
+    ("POST", "/sequences/{seq}/source-labels"): "annotator",
     ("POST", "/sequences/{seq}/undo"): "annotator",
     ("POST", "/sequences/{seq}/redo"): "annotator",
     ("POST", "/sequences/{seq}/labels"): "annotator",

@@ -76,6 +76,9 @@ class SequenceOut(BaseModel):
     created: Annotated[datetime | None, Field(description="when it was imported")] = None
     labelled: Annotated[int, Field(description="frames with labelled points")] = 0
     damaged: Annotated[str | None, Field(description="what is wrong with it")] = None
+    labels_missing: Annotated[
+        str | None, Field(description="why the labels in its files did not come in")
+    ] = None
     identity: Annotated[str | None, Field(description="tells this import from others")] = None
     deleted: Annotated[datetime | None, Field(description="when it was deleted")] = None
     until: Annotated[datetime | None, Field(description="how long it can be restored")] = None
@@ -85,7 +88,11 @@ class SequenceOut(BaseModel):
         """From the list of recordings; of a damaged one perhaps only the id is known."""
         if entry.manifest is None:
             return cls.unreadable(entry.id, entry.revision, entry.damaged)
-        more = {"damaged": entry.damaged, "labelled": entry.labelled}
+        more = {
+            "damaged": entry.damaged,
+            "labelled": entry.labelled,
+            "labels_missing": entry.labels_missing,
+        }
         return cls.of(entry.manifest, entry.revision).model_copy(update=more)
 
     @classmethod

@@ -12,6 +12,9 @@ from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
 
+LABELS_MISSING = "labels did not come in"
+"""Said of a recording without the labels that are in its files; a reason follows."""
+
 
 @dataclass(slots=True)
 class Repaired:
@@ -90,7 +93,8 @@ def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
 class Listed:
     """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
 
-    ``labelled`` is the number of its frames with labelled points.
+    ``labelled`` is the number of its frames with labelled points; ``labels_missing`` the reason why
+    the labels in its files did not come in, or None.
     """
 
     id: str
@@ -98,6 +102,7 @@ class Listed:
     manifest: Manifest | None
     damaged: str | None
     labelled: int = 0
+    labels_missing: str | None = None
 
     @property
     def name(self) -> str:
@@ -121,8 +126,16 @@ def recordings(
         revisions = store.sequences()
     importing = store.guards.importing() if revisions.keys() != {one.id for one in found} else ()
     labelled = store.labelled_frames()
+    missing = imports.source_labels.missing(one.manifest for one in found if one.manifest)
     entries = [
-        Listed(one.id, revisions.get(one.id, 0), one.manifest, one.damaged, labelled.get(one.id, 0))
+        Listed(
+            one.id,
+            revisions.get(one.id, 0),
+            one.manifest,
+            one.damaged,
+            labelled.get(one.id, 0),
+            missing.get(one.id),
+        )
         for one in found
         if one.id in revisions or one.id not in importing
     ]
@@ -131,19 +144,27 @@ def recordings(
     return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
 
-def entry(library: Library, store: LabelStore, sequence: str) -> Listed:
+def entry(library: Library, store: LabelStore, imports: Imports, sequence: str) -> Listed:
     """One of the list; raises NotFoundError when it has neither files nor labels."""
     revision = store.sequences().get(sequence)
     if library.has(sequence):
         found = library.look(sequence)
         labelled = store.labelled_frames(sequence).get(sequence, 0)
-        return Listed(sequence, revision or 0, found.manifest, found.damaged, labelled)
+        missing = imports.source_labels.missing([found.manifest] if found.manifest else [])
+        return Listed(
+            sequence,
+            revision or 0,
+            found.manifest,
+            found.damaged,
+            labelled,
+            missing.get(sequence),
+        )
     if revision is None:
         raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
     return Listed(sequence, revision, None, LABELS_ALONE)
 
 
-def problems_of(library: Library, store: LabelStore, sequence: str) -> list[str]:
+def problems_of(library: Library, store: LabelStore, imports: Imports, sequence: str) -> list[str]:
     """List faults of a recording's files, its journal or its annotations; [] if sound.
 
     Raises NotFoundError when it has neither, UnavailableError.
@@ -153,7 +174,9 @@ def problems_of(library: Library, store: LabelStore, sequence: str) -> list[str]
         raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
     if not files:
         return [LABELS_ALONE, *_told(lambda: store.check(sequence))]
-    damaged = library.look(sequence).damaged
+    look = library.look(sequence)
+    missing = imports.source_labels.missing([look.manifest] if look.manifest else [])
+    damaged = look.damaged or (f"its {LABELS_MISSING}: {missing[sequence]}" if missing else None)
     if known:
         problems = _told(lambda: check_recording(library, store, sequence))
     else:

@@ -73,6 +73,7 @@ describe('a recording that is deleted here', () => {
       fps: 1,
       points: 1,
       damaged: null,
+      labels_missing: null,
       created: null,
       labelled: 0,
       identity: null,
@@ -98,5 +99,27 @@ describe('a recording that is deleted here', () => {
     await vi.waitFor(() => expect(opened).toHaveBeenCalledWith('wall'));
     expect(asked).toContain('DELETE sequences/wall');
     expect(asked).toContain('POST sequences/wall/restore');
+  });
+});
+
+describe('a recording whose labels did not come in', () => {
+  it('says why in the list, and is tried again', async () => {
+    const asked: string[] = [];
+    vi.stubGlobal('document', { baseURI: 'http://host/' });
+    vi.stubGlobal('fetch', (url: string, { method }: RequestInit) => {
+      asked.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
+      const row = { id: 'wall', name: 'Wall', points: [4], labels_missing: 'the disk is full' };
+      return Promise.resolve(
+        method === 'POST'
+          ? Response.json({ detail: 'the disk is full', status: 503 }, { status: 503 })
+          : Response.json([row]),
+      );
+    });
+    await recordingActions.importSourceLabels('wall');
+    expect(asked).toEqual(['POST sequences/wall/source-labels', 'GET sequences']);
+    expect(state.sequences.value).toMatchObject([{ labels_missing: 'the disk is full' }]);
+    expect(state.notices.value).toMatchObject([
+      { kind: 'error', title: 'The labels did not come in', detail: 'the disk is full' },
+    ]);
   });
 });

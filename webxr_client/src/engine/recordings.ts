@@ -13,6 +13,7 @@ type RecordingActions = Pick<
   | 'deleteSequence'
   | 'refreshDeleted'
   | 'restoreSequence'
+  | 'importSourceLabels'
   | 'exportSequence'
   | 'loadExportFormats'
   | 'cancelJob'
@@ -45,19 +46,18 @@ export function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
 
 async function refreshSequences(): Promise<void> {
   const list = await listSequences();
-  state.sequences.value = list.map(
-    ({ id, name, frames, fps, points, damaged, created, labelled, identity }): SequenceSummary => ({
-      id,
-      name,
-      frames,
-      fps,
-      damaged,
-      created,
-      labelled,
-      identity,
-      points: points.reduce((most, count) => Math.max(most, count), 0),
-    }),
-  );
+  state.sequences.value = list.map((row): SequenceSummary => ({
+    id: row.id,
+    name: row.name,
+    frames: row.frames,
+    fps: row.fps,
+    damaged: row.damaged,
+    labels_missing: row.labels_missing,
+    created: row.created,
+    labelled: row.labelled,
+    identity: row.identity,
+    points: row.points.reduce((most, count) => Math.max(most, count), 0),
+  }));
 }
 
 /** Take a deleted recording off the list at once: its picture is no longer to be had. */
@@ -166,6 +166,14 @@ export const recordingActions: RecordingActions = {
   deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
   refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
   restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
+  importSourceLabels: (id) =>
+    attempt('The labels did not come in', async () => {
+      try {
+        await api('POST', `${sequencePath(id)}/source-labels`);
+      } finally {
+        await refreshSequences();
+      }
+    }),
   loadExportFormats: () =>
     attempt('The export formats did not load', async () => {
       exportFormats.value = await api<ExportFormat[]>('GET', 'exports');

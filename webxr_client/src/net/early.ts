@@ -11,6 +11,7 @@ export interface SequenceOut {
   readonly fps: number;
   readonly points: readonly number[];
   readonly damaged: string | null;
+  readonly labels_missing: string | null;
   readonly created: string | null;
   readonly labelled: number;
   readonly identity: string | null;

@@ -34,6 +34,7 @@ describe('the command palette', () => {
         fps: 0,
         points: 1,
         damaged: null,
+        labels_missing: null,
         created: null,
         labelled: 0,
         identity: null,

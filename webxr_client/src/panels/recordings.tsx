@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { actions } from '../actions';
 import { apiUrl } from '../net/rest';
-import { canManage, type SequenceSummary } from '../state';
+import { canEdit, canManage, type SequenceSummary } from '../state';
 import { Button, NameField } from './controls';
 import { clock, day, plural, shortCount } from './format';
 import { Icon } from './icons';
@@ -72,10 +72,21 @@ function Row({ row }: { row: SequenceSummary }) {
         <span class="recording-words">
           <strong class="name">{row.name}</strong>
           {sound ? <Length row={row} /> : <span class="soft">Damaged: {row.damaged}</span>}
+          {sound && row.labels_missing !== null && (
+            <span class="soft">Labels did not come in: {row.labels_missing}</span>
+          )}
         </span>
-        {sound && <Labelled row={row} />}
+        {sound && row.labels_missing === null && <Labelled row={row} />}
         <Icon name="next" />
       </button>
+      {sound && row.labels_missing !== null && canEdit.value && (
+        <Button
+          label="Try again"
+          tip={`Bring in the labels in the files of ${row.name}`}
+          small
+          onClick={() => void actions.importSourceLabels(row.id)}
+        />
+      )}
       <RecordingTools row={row} />
     </>
   );

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from fastapi import Query
 
-from pointbrush.web.auth import resource
+from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
@@ -53,6 +53,16 @@ def patch_sequence(seq: SequenceId, patch: SequencePatch, workspace: Ws) -> Sequ
         fields["room"] = np.array(patch.room).reshape(4, 4)
     if fields:
         workspace.update_sequence(seq, **fields)
+    return _out(workspace, seq)
+
+
+@router.post("/sequences/{seq}/source-labels", responses=responses(404, 409))
+def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> SequenceOut:
+    """Bring in the labels in a recording's own files, where they did not come in with it.
+
+    The call can be repeated: they come in once.
+    """
+    workspace.import_source_labels(seq, who.author)
     return _out(workspace, seq)
 
 

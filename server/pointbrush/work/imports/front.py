@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pointbrush import formats
+from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.jobs import Job, JobRunner
@@ -126,6 +127,17 @@ class Importing(ABC):
         job = self._job_book.begin_once(job_id, author, begin)
         drop_repeated(cleanup, job)
         return job
+
+    def import_source_labels(self, sequence: str, author: str) -> None:
+        """Bring in the labels in a recording's own files, which did not come in with it.
+
+        Where they did, nothing happens.  Raises BadInputError where the files have none, and what
+        keeps them out.
+        """
+        recording = self.recording(sequence)
+        if "label" not in recording.manifest.fields:
+            raise BadInputError(f"labels: expected some in the files of {sequence!r}, got none")
+        self._imports.complete_labels(recording, author)
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
         """Make the sample recording and import it, with a palette for its objects."""

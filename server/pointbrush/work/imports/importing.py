@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,12 @@ from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.matching import Origin
 from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.palette import own_labels, source_dataset
 from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
+from pointbrush.sequences.manifest import name_labels
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
@@ -49,7 +51,15 @@ class ImportWork:
         with formats.reported() as warnings, self.target.building(channel.progress) as folder:
             for warning in self._import(channel, folder):
                 warnings.setdefault(warning)
+            self._name_labels(folder)
         channel.item(list(warnings))
+
+    def _name_labels(self, folder: Path) -> None:
+        """Keep what the numbers of labels mean: uploaded files are gone afterwards."""
+        own, dataset = own_labels(self.paths), source_dataset(self.paths)
+        if own or dataset is not None:
+            name = "" if dataset is None else dataset.name
+            name_labels(folder, name, [asdict(label) for label in own])
 
     def _import(self, channel: Channel, folder: Path) -> list[str]:
         about: dict[str, Any] = {

@@ -1,37 +1,72 @@
-"""Labels that came in the files of a recording → its first edit."""
+"""Labels that came in the files of a recording → an edit of it; those that did not come in."""
 
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.datasets import ClassName
-from pointbrush.formats.palette import own_labels, source_dataset
+from pointbrush.formats.datasets import DATASETS, ClassName
+from pointbrush.formats.palette import SourceLabel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
+from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.importing import IMPORTED, PART_POINTS
 from pointbrush.work.imports.naming import Key, Naming, keys_of, learn_numbers
 
+INTERRUPTED = "their import was interrupted"
 
-def import_source_labels(store: LabelStore, recording: Recording) -> None:
-    """Make the labels that came with the files a first edit, with a palette for them.
 
-    Its id follows from the recording's, so that whoever comes back to it does nothing twice.
+class SourceLabels:
+    """Imports the labels in the files of recordings, and knows whose did not come in."""
+
+    def __init__(self, store: LabelStore) -> None:
+        self._store = store
+        self._reasons: dict[str, str] = {}  # by identity
+
+    def bring(self, recording: Recording, author: str = "import") -> None:
+        """Make the labels that came with the files an edit, once; raises what keeps them out."""
+        identity = recording.identity
+        try:
+            import_source_labels(self._store, recording, author)
+        except Exception as error:
+            self._reasons[identity] = str(error) or type(error).__name__
+            raise
+        self._reasons.pop(identity, None)
+
+    def missing(self, manifests: Iterable[Manifest]) -> dict[str, str]:
+        """Reasons why labels did not come in, by the ids of recordings; UnavailableError.
+
+        The journal tells which did; an import that goes on is not missing.
+        """
+        found = {each.id: each for each in manifests if "label" in each.fields}
+        edits = {sequence: edit_of(manifest) for sequence, manifest in found.items()}
+        without = edits.keys() - self._store.having(edits) if edits else set()
+        if without:
+            without -= self._store.guards.importing()
+        return {each: self._reasons.get(found[each].identity, INTERRUPTED) for each in without}
+
+
+def edit_of(manifest: Manifest) -> str:
+    """Id of the edit that a recording's own labels make, the same at every attempt."""
+    return str(uuid.uuid5(uuid.NAMESPACE_OID, manifest.imported_as))
+
+
+def import_source_labels(store: LabelStore, recording: Recording, author: str) -> None:
+    """Make the labels that came with the files an edit, with a palette for them.
+
+    It is made where no point has one, too: it says that they came in.
     """
-    sequence, naming = recording.manifest.id, _naming_of(recording)
+    sequence, naming = recording.manifest.id, _naming_of(recording.manifest)
     found: set[Key] = set()
     frames: set[int] = set()
     for frame, _, keys, _ in _labelled_parts(recording, naming):
         frames.add(frame)
         found.update(keys)
-    if not frames:
-        return
     learn_numbers(store, naming, Chosen.of(store.choosing(sequence), found, naming).classes)
 
     def choose(palette: Palette) -> tuple[Sequence[Label], Iterator[tuple[int, Write]]]:
@@ -43,8 +78,8 @@ def import_source_labels(store: LabelStore, recording: Recording) -> None:
 
     store.apply(
         sequence,
-        edit_id=str(uuid.uuid5(uuid.NAMESPACE_OID, sequence)),
-        author="import",
+        edit_id=edit_of(recording.manifest),
+        author=author,
         kind="import",
         writes=choose,
         summary=f"labels that came with the files, {len(frames)} frames",
@@ -52,14 +87,11 @@ def import_source_labels(store: LabelStore, recording: Recording) -> None:
     )
 
 
-def _naming_of(recording: Recording) -> Naming:
-    sources = [Path(source) for source in recording.manifest.source.split(", ")]
-    own = {label.id: label for label in own_labels(sources)}
-    dataset = source_dataset(sources)
-    words = enumerate(map(ClassName, recording.manifest.classes), start=1)
-    if dataset is None:
-        return Naming(dict(words), own)
-    return Naming({**dataset.classes, **dict(words)}, own, dataset.name)
+def _naming_of(manifest: Manifest) -> Naming:
+    own = {label.id: label for label in (SourceLabel(**each) for each in manifest.palette)}
+    words = dict(enumerate(map(ClassName, manifest.classes), start=1))
+    known = DATASETS[manifest.dataset].classes if manifest.dataset else {}
+    return Naming({**known, **words}, own, manifest.dataset)
 
 
 def _ids(chosen: Chosen, keys: tuple[Key, ...]) -> NDArray[np.uint16]:

@@ -6,6 +6,7 @@ import logging
 import shutil
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.imports import importing
-from pointbrush.work.imports.source_labels import import_source_labels
+from pointbrush.work.imports.source_labels import SourceLabels
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for
 from pointbrush.worker import Work
@@ -29,6 +30,9 @@ log = logging.getLogger(__name__)
 
 UPLOAD = "upload"
 """Of a job's request: the folder of its uploaded files, or None."""
+
+WITHOUT_LABELS = "the recording is there, but its labels did not come in"
+"""Beginning of the error of an import that made a recording and not its labels."""
 
 IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
 """Of a job's request: an import of paths, of the sample recording, or of labels made elsewhere."""
@@ -103,6 +107,7 @@ class Imports:
         """``max_points``: most points of a frame that is read."""
         self._library, self._store, self._runner = library, store, runner
         self._publish, self._max_points = publish, max_points
+        self.source_labels = SourceLabels(store)
 
     def complete(self, manifests: Iterable[Manifest]) -> None:
         """Do what a server that was killed as an import ended has left out.
@@ -126,7 +131,16 @@ class Imports:
         self._store.register(manifest.id, manifest.points, manifest.identity)
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
             recording = self._library.recording(manifest.id)
-            import_source_labels(self._store, recording)
+            self.source_labels.bring(recording)
+
+    def complete_labels(self, recording: Recording, author: str) -> None:
+        """See ``Workspace.import_source_labels``."""
+        sequence = recording.manifest.id
+        self._store.register(sequence, recording.manifest.points, recording.identity)
+        try:
+            self.source_labels.bring(recording, author)
+        finally:
+            self._publish(SequencesChanged(sequence))
 
     def of_paths(self, request: ImportRequest, owner: str | None, job_id: str) -> Job:
         """See ``Workspace.import_paths``."""
@@ -173,15 +187,15 @@ class Imports:
             max_points=self._max_points,
             roots=request.roots,
         )
-        label = import_source_labels
-        return self._submit(guard, work, label, job, request.upload)
+        return self._submit(guard, work, self.source_labels.bring, job, request.upload)
 
     def _begin_sample(self, frames: int, seed: int, job: Job) -> Job:
         guard = self._reserve("juggling")
         sequence = guard.sequence
         target = self._library.store.target(sequence)
         work = importing.SampleWork(target, sequence, frames, seed)
-        return self._submit(guard, work, importing.create_sample_labels, job)
+        label = partial(importing.create_sample_labels, self._store)
+        return self._submit(guard, work, label, job)
 
     def _reserve(self, name: str) -> Guard:
         """A readable, URL-safe id made from ``name``; nobody else gets it meanwhile."""
@@ -193,7 +207,7 @@ class Imports:
         self,
         guard: Guard,
         work: Work,
-        label: Callable[[LabelStore, Recording], None],
+        label: Callable[[Recording], None],
         job: Job,
         upload: Path | None = None,
     ) -> Job:
@@ -205,8 +219,12 @@ class Imports:
                 return {}
             recording = self._library.recording(sequence)
             self._store.register(sequence, recording.manifest.points, recording.identity)
-            label(self._store, recording)
-            self._publish(SequencesChanged(sequence))
+            try:
+                label(recording)
+            except Exception as error:
+                raise PointbrushError(f"{WITHOUT_LABELS}: {error}") from error
+            finally:
+                self._publish(SequencesChanged(sequence))
             return importing.result(recording, warnings)
 
         def done(ended: Job) -> None:
