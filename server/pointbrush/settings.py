@@ -45,6 +45,11 @@ class Settings:
     database_password_file: str = option(
         "", "file that holds the password of the database's user", where=EVERYWHERE
     )
+    new_labels: bool = option(
+        False,
+        "begin with empty labels where `labels.sqlite` is missing beside recordings",
+        where=SERVERS,
+    )
     sequences: str = option(
         "",
         "URL of object storage (s3://bucket/folder, gs://…) that holds the recordings; empty is "

@@ -33,7 +33,13 @@ from pointbrush.work import exporting, listing, thumbnails
 from pointbrush.work.annotate import flooring
 from pointbrush.work.annotate.placing import Placement
 from pointbrush.work.annotate.splitting import Split
-from pointbrush.work.backup import make_backup, require_here, restore_one
+from pointbrush.work.backup import (
+    make_backup,
+    note_made,
+    require_here,
+    require_labels,
+    restore_one,
+)
 from pointbrush.work.compiling import are_compiled
 from pointbrush.work.deletion import Deleted, Deletion
 from pointbrush.work.events import (
@@ -97,9 +103,11 @@ class Workspace(Importing, Labelling):
         self.library = Library(_store_of(settings))
         self.library.clean()
         make_private(settings.workspace)
+        self._require_labels()
         self._listeners = Listeners()
         limits = Limits(settings.statement_seconds, settings.keepalive_seconds)
         self.store = LabelStore(settings.database_url, limits=limits)
+        note_made(settings.workspace, settings.database_url)
         self._unsubscribe = self.store.subscribe(self._publish)
         self.runner = JobRunner(
             self._publish,
@@ -134,6 +142,12 @@ class Workspace(Importing, Labelling):
         self._imports.complete(self.sequences())
         self.store.seal()
         self.store.watch_sequences(self._changed_elsewhere)
+
+    def _require_labels(self) -> None:
+        settings, recordings = self.settings, len(self.library.store.ids())
+        require_labels(
+            settings.workspace, settings.database_url, recordings, anew=settings.new_labels
+        )
 
     def close(self) -> None:
         """Cancel jobs or leave them to the next server, end worker processes and the database."""

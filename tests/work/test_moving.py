@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import uuid
 from contextlib import closing
 from dataclasses import replace
@@ -145,6 +147,54 @@ def test_nothing_moves_while_a_server_runs_or_halfway(
     assert state(settings) == before
     assert run("move", postgres_url, *here) == 0  # the target is as empty as it was
     assert state(replace(settings, database=postgres_url)) == before
+
+
+def test_a_killed_server_keeps_nobody_waiting(
+    settings: Settings,
+    postgres_url: str,  # noqa: F811
+) -> None:
+    paint(settings)
+    before, here = state(settings), ("--workspace", settings.workspace)
+    code = (
+        "import sys, time; from pathlib import Path; "
+        "from pointbrush.work.imports.uploads import Uploads; "
+        "Uploads(Path(sys.argv[1])).open(); print('open', flush=True); time.sleep(600)"
+    )
+    command = [sys.executable, "-c", code, str(settings.workspace)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        assert server.stdout.readline() == "open\n"
+        assert run("move", postgres_url, *here) == 1
+        server.kill()
+    assert run("move", postgres_url, *here) == 0
+    assert state(replace(settings, database=postgres_url)) == before
+
+
+def test_labels_that_are_missing_are_not_begun_anew_unasked(
+    settings: Settings, capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    paint(settings)
+    before, here = state(settings), ("--workspace", settings.workspace)
+    found = settings.workspace / "labels.sqlite"
+    taken = found.rename(settings.workspace.parent / "taken.sqlite")
+    for call in ("serve", "check"):
+        assert run(call, *here) == 1
+        told = capsys.readouterr().err
+        assert "labels.sqlite is missing beside 2 recordings" in told
+        assert "pointbrush restore" in told
+        assert "serve --new-labels" in told
+    assert not found.exists()
+    taken.rename(found)
+    assert state(settings) == before
+    found.unlink()
+    with closing(Workspace(replace(settings, new_labels=True))) as workspace:
+        assert workspace.palette("wall") == []
+    # Of a workspace from before the note nothing is known but that its labels are not there.
+    found.unlink()
+    (settings.workspace / "labels.made").unlink()
+    with closing(Workspace(settings)) as workspace:
+        assert workspace.palette("wall") == []
+    assert "labels.sqlite is missing beside 2 recordings" in caplog.text
 
 
 def test_a_restore_that_ends_halfway_leaves_nothing(painted: Settings, tmp_path: Path) -> None:

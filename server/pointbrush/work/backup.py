@@ -5,7 +5,9 @@ A note in the workspace says which database its labels were moved to.
 
 from __future__ import annotations
 
+import contextlib
 import json
+import logging
 import os
 import shutil
 import uuid
@@ -21,8 +23,12 @@ from pointbrush.sequences.manifest import rename_sequence
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
 
+log = logging.getLogger(__name__)
+
 NOTE = "database.json"
 DATABASE = "labels.sqlite"
+MADE = "labels.made"
+"""Note that there is, or was, a database of labels in the workspace."""
 RECORDINGS = "sequences"
 
 
@@ -55,6 +61,31 @@ def require_here(workspace: Path, url: str) -> None:
             f"database: the labels of this workspace were moved; start with {start} "
             f"(or remove {NOTE} if you know better)"
         )
+
+
+def require_labels(workspace: Path, url: str, recordings: int, *, anew: bool) -> None:
+    """Refuse to begin empty where the workspace's own database of labels is missing.
+
+    A note beside it says that it was made.  ``recordings``: their number; ``anew``: it is wanted.
+    Recordings from before there was such a note are told of in the log.  Raises BadInputError.
+    """
+    if url != own_url(workspace) or (workspace / DATABASE).exists() or not recordings or anew:
+        return
+    found = f"{DATABASE} is missing beside {recordings} recordings"
+    if not (workspace / MADE).exists():
+        log.warning("%s: their labels begin empty; if there were some, restore a backup", found)
+        return
+    raise BadInputError(
+        f"workspace: {found} whose labels it holds; bring it back, restore a backup (pointbrush "
+        "restore BACKUP --workspace NEW), or begin with empty labels by serve --new-labels"
+    )
+
+
+def note_made(workspace: Path, url: str) -> None:
+    """Note that the workspace's own database of labels has been made."""
+    if url == own_url(workspace) and not (workspace / MADE).exists():
+        with contextlib.suppress(OSError):  # a workspace that is read-only here
+            (workspace / MADE).write_text(f"{DATABASE} holds the labels\n", encoding="utf-8")
 
 
 def _public(url: str) -> str:
@@ -149,7 +180,7 @@ def move_labels(workspace: Path, source_url: str, target_url: str) -> None:
     if any_alive(workspace):
         raise ConflictError(
             "move: expected no running server on this workspace; stop it first, or wait a minute "
-            "after it was killed"
+            "after it was killed on another machine"
         )
     move(source_url, target_url)
     note_database(workspace, target_url)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
 import tempfile
 import threading
@@ -11,11 +12,14 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from pointbrush.errors import UnavailableError
+from pointbrush.labels.guards import host
+from pointbrush.system import process_alive
 
 BEAT_SECONDS = 5.0
 STALE_SECONDS = 60.0
 """A server whose heartbeat is older has ended without a word."""
 ALIVE = "alive"
+"""Heartbeat: its time is the last beat's, its text names the machine and the process."""
 
 
 class Uploads:
@@ -58,7 +62,7 @@ class Uploads:
         now = (self._servers / self.owner / ALIVE).stat().st_mtime
         alive = {self.owner}
         for server in self._servers.iterdir():
-            if now - _last_beat(server) < STALE_SECONDS:
+            if _is_alive(server, now):
                 alive.add(server.name)
             elif server.name != self.owner:
                 shutil.rmtree(server, ignore_errors=True)
@@ -81,7 +85,11 @@ class Uploads:
         """Write the heartbeat; False where the disk cannot be written."""
         try:
             self.temporary.mkdir(parents=True, exist_ok=True)
-            (self._servers / self.owner / ALIVE).touch()
+            heartbeat = self._servers / self.owner / ALIVE
+            if heartbeat.exists():
+                heartbeat.touch()
+            else:
+                heartbeat.write_text(f"{host()} {os.getpid()}", encoding="utf-8")
         except OSError:
             return False
         return True
@@ -102,10 +110,21 @@ def any_alive(workspace: Path) -> bool:
     with tempfile.TemporaryDirectory(dir=servers, prefix=".clock-") as clock:
         now = Path(clock).stat().st_mtime
         return any(
-            now - _last_beat(server) < STALE_SECONDS
+            _is_alive(server, now)
             for server in servers.iterdir()
             if not server.name.startswith(".")
         )
+
+
+def _is_alive(server: Path, now: float) -> bool:
+    """Tell by the heartbeat at ``now`` of the disk's clock, or by the process, if it is here."""
+    if now - _last_beat(server) >= STALE_SECONDS:
+        return False
+    with contextlib.suppress(OSError, ValueError):
+        place, _, process = (server / ALIVE).read_text(encoding="utf-8").rpartition(" ")
+        if place == host():
+            return process_alive(int(process))
+    return True
 
 
 def _last_beat(server: Path) -> float:
