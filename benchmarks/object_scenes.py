@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.samples import generate
+from pointbrush.samples.contacts import contact_view
 from pointbrush.samples.scanning import Labelled, room_scan, room_view
 from pointbrush.samples.street import street
 from pointbrush.selection.objects import ObjectFrame, SensorKind
@@ -56,6 +57,7 @@ GENERATED: dict[str, Callable[[int], Scene]] = {
     "juggling": lambda seed: _recording("juggling", seed),
     "tabletop": lambda seed: _recording("tabletop", seed),
     "walking": lambda seed: _recording("walking", seed),
+    "contacts": _labelled("contacts", contact_view, "camera"),
     "view": _labelled("view", room_view, "camera"),
     "scan": _labelled("scan", room_scan, "room"),
     "street": _labelled("street", street, "lidar"),

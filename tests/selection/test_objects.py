@@ -148,6 +148,35 @@ def test_a_negative_click_takes_a_thing_from_what_is_taken(
     assert max(overlap(each, which == BALL) for each in found) > 0.8
 
 
+def test_a_click_sees_a_wrong_level_through(
+    furnished: tuple[ObjectFrame, NDArray[np.int64], ObjectState],
+) -> None:
+    _, which, state = furnished
+    mask = (which == BALL) | (which == FLOOR)
+    found = candidates(state, clicked(BALL), clicked(FLOOR), mask=mask)
+    assert overlap(found[0], which == BALL) > 0.8
+
+
+def test_a_negative_click_takes_away_only_what_it_touches(
+    furnished: tuple[ObjectFrame, NDArray[np.int64], ObjectState],
+) -> None:
+    frame, which, state = furnished
+    crate = which == CRATE
+    corner = frame.xyz[crate][np.argmax(frame.xyz[crate] @ [1.0, 1.0, 1.0])]
+    found = candidates(state, clicked(CRATE), corner[None].astype(np.float64), mask=crate)
+    assert max(overlap(each, crate) for each in found) > 0.8
+
+
+def test_a_click_on_a_lone_return_goes_to_the_nearest_surface() -> None:
+    frame, which = room(2)
+    lone = np.array([[-0.9, 0.5 + 0.06, 0.3]], np.float32)
+    assert frame.rgb is not None
+    xyz, rgb = np.concatenate([frame.xyz, lone]), np.concatenate([frame.rgb, frame.rgb[:1]])
+    state = prepare(ObjectFrame(xyz, rgb, None, None, "room", np.eye(4)))
+    found = candidates(state, lone.astype(np.float64))
+    assert max(overlap(each, np.append(which == BALL, False)) for each in found) > 0.8
+
+
 def test_two_opposite_clicks_on_one_flat_piece_share_it_between_them() -> None:
     rng = np.random.default_rng(0)
     xyz = np.column_stack([rng.uniform(-1, 1, (8000, 2)), np.zeros(8000)]).astype(np.float32)

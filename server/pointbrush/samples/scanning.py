@@ -208,7 +208,7 @@ def room_view(seed: int, camera: DepthCamera = KINECT, noise: float = 1.0) -> La
     w, d = interior.width / 2, interior.depth / 2
     eye = vec(rng.uniform(-0.8, 0.8) * w, rng.uniform(0.9, 1.9), rng.uniform(-0.8, 0.8) * d)
     aim = _somewhere(interior.solids, eye, rng, 3.5)
-    return _view(interior.solids, look_at(eye, aim), camera, Sensor(noise=noise), rng)
+    return view_of(interior.solids, look_at(eye, aim), camera, Sensor(noise=noise), rng)
 
 
 def _somewhere(solids: list[Solid], eye: Array, rng: np.random.Generator, reach: float) -> Array:
@@ -222,13 +222,14 @@ def _somewhere(solids: list[Solid], eye: Array, rng: np.random.Generator, reach:
     return np.asarray(places[chosen] + rng.normal(0, 0.15, 3))
 
 
-def _view(
+def view_of(
     solids: list[Solid],
     T_room_camera: Array,
     camera: DepthCamera,
     sensor: Sensor,
     rng: np.random.Generator,
 ) -> Labelled:
+    """Return what a depth camera sees of solids in the light of one lamp, camera coordinates."""
     caster = Caster(camera, T_room_camera, pixel_rays(camera))
     seen = caster.empty()
     caster.cast(solids, seen)
@@ -274,7 +275,7 @@ def room_scan(seed: int, points: int = 200_000, views: int = 14) -> Labelled:
         aim = vec(-eye[0], rng.uniform(0.1, 1.2), -eye[2]) * rng.uniform(0.1, 0.8)
         if k % 2:
             aim = _somewhere(interior.solids, eye, rng, 5.0)
-        made = _view(interior.solids, look_at(eye, aim), WIDE, sensor, rng)
+        made = view_of(interior.solids, look_at(eye, aim), WIDE, sensor, rng)
         T = made.T_room_frame
         room = made.frame.xyz @ T[:3, :3].T + T[:3, 3]
         xyz.append(room + rng.normal(0, SCAN_NOISE, room.shape))

@@ -21,7 +21,7 @@ from pointbrush.selection.objects.clicks import (
 )
 from pointbrush.selection.objects.options import LadderOptions, ObjectOptions
 from pointbrush.selection.objects.state import ObjectState
-from pointbrush.selection.objects.unions import Unions, find_unions
+from pointbrush.selection.objects.unions import Origin, Unions, find_unions
 from pointbrush.selection.objects.value import expected_iou, value_features
 from pointbrush.selection.objects.weights import Weights, built_in
 
@@ -34,24 +34,38 @@ def choose_levels(
     size: NDArray[np.float64],
     score: NDArray[np.float64],
     kept: int | None,
+    tree: Mask,
     options: LadderOptions,
 ) -> list[int]:
-    """Return numbers of nested candidates: the one to show, then the others by falling score.
+    """Choose nested candidates: the one to show, then the others by falling score.
 
     ``masks`` (n, P) pieces, ``size`` (n,) their cells, ``score`` (n,); ``kept`` the number of
-    what was taken before, which stays among them, and first unless another is clearly better.
+    what was taken before, which stays among them, and first unless another is clearly better;
+    ``tree`` (n,) those that the clicks alone give: the best of them is offered beside ``kept``,
+    nested or not.
     """
-    chosen = [] if kept is None else [kept]
-    closest = options.closest if kept is None else options.closest_after
-    for i in np.argsort(-score, kind="stable").tolist():
-        if len(chosen) == options.levels:
+    order = np.argsort(-score, kind="stable").tolist()
+    if kept is None:
+        return _chain(masks, size, order, options.closest, options.levels)
+    # Both stay in reach, whichever is first: what was taken, mended, and the best in its place.
+    fresh = next((i for i in order if i != kept and tree[i]), kept)
+    better = score[order[0]] > score[kept] + options.keep
+    first, other = (order[0], kept) if better else (kept, fresh)
+    chain = _chain(masks, size, [first, *order], options.closest_after, options.levels - 1)
+    return chain if other in chain else [chain[0], other, *chain[1:]]
+
+
+def _chain(
+    masks: Mask, size: NDArray[np.float64], order: list[int], closest: float, most: int
+) -> list[int]:
+    """The first candidate and those after it that hold, or lie in, all that were chosen before."""
+    chosen: list[int] = []
+    for i in order:
+        if len(chosen) == most:
             break
         if all(_apart(masks, size, i, other, closest) for other in chosen):
             chosen.append(i)
-    if kept is None or len(chosen) == 1:
-        return chosen
-    better = score[chosen[1]] > score[kept] + options.keep
-    return [chosen[1], kept, *chosen[2:]] if better else chosen
+    return chosen
 
 
 def _apart(masks: Mask, size: NDArray[np.float64], i: int, other: int, closest: float) -> bool:
@@ -99,7 +113,7 @@ def propose(
     options: ObjectOptions,
 ) -> Proposals:
     """Return all regions for some clicks.  Raises BadInputError for a mask out of range."""
-    taken = taken_so_far(state, mask, wanted, unwanted, options.patches)
+    taken = taken_so_far(state, mask, wanted, unwanted, options.clicks)
     unions = find_unions(state, wanted, unwanted, taken, options.ladder.times)
     pieces = None if taken is None else taken.pieces
     features = value_features(state, unions, wanted, unwanted, pieces)
@@ -133,15 +147,17 @@ def candidates(
     Raises BadInputError for clicks that are not finite and for a mask out of range.
     """
     options = options or ObjectOptions()
-    wanted = place_clicks(state, positives, "positives")
-    unwanted = place_clicks(state, negatives, "negatives")
+    wanted = place_clicks(state, positives, "positives", options.clicks)
+    unwanted = place_clicks(state, negatives, "negatives", options.clicks)
     if len(wanted) == 0:
         return []
     found = propose(state, wanted, unwanted, mask, options)
     score = expected_iou(found.features, (weights or built_in()).value)
     size = found.unions.masks.astype(np.float64) @ state.sums[: state.piece_count, sums.COUNT]
     kept = None if found.taken is None else len(size) - 1
-    chosen = choose_levels(found.unions.masks, size, score, kept, options.ladder)
+    chosen = choose_levels(
+        found.unions.masks, size, score, kept, found.unions.origin == Origin.TREE, options.ladder
+    )
     points = [found.points(state, i) for i in chosen]
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")
     return [

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled
 from pointbrush.errors import BadInputError
-from pointbrush.selection.objects.options import PatchOptions
+from pointbrush.selection.objects.options import ClickOptions
 from pointbrush.selection.objects.state import ObjectState
 
 Floats = NDArray[np.float64]
@@ -38,8 +38,17 @@ class Clicks:
         return len(self.at)
 
 
-def place_clicks(state: ObjectState, at: NDArray[np.floating], name: str) -> Clicks:
-    """Return where clicks (K, 3) lie.  Raises BadInputError unless they are finite and 3 wide."""
+def place_clicks(
+    state: ObjectState,
+    at: NDArray[np.floating],
+    name: str,
+    options: ClickOptions | None = None,
+) -> Clicks:
+    """Place clicks (K, 3) on the nearest cells, past lone ones where a piece is within reach.
+
+    Raises BadInputError unless they are finite and 3 wide.
+    """
+    options = options or ClickOptions()
     if np.size(at) and (np.ndim(at) != 2 or np.shape(at)[1] != 3):
         raise BadInputError(f"{name}: expected (K, 3) local coordinates, got {np.shape(at)}")
     points = np.asarray(at, np.float64).reshape(-1, 3)
@@ -47,19 +56,23 @@ def place_clicks(state: ObjectState, at: NDArray[np.floating], name: str) -> Cli
         raise BadInputError(f"{name}: expected finite coordinates")
     if len(state.center) == 0:
         points = points[:0]
-    cell, nearest, farthest = _distances(state.center, state.piece, points, state.piece_count)
+    real = np.bincount(state.piece, minlength=state.piece_count) >= options.real_cells
+    reach = options.real_reach * state.size
+    cell, nearest, farthest = _distances(state.center, state.piece, points, real, reach)
     return Clicks(points, cell, state.piece[cell].astype(np.int64), nearest, farthest)
 
 
 @compiled
 def _distances(
-    center: NDArray[np.float32], piece: NDArray[np.int32], at: Floats, pieces: int
+    center: NDArray[np.float32], piece: NDArray[np.int32], at: Floats, real: Mask, reach: float
 ) -> tuple[Ints, Floats, Floats]:
+    pieces = len(real)
     nearest = np.full((len(at), pieces), np.inf)
     farthest = np.zeros((len(at), pieces))
     own = np.zeros(len(at), np.int64)
     for k in range(len(at)):
-        least = np.inf
+        least = least_real = np.inf
+        own_real = 0
         x, y, z = at[k, 0], at[k, 1], at[k, 2]
         for c in range(len(center)):
             away = (center[c, 0] - x) ** 2 + (center[c, 1] - y) ** 2 + (center[c, 2] - z) ** 2
@@ -69,6 +82,11 @@ def _distances(
             if away < least:
                 least = away
                 own[k] = c
+            if real[p] and away < least_real:
+                least_real = away
+                own_real = c
+        if np.sqrt(least_real) <= np.sqrt(least) + reach:
+            own[k] = own_real
     return own, np.sqrt(nearest), np.sqrt(farthest)
 
 
@@ -111,7 +129,7 @@ def taken_so_far(
     mask: NDArray[np.integer] | Mask | None,
     wanted: Clicks,
     unwanted: Clicks,
-    options: PatchOptions,
+    options: ClickOptions,
 ) -> Taken | None:
     """Return what a mask over points (numbers, or (N,) bool) holds, None for an empty one.
 
@@ -130,9 +148,9 @@ def taken_so_far(
     missed, surplus = ~cells[wanted.cell], cells[unwanted.cell]
     patched = cells.copy()
     for at, piece in zip(wanted.at[missed], wanted.piece[missed], strict=True):
-        patched[_patch(state, at, int(piece), cells, options)] = True
+        patched[_added(state, at, int(piece), cells, options)] = True
     for at, piece in zip(unwanted.at[surplus], unwanted.piece[surplus], strict=True):
-        patched[_patch(state, at, int(piece), ~cells, options)] = False
+        patched[_touched(state, at, int(piece), ~cells, options)] = False
     patched[wanted.cell] = True
     patched[unwanted.cell] = False
     return Taken(patched, pieces, wanted.piece[missed], unwanted.piece[surplus])
@@ -147,13 +165,28 @@ def _chosen(mask: NDArray[np.integer] | Mask, count: int) -> NDArray[np.integer]
     return mask if len(mask) else np.empty(0, np.int64)
 
 
-def _patch(
-    state: ObjectState, at: NDArray[np.float64], piece: int, border: Mask, options: PatchOptions
-) -> Ints:
-    """Cells of a piece that are nearer to a click than ``border`` (C,) is; all, if most are."""
+def _added(state: ObjectState, at: Floats, piece: int, taken: Mask, options: ClickOptions) -> Ints:
+    """Cells of a piece nearer to a click than what is ``taken`` (C,); all, if most are."""
     own = np.flatnonzero(state.piece == piece)
-    away = np.linalg.norm(state.center[own] - at, axis=1)
-    beyond = state.center[border]
-    radius = float(np.linalg.norm(beyond - at, axis=1).min()) if len(beyond) else np.inf
-    near = own[away <= max(radius, options.least_cells * state.size)]
+    near = _ball(state, own, at, _clearance(state, at, taken), options)
     return own if len(near) >= options.whole_share * len(own) else near
+
+
+def _touched(
+    state: ObjectState, at: Floats, piece: int, outside: Mask, options: ClickOptions
+) -> Ints:
+    """Cells of a piece about a click, within a share of the way to the nearest one ``outside``."""
+    own = np.flatnonzero(state.piece == piece)
+    radius = options.removed_share * _clearance(state, at, outside)
+    return _ball(state, own, at, radius, options)
+
+
+def _clearance(state: ObjectState, at: Floats, border: Mask) -> float:
+    """Metres from a click to the nearest cell of ``border`` (C,), inf without one."""
+    beyond = state.center[border]
+    return float(np.linalg.norm(beyond - at, axis=1).min()) if len(beyond) else np.inf
+
+
+def _ball(state: ObjectState, own: Ints, at: Floats, radius: float, options: ClickOptions) -> Ints:
+    away = np.linalg.norm(state.center[own] - at, axis=1)
+    return np.asarray(own[away <= max(radius, options.least_cells * state.size)])

@@ -153,13 +153,20 @@ class LadderOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class PatchOptions:
-    """Least share of the points taken so far that a click changes."""
+class ClickOptions:
+    """Places that clicks are taken at, and the least that one changes of what is taken."""
+
+    real_cells: int = 6
+    """Cells of the smallest piece that a click lies on, if there is one within reach."""
+    real_reach: float = 6.0
+    """Times the cell size by which such a piece may be farther than the nearest cell."""
 
     least_cells: float = 1.5
     """Times the cell size; the smallest radius of a patch."""
+    removed_share: float = 0.5
+    """Share of the way to what is not taken within which an unwanted click takes away."""
     whole_share: float = 0.5
-    """Share of a piece from which on a patch is the whole piece."""
+    """Share of a piece from which on what a click adds is the whole piece."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
@@ -175,7 +182,7 @@ class ObjectOptions:
     graph: GraphOptions = field(default_factory=GraphOptions)
     pieces: PieceOptions = field(default_factory=PieceOptions)
     bridges: BridgeOptions = field(default_factory=BridgeOptions)
-    patches: PatchOptions = field(default_factory=PatchOptions)
+    clicks: ClickOptions = field(default_factory=ClickOptions)
     ladder: LadderOptions = field(default_factory=LadderOptions)
 
     def check(self) -> None:
@@ -185,5 +192,5 @@ class ObjectOptions:
         self.graph.check()
         self.pieces.check()
         self.bridges.check()
-        self.patches.check()
+        self.clicks.check()
         self.ladder.check()

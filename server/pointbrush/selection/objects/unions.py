@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,21 @@ from pointbrush.selection.objects.state import ObjectState
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+
+
+class Origin(IntEnum):
+    """How a region came about; a number of the value model."""
+
+    TREE = 0
+    """A union of nodes of the merge tree."""
+    ADDED = 1
+    """What was taken, with a node."""
+    REMOVED = 2
+    """What was taken, without a node."""
+    KEPT = 3
+    """What was taken."""
+
+
 STEP = 1.03
 """Times its size by which a union must grow to be another one."""
 
@@ -21,7 +37,7 @@ STEP = 1.03
 @dataclass(frozen=True, slots=True, eq=False)
 class Unions:
     """n regions: ``masks`` (n, P) pieces; ``made``, ``ended`` (n,) log odds of the merges that
-    made a region and that takes it further; ``origin`` (n,) 0 tree, 1 added, 2 taken away, 3 kept.
+    made a region and that takes it further; ``origin`` (n,) an ``Origin``.
     """
 
     masks: Mask
@@ -43,18 +59,20 @@ def find_unions(
     """
     n = state.piece_count
     nothing = np.zeros(n, np.bool_)
-    found = [_over_times(state, wanted.piece, unwanted.piece, most, nothing, 0)]
+    found = [_over_times(state, wanted.piece, unwanted.piece, most, nothing, Origin.TREE)]
     if taken is not None:
         if len(taken.missed):
-            found.append(_over_times(state, taken.missed, unwanted.piece, most, taken.pieces, 1))
+            found.append(
+                _over_times(state, taken.missed, unwanted.piece, most, taken.pieces, Origin.ADDED)
+            )
         if len(taken.surplus):
-            less = _over_times(state, taken.surplus, wanted.piece, most, nothing, 2)
+            less = _over_times(state, taken.surplus, wanted.piece, most, nothing, Origin.REMOVED)
             found.append(replace(less, masks=taken.pieces & ~less.masks))
     every = _once(_joined(found))
     if taken is None:
         return every
     zero = np.zeros(1)
-    kept = Unions(taken.pieces[None], zero, zero, np.full(1, 3))
+    kept = Unions(taken.pieces[None], zero, zero, np.full(1, Origin.KEPT))
     return _joined([every, kept])
 
 
@@ -76,7 +94,7 @@ def _once(unions: Unions) -> Unions:
 
 
 def _over_times(
-    state: ObjectState, seeds: Ints, blocked: Ints, most: int, base: Mask, origin: int
+    state: ObjectState, seeds: Ints, blocked: Ints, most: int, base: Mask, origin: Origin
 ) -> Unions:
     """Unions, over merge times, of each seed's largest node so far that no blocked piece is in."""
     chains = [_chain(state.parent, int(seed), blocked) for seed in np.unique(seeds)]

@@ -186,7 +186,8 @@ def _history(size: Floats, unions: Unions, mask: Mask | None, out: Floats) -> No
 def _steps(size: Floats, reach: Floats, unions: Unions, out: Floats) -> None:
     """Write size and reach against the next smaller and larger candidate, and scores beside."""
     order = np.argsort(size, kind="stable")
-    ranked, far = np.log(size[order]), np.log(np.maximum(reach[order], 1e-4))
+    ranked = np.log(np.maximum(size[order], 1.0))
+    far = np.log(np.maximum(reach[order], 1e-4))
     rows = out[order]
     none = 3.0
     rows[:, 0] = np.diff(ranked, append=ranked[-1:] + none)

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from pointbrush.selection import Points
 from pointbrush.sequences import Manifest, StoredFrame
-from pointbrush.tracking.interface import PositionsFrame
 
 if TYPE_CHECKING:
     from pointbrush.selection.objects import ObjectFrame
+    from pointbrush.tracking.interface import PositionsFrame
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,9 @@ def object_frame(
 
 
 def _positions(frame: StoredFrame) -> PositionsFrame:
-    """Return the part of a frame by which its sensor is told."""
+    """Take the part of a frame by which its sensor is told."""
+    from pointbrush.tracking.interface import PositionsFrame  # not loaded by most commands
+
     xyz = np.asarray(frame.coordinates[:SENSED_POINTS], np.float32)
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
     return PositionsFrame(xyz, frame.viewpoint, frame.pose, frame.lattice)
