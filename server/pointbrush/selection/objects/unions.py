@@ -18,16 +18,16 @@ Mask = NDArray[np.bool_]
 
 
 class Origin(IntEnum):
-    """How a region came about; a number of the value model."""
+    """Origin of a region; a number of the value model."""
 
     TREE = 0
     """A union of nodes of the merge tree."""
     ADDED = 1
-    """What was taken, with a node."""
+    """The points taken so far, with a node."""
     REMOVED = 2
-    """What was taken, without a node."""
+    """The points taken so far, without a node."""
     KEPT = 3
-    """What was taken."""
+    """The points taken so far."""
 
 
 STEP = 1.03
