@@ -186,7 +186,7 @@ def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[
 
 
 def given_ids(connection: Connection, number: int) -> dict[int, Called]:
-    """Return what the label of each id that was ever given was called last."""
+    """Read the last name and class of the label of each id ever given."""
     rows = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields)
         .where(edit_labels.c.sequence == number)

@@ -135,7 +135,7 @@ class _Display:
 def contact_view(
     seed: int, camera: DepthCamera = KINECT, options: ContactOptions | None = None
 ) -> Labelled:
-    """Return what a depth camera sees of a full table top or shelf, camera coordinates."""
+    """Render a depth camera's view of a full table top or shelf, camera coordinates."""
     options = options or ContactOptions()
     options.check()
     rng = np.random.default_rng([seed, 53])

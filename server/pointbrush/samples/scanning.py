@@ -229,7 +229,7 @@ def view_of(
     sensor: Sensor,
     rng: np.random.Generator,
 ) -> Labelled:
-    """Return what a depth camera sees of solids in the light of one lamp, camera coordinates."""
+    """Render a depth camera's view of solids in the light of one lamp, camera coordinates."""
     caster = Caster(camera, T_room_camera, pixel_rays(camera))
     seen = caster.empty()
     caster.cast(solids, seen)
