@@ -25,7 +25,7 @@ SAMPLES = [{"origin": [0.6 * (-1) ** i, 0.02 * i - 0.4, 3.0]} for i in range(40)
 def server(tmp_path: Path) -> Iterator[ServerProcess]:
     settings = settings_in(tmp_path)
     add_sequence(settings, "ball", frames=2, points=5_000)
-    with running(settings.workspace) as started:
+    with running(settings.workspace, POINTBRUSH_NEW_LABELS="1") as started:
         with started.api() as api:
             api.post("/sequences/ball/labels", json={"name": "pin"}).raise_for_status()
         yield started

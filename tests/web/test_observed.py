@@ -30,7 +30,8 @@ SUFFIXES = {
 def server(tmp_path: Path) -> Iterator[ServerProcess]:
     settings = settings_in(tmp_path)
     add_sequence(settings, "ball", frames=2, points=3_000)
-    with running(settings.workspace, POINTBRUSH_LOG_FORMAT="json") as started:
+    asked = {"POINTBRUSH_LOG_FORMAT": "json", "POINTBRUSH_NEW_LABELS": "1"}
+    with running(settings.workspace, **asked) as started:
         yield started
 
 

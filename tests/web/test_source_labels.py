@@ -13,7 +13,7 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.client import Client
-from pointbrush.errors import PointbrushError, UnavailableError
+from pointbrush.errors import ConflictError, PointbrushError, UnavailableError
 from tests.serving import Served, serving, settings_in
 
 POINTS = 40
@@ -88,3 +88,15 @@ def test_files_whose_points_have_no_label_are_not_missing_any(
     with Client(served.url, served.token) as client:
         recording = client.import_files([tmp_path / "a.csv"])
         assert recording.manifest.labels_missing is None
+
+
+def test_files_without_labels_make_no_edit_and_have_none_to_bring(
+    served: Served, tmp_path: Path
+) -> None:
+    (tmp_path / "a.csv").write_text("x,y,z\n1,2,3\n4,5,7\n")
+    with Client(served.url, served.token) as client:
+        recording = client.import_files([tmp_path / "a.csv"])
+        assert recording.manifest.revision == 0
+        assert list(recording.edits()) == []
+        with pytest.raises(ConflictError, match="labels: expected some in the files of 'a'"):
+            recording.import_source_labels()

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from pointbrush.formats import open_source
 from pointbrush.formats.corrections import Corrections
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
@@ -47,12 +46,12 @@ def recordings(draw: st.DrawFn) -> tuple[list[PointFrame], list[tuple[str, str, 
 
 
 def imported(folder: Path, path: Path) -> Workspace:
-    """A workspace that opens on an import, and completes it with the labels that came along."""
-    with open_source([path]) as source:
-        place = folder / "sequences" / "again"
-        about = {"sequence_id": "again", "name": "again", "fps": 10.0, "source": str(path)}
-        import_frames(source.frames, place, **about)
-    return Workspace(Settings(workspace=folder))
+    """A workspace into which an export was imported as ``again``."""
+    workspace = Workspace(Settings(workspace=folder))
+    job = workspace.import_paths([path], name="again", fps=10.0)
+    done = workspace.runner.wait(job.id, PATIENCE)
+    assert done.state == "done", done.error
+    return workspace
 
 
 def painted(

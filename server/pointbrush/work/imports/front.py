@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pointbrush import formats
-from pointbrush.errors import BadInputError
+from pointbrush.errors import ConflictError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.jobs import Job, JobRunner
@@ -131,12 +131,12 @@ class Importing(ABC):
     def import_source_labels(self, sequence: str, author: str) -> None:
         """Bring in the labels in a recording's own files, which did not come in with it.
 
-        Where they did, nothing happens.  Raises BadInputError where the files have none, and what
+        Where they did, nothing happens.  Raises ConflictError where the files have none, and what
         keeps them out.
         """
         recording = self.recording(sequence)
         if "label" not in recording.manifest.fields:
-            raise BadInputError(f"labels: expected some in the files of {sequence!r}, got none")
+            raise ConflictError(f"labels: expected some in the files of {sequence!r}, got none")
         self._imports.complete_labels(recording, author)
 
     def import_sample(self, *, frames: int = 90, seed: int = 0) -> Job:

@@ -30,6 +30,8 @@ class SourceLabels:
 
     def bring(self, recording: Recording, author: str = "import") -> None:
         """Make the labels that came with the files an edit, once; raises what keeps them out."""
+        if "label" not in recording.manifest.fields:
+            return
         identity = recording.identity
         try:
             import_source_labels(self._store, recording, author)

@@ -130,8 +130,7 @@ class Imports:
     def _complete(self, manifest: Manifest) -> None:
         self._store.register(manifest.id, manifest.points, manifest.identity)
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
-            recording = self._library.recording(manifest.id)
-            self.source_labels.bring(recording)
+            self.source_labels.bring(self._library.recording(manifest.id))
 
     def complete_labels(self, recording: Recording, author: str) -> None:
         """See ``Workspace.import_source_labels``."""
