@@ -189,19 +189,30 @@ class Model:
             raise ConflictError
         palette = self.palette()
         self._turn(mine[-1], UNDONE)
-        used = {mark.label for mark in self.raw().values()}
-        kept = {
-            n: {"exists": True, **fields}
-            for n, fields in palette.items()
-            if n in used and n not in self.palette()
-        }
-        self.edits.append(Edit(author, KEPT, labels=kept))
+        self._keep_used(author, palette)
 
     def redo(self, author: str) -> None:
         mine = [e for e in self.edits if e.author == author and e.state == UNDONE]
         if not mine:
             raise ConflictError
         self._turn(mine[0], ACTIVE)
+        self._keep_used(author, {})
+
+    def _keep_used(self, author: str, before: dict[int, dict[str, Any]]) -> None:
+        """Have every label that points hold, but those that somebody deleted."""
+        held = {mark.label for mark in self.held().values()}
+        kept = {n: before.get(n) or self._last_made(n) for n in held - self.palette().keys()}
+        labels = {n: {**fields, "exists": True} for n, fields in kept.items() if fields}
+        self.edits.append(Edit(author, KEPT, labels=labels))
+
+    def _last_made(self, label: int) -> dict[str, Any] | None:
+        told = [edit for edit in self.edits if label in edit.labels]
+        made = [edit for edit in told if edit.labels[label].get("exists")][-1]
+        fields: dict[str, Any] = {}
+        for edit in told:
+            if edit.in_force or edit is made:
+                fields.update(edit.labels[label])
+        return fields if fields["exists"] else None
 
     def _turn(self, edit: Edit, state: int) -> None:
         palette = self.palette()

@@ -128,6 +128,43 @@ def test_undoing_a_label_that_others_use_keeps_it(pins: LabelStore) -> None:
     assert label in pins.palette(SEQ)
 
 
+def test_redo_brings_back_the_label_of_its_points(pins: LabelStore) -> None:
+    label, _ = pins.create_label(SEQ, "ann", name="ann's", color="#123456")
+    paint(pins, [0], label.id, "bob")
+    pins.undo(SEQ, "bob")
+    pins.undo(SEQ, "ann")
+    assert label not in pins.palette(SEQ)
+    commit = pins.redo(SEQ, "bob")
+    assert commit.palette_changed
+    assert label in pins.palette(SEQ)
+    assert shown(pins) == [label.id, 0, 0, 0]
+    assert pins.counts(SEQ) == {(0, label.id): (1, 1)}
+    pins.redo(SEQ, "ann")
+    pins.undo(SEQ, "ann")
+    assert shown(pins) == [label.id, 0, 0, 0]
+    assert pins.check(SEQ) == []
+
+
+def test_points_that_an_undo_uncovers_have_their_label(pins: LabelStore) -> None:
+    label, _ = pins.create_label(SEQ, "ann", name="ann's")
+    paint(pins, [0], label.id, "bob")
+    paint(pins, [0], 1, "cat")
+    pins.undo(SEQ, "ann")
+    pins.undo(SEQ, "cat")
+    assert label in pins.palette(SEQ)
+    assert shown(pins) == [label.id, 0, 0, 0]
+
+
+def test_redo_leaves_a_label_deleted_that_somebody_deleted(pins: LabelStore) -> None:
+    paint(pins, [0], 1, "bob")
+    pins.undo(SEQ, "bob")
+    pins.delete_label(SEQ, "cat", 1)
+    pins.redo(SEQ, "bob")
+    assert shown(pins) == [0, 0, 0, 0]
+    pins.undo(SEQ, "cat")
+    assert shown(pins) == [1, 0, 0, 0]
+
+
 def test_undoing_an_unused_label_removes_it(pins: LabelStore) -> None:
     label, _ = pins.create_label(SEQ, "ann", name="ann's")
     assert pins.undo(SEQ, "ann").palette_changed

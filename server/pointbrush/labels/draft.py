@@ -96,6 +96,8 @@ class Draft:
     """Palette entries that it sets or, None, removes."""
     label_fields: dict[int, dict[str, Any]] = field(default_factory=dict)
     """The part that the edit names itself, for the journal."""
+    doubtful: set[int] = field(default_factory=set)
+    """Labels that an undo or redo leaves out of the palette, unless points hold them."""
     tracks: dict[tuple[int, int], str | None] = field(default_factory=dict)
     """Tracks by frame and label that it sets (JSON) or, None, removes."""
     own_tracks: bool = False

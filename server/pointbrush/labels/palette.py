@@ -185,6 +185,30 @@ def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[
     return {label_id: _label(label_id, fields) for label_id, fields in merged.items()}
 
 
+def as_last_made(connection: Connection, number: int, label_id: int) -> Label | None:
+    """Return what the edits in force make of a label if its last creation is one of them.
+
+    None: it was deleted since.
+    """
+    rows = connection.execute(
+        select(edit_labels.c.fields, edits.c.state)
+        .join(
+            edits,
+            (edits.c.sequence == edit_labels.c.sequence)
+            & (edits.c.revision == edit_labels.c.revision),
+        )
+        .where(edit_labels.c.sequence == number, edit_labels.c.label == label_id)
+        .order_by(edit_labels.c.revision)
+    )
+    told = [(json.loads(fields), state in IN_FORCE) for fields, state in rows]
+    made = max((at for at, (fields, _) in enumerate(told) if fields.get("exists")), default=0)
+    merged: dict[str, Any] = {}
+    for at, (fields, in_force) in enumerate(told):
+        if in_force or at == made:
+            merged.update(fields)
+    return _label(label_id, merged)
+
+
 def given_ids(connection: Connection, number: int) -> dict[int, Called]:
     """Read the last name and class of the label of each id ever given."""
     rows = connection.execute(

@@ -21,7 +21,7 @@ from pointbrush.labels.blocks import Place
 from pointbrush.labels.draft import Draft, match_sorted
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import LABEL_BITS, LABELS, States, writer_of
-from pointbrush.labels.palette import fields_of, fold
+from pointbrush.labels.palette import as_last_made, fields_of, fold
 from pointbrush.labels.schema import IN_FORCE, edit_tracks, edits
 from pointbrush.labels.state import visible
 from pointbrush.labels.writes import locked_error
@@ -153,23 +153,31 @@ def _palette(draft: Draft, edit: Row[Any]) -> None:
         return
     now = draft.state.palette
     for label_id, label in fold(draft.connection, draft.state.number, label_ids).items():
+        if label is None:
+            draft.doubtful.add(label_id)
         if label != now.get(label_id):
             draft.labels[label_id] = label
 
 
-def keep_used_labels(draft: Draft, effect: Effect) -> bool:
-    """Keep labels that would go while others' points hold them; returns whether there are any.
+def keep_used_labels(draft: Draft, effect: Effect, kind: str) -> bool:
+    """Keep labels that points hold; returns whether any would be gone but for that.
 
-    Undoing the creation of a label must not take other people's work with it.
+    Undoing the creation of a label must not take other people's work with it, and what an undo
+    or redo brings to light must not stay without its label because that was undone meanwhile.
     """
-    going = {label_id for label_id, label in draft.labels.items() if label is None}
-    if not going:
+    missing = (draft.doubtful | {label for _, label in effect.counts}) - draft.palette.keys()
+    if not missing:
         return False
-    counts = {**draft.state.counts_of(going), **effect.counts}
+    counts = {**draft.state.counts_of(missing), **effect.counts}
     used = {label for (_, label), count in counts.items() if count[2]}
-    for label_id in sorted(going & used):
-        draft.label_fields[label_id] = fields_of(draft.state.palette[label_id])
-        del draft.labels[label_id]
+    before = draft.state.palette if kind == "undo" else {}
+    for label_id in sorted(missing & used):
+        label = before.get(label_id) or as_last_made(draft.connection, draft.state.number, label_id)
+        if label is not None:  # else somebody deleted it, and that stands
+            draft.label_fields[label_id] = fields_of(label)
+            draft.labels[label_id] = label
+            if label == draft.state.palette.get(label_id):
+                del draft.labels[label_id]
     return bool(draft.label_fields)
 
 

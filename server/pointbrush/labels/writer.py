@@ -178,7 +178,7 @@ class Writer:
     def settled(self, draft: Draft, entry: Entry) -> tuple[Entry, Effect]:
         """An entry as it will be journalled, and what it does for those who look."""
         effect = effect_of(draft)
-        if entry.kind == "undo" and keep_used_labels(draft, effect):
+        if entry.target is not None and keep_used_labels(draft, effect, entry.kind):
             entry, effect = replace(entry, state=schema.KEPT), effect_of(draft)
         if entry.state == schema.ACTIVE and _is_idle(draft, entry, effect):
             draft.changes.clear()
