@@ -37,12 +37,14 @@ class Tally:
     """Calls that were answered with success."""
     refused: int = 0
     """503 of the contract: a full disk, or a database or bucket that is away."""
+    damaged: int = 0
+    """500 that names a damaged frame, of recordings whose files were cut."""
     lost: int = 0
     """Answered edits that are not there."""
     differs: int = 0
     """Things that are not as what was answered says."""
     errors: int = 0
-    """5xx that the contract does not know, and tracebacks in the log."""
+    """All other 5xx, and tracebacks in the log."""
     notes: list[str] = field(default_factory=list)
 
     @property
@@ -145,17 +147,17 @@ class Row:
 
     def __str__(self) -> str:
         tally = self.tally
-        counts = (tally.times, tally.answered, tally.refused, tally.lost, tally.differs)
-        told = [f"{count:,}" for count in (*counts, tally.errors)]
+        counts = (tally.times, tally.answered, tally.refused, tally.damaged)
+        told = [f"{n:,}" for n in (*counts, tally.lost, tally.differs, tally.errors)]
         cells = [self.scenario.what, *told, f"{self.seconds:.0f} s"]
         if self.skipped:
-            cells = [self.scenario.what, f"not here: {self.skipped}", *[""] * 6]
+            cells = [self.scenario.what, f"not here: {self.skipped}", *[""] * 7]
         return f"| {' | '.join(cells)} |"
 
 
 HEAD = """\
-| what | how often | answered | 503 | lost | differs | 5xx | time |
-|---|---|---|---|---|---|---|---|"""
+| what | how often | answered | 503 | damaged | lost | differs | 5xx | time |
+|---|---|---|---|---|---|---|---|---|"""
 
 
 def run(chosen: Scenario, seconds: float, seed: int) -> Row:

@@ -87,7 +87,7 @@ class Readers:
         """Count an answer; damage is told in words that name the frame."""
         with self._lock:
             if response.status_code == 500 and response.json()["title"] == TITLE:
-                self._tally.refused += 1
+                self._tally.damaged += 1
             else:
                 self._tally.status(response.status_code, response.text[:500])
 
