@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from pointbrush.work import prepare
-from pointbrush.work.compiling import are_compiled, compile_loops
+from pointbrush.work.compiling import are_compiled
+from pointbrush.work.prepare import compile_loops
 
 
 def test_loops_are_compiled_once_for_a_version_and_progress_is_told(

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.points import Points
-from pointbrush.selection.ray import Alive
+from pointbrush.selection.points import Alive, Points
 from pointbrush.selection.shape import Numbers, Parameter, Parts, Selecting, Shape, Values
 
 
@@ -91,7 +90,7 @@ class _Rotation(Numbers):
 
 
 def _take(at: Selecting) -> Parts:
-    values = at.stroke.values
+    values = at.values
     return box(at.points, values["center"], values["size"], rotation_of(values["quaternion"]))
 
 

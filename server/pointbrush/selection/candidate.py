@@ -24,10 +24,8 @@ MOST_NAME = 64
 """Characters of a candidate's id."""
 
 
-def _by_candidate(at: Selecting) -> Parts:
-    raise BadInputError(
-        f"shape: '{at.stroke.shape}' is taken by a candidate, not by its samples alone"
-    )
+def _by_candidate(_at: Selecting) -> Parts:
+    raise BadInputError("shape: 'object' is taken by a candidate, not by its samples alone")
 
 
 OBJECT = Shape(

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.objects.options import GroundOptions
-from pointbrush.selection.points import NOTHING, Points
-from pointbrush.selection.ray import Alive, region_shape
+from pointbrush.selection.points import NOTHING, Alive, Points
+from pointbrush.selection.ray import region_shape
 from pointbrush.selection.sphere import swept_ball
 
 NEIGHBOUR = 8

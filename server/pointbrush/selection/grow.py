@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.points import Points
-from pointbrush.selection.ray import Alive, region_shape
+from pointbrush.selection.points import Alive, Points
+from pointbrush.selection.ray import region_shape
 from pointbrush.selection.sphere import swept_ball
 
 if TYPE_CHECKING:

@@ -60,7 +60,7 @@ def _project(xyz: NDArray[np.float32], matrix: NDArray[np.float64]) -> NDArray[n
 
 
 def _take(at: Selecting) -> Parts:
-    return lasso(at.points, at.stroke.values["polygon"], at.stroke.values["matrix"])
+    return lasso(at.points, at.values["polygon"], at.values["matrix"])
 
 
 def _placed(values: Values, T_new_old: NDArray[np.float64]) -> Values:

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.points import NOTHING, Points
-from pointbrush.selection.ray import Alive, region_shape
+from pointbrush.selection.points import NOTHING, Alive, Points
+from pointbrush.selection.ray import region_shape
 from pointbrush.selection.sphere import swept_ball
 
 Vector = NDArray[np.float64]

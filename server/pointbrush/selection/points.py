@@ -18,6 +18,9 @@ from pointbrush.ranges import by_block, ranges
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
+Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
+"""Says of point numbers whether each can be hit (a deleted point cannot)."""
+
 GROUP_POINTS = 1 << 21
 PIXELS_APART = 2.0
 """Pixels that neighbours on a surface are apart at most, seen from where they were measured."""

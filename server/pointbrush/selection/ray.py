@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.selection.points import NOTHING, Points
+from pointbrush.selection.points import NOTHING, Alive, Points
 from pointbrush.selection.shape import RADIUS, Flag, Parameter, Parts, Selecting, Shape
 from pointbrush.selection.sphere import balls, swept_ball
 
@@ -20,26 +20,22 @@ AT_ONCE = 1 << 16
 """Points that are compared with a run of rays at once."""
 MARGIN, MARGIN_SQUARED = 1e-6, 1e-12
 """Of the squared radius, and of the greatest squared distance: more than float64 rounds."""
-Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
-"""Says of point numbers whether each can be hit (a deleted point cannot)."""
 Region = Callable[[Points, NDArray[np.float64], float, Alive | None], Parts]
 """Points, a place (3,) local metres, radius, alive → the numbers of the region round the place."""
 
 
 def ray_balls(at: Selecting) -> Iterator[NDArray[np.int64]]:
     """Numbers of the points within the radius of the first hit of a ray; parts, each sorted."""
-    for run in runs(len(at.stroke.origins)):
+    for run in runs(len(at.origins)):
         hits = places_met(at, run)
-        yield from balls(at.points, hits[np.isfinite(hits[:, 0])], at.stroke.radius)
+        yield from balls(at.points, hits[np.isfinite(hits[:, 0])], at.radius)
 
 
 def places_met(at: Selecting, run: slice) -> NDArray[np.float64]:
     """Return the points (n, 3) in which rays meet the surface, local metres; NaN: none."""
-    stroke = at.stroke
-    if stroke.met is not None:
-        return stroke.met[run]
-    origins, directions = stroke.origins[run], stroke.directions[run]
-    return first_hits(at.points, origins, directions, stroke.radius, at.alive)
+    if at.met is not None:
+        return at.met[run]
+    return first_hits(at.points, at.origins[run], at.directions[run], at.radius, at.alive)
 
 
 def ray_tubes(
@@ -178,9 +174,8 @@ def _along_and_off(
 
 
 def _take(at: Selecting) -> Parts:
-    stroke = at.stroke
-    if stroke.values["through"]:
-        return ray_tubes(at.points, stroke.origins, stroke.directions, stroke.radius)
+    if at.values["through"]:
+        return ray_tubes(at.points, at.origins, at.directions, at.radius)
     return ray_balls(at)
 
 
@@ -197,8 +192,8 @@ def region_shape(name: str, about: str, region: Region) -> Shape:
     """Return the shape that takes such a region round each hit."""
 
     def take(at: Selecting) -> Parts:
-        points, stroke, radius = at.points, at.stroke, at.stroke.radius
-        for run in runs(len(stroke.origins)):
+        points, radius = at.points, at.radius
+        for run in runs(len(at.origins)):
             hits = places_met(at, run)
             for hit in hits[np.isfinite(hits[:, 0])]:
                 near = swept_ball(points, hit[None], radius)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.box import clipped
-from pointbrush.selection.points import Points, PointSet
-from pointbrush.selection.ray import Alive, first_hits
+from pointbrush.selection.points import Alive, Points, PointSet
+from pointbrush.selection.ray import first_hits
 from pointbrush.selection.rigid import Matrix, inverse, transformed
 from pointbrush.selection.shape import Parts, Selecting
 from pointbrush.selection.stroke import Stroke
@@ -53,8 +53,10 @@ def select_parts(
 
 def _taken(points: Points, stroke: Stroke, alive: Alive | None, taken: PointSet) -> Parts:
     """Yield what the stroke's shape takes of the points that its clip box shows."""
-    clip = stroke.clip
-    for part in stroke.kind.take(Selecting(points, stroke, clipped(clip, points, alive), taken)):
+    clip, met = stroke.clip, stroke.met
+    meets = clipped(clip, points, alive)
+    at = Selecting(points, stroke.values, stroke.origins, stroke.directions, met, meets, taken)
+    for part in stroke.kind.take(at):
         yield part if clip is None else clip.of(points, part)
 
 

@@ -7,17 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.points import Points, PointSet
-
-if TYPE_CHECKING:
-    from pointbrush.selection.ray import Alive
-    from pointbrush.selection.stroke import Stroke
+from pointbrush.selection.points import Alive, Points, PointSet
 
 Values = Mapping[str, Any]
 """A stroke's parameters by name, read."""
@@ -193,16 +189,24 @@ def unit(directions: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Selecting:
-    """A stroke at work: ``stroke`` in local coordinates on ``points``.
+    """A stroke at work on ``points``: its parameters and samples, in local coordinates.
 
-    ``alive`` says which points rays can hit; ``taken`` holds what the stroke has taken so far, the
-    parts yielded included.
+    ``origins``, ``directions``, ``met`` as of ``Stroke``; ``alive`` says which points rays can
+    hit; ``taken`` holds what the stroke has taken so far, the parts yielded included.
     """
 
     points: Points
-    stroke: Stroke
+    values: Values
+    origins: NDArray[np.float64]
+    directions: NDArray[np.float64]
+    met: NDArray[np.float64] | None
     alive: Alive | None
     taken: PointSet
+
+    @property
+    def radius(self) -> float:
+        """Metres; of shapes that have one."""
+        return float(self.values["radius"])
 
 
 Parts = Iterator[NDArray[np.int64]]

@@ -110,7 +110,7 @@ def _distance_squared(
 
 
 def _take(at: Selecting) -> Parts:
-    return swept_parts(at.points, at.stroke.origins, at.stroke.radius)
+    return swept_parts(at.points, at.origins, at.radius)
 
 
 SPHERE = Shape(

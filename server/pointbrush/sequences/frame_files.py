@@ -36,7 +36,8 @@ from pointbrush.sequences.octree.arrays import (
     read_rows,
     release,
 )
-from pointbrush.sequences.octree.coordinates import PACKED, Coordinates
+from pointbrush.sequences.octree.coordinates import Coordinates
+from pointbrush.sequences.octree.packed import PACKED
 from pointbrush.sequences.verification import stamp_of, verifier
 
 FRAMES = "frames"

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.codec import Bytes, encode_vertices
+from pointbrush.sequences.codec import Bytes
+from pointbrush.sequences.encoder import encode_vertices
 from pointbrush.sequences.octree.quantise import Quantised
 
 RELATIVE = 1

@@ -1,4 +1,4 @@
-"""Loops that Numba compiles once on a machine: whether it was done, and doing it with progress.
+"""The note that loops were compiled by Numba, once on a machine.
 
 A note beside what was compiled tells for which versions; who changes a loop compiles it anew when
 it is first run.
@@ -8,14 +8,11 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
 import pointbrush
 from pointbrush.sequences.files import replace_file
-
-Report = Callable[[float, str], None]
 
 PACKAGE = Path(pointbrush.__file__).parent
 NOTE = "pointbrush-loops.txt"
@@ -28,18 +25,6 @@ def are_compiled() -> bool:
         return note is None or note.read_text(encoding="utf-8") == _stamp()
     except (OSError, ValueError):
         return False
-
-
-def compile_loops(report: Report) -> None:
-    """Compile the loops, unless that was done; ``report`` gets shares of 1 and a message."""
-    if are_compiled():
-        return
-    from pointbrush.work.prepare import STEPS  # imports all that has loops
-
-    for number, (name, step) in enumerate(STEPS):
-        report(number / len(STEPS), f"compiling loops, once on this machine: {name}")
-        step()
-    note_compiled()
 
 
 def note_compiled() -> None:

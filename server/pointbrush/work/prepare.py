@@ -5,6 +5,7 @@ python -m pointbrush.work.prepare
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -19,12 +20,16 @@ from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
 from pointbrush.selection.objects import prepare as prepare_objects
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.octree.coordinates import PACKED, Coordinates
+from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.octree.grid import GridChooser
+from pointbrush.sequences.octree.packed import PACKED
 from pointbrush.sequences.octree.rows import Part
 from pointbrush.sequences.octree.segment import encode_cube
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.work.compiling import note_compiled
+from pointbrush.work.compiling import are_compiled, note_compiled
+
+Report = Callable[[float, str], None]
+"""Gets the share of 1 that is done, and a message."""
 
 FRAMES = 5
 """Frames of a juggler and their pins: seconds of work in which nearly every loop has its turn."""
@@ -147,6 +152,16 @@ STEPS = (
     ("tracking of things", track_things),
     ("tracking by ICP", track_by_paper),
 )
+
+
+def compile_loops(report: Report) -> None:
+    """Compile the loops, unless that was done; ``report`` gets shares of 1 and a message."""
+    if are_compiled():
+        return
+    for number, (name, step) in enumerate(STEPS):
+        report(number / len(STEPS), f"compiling loops, once on this machine: {name}")
+        step()
+    note_compiled()
 
 
 if __name__ == "__main__":

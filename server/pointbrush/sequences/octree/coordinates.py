@@ -1,16 +1,8 @@
-"""Coordinates of an octree's points, packed so that they come back as the source had them.
-
-The points of a block lie close together: each axis is kept as differences to its least value, in
-as many bits as the greatest one takes.  Values are whole numbers where these give the source's
-floats bit for bit: as ``whole × scale + offset`` of a LAS file, or as decimals of a text.
-Elsewhere they are the floats' bit patterns in the order of the floats.  A block begins with a word
-of 64 bits; its points follow one another, x, y, z, lowest bits first.
-"""
+"""Coordinates of an octree's points: packed so that they come back as the source had them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -18,13 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
+from pointbrush.sequences.octree.packed import PACKED, WIDTH, Packed
 
-WIDTH = 127
-"""Part of a block's byte for an axis that counts the bits of a value."""
-FLOATS = 128
-"""The rest of it: values are bit patterns of floats, not whole numbers."""
-PACKED = ("coordinates", "block_base", "block_bits")
-"""Names of the arrays of a frame that are a ``Packed``."""
 _WORD_BITS = 64
 _SAMPLE = 4096
 """Points of which it is told whether coordinates are decimals."""
@@ -34,15 +21,6 @@ _MOST_WORDS = 3
 """Words of a point whose coordinates have all their bits."""
 
 Which = slice | NDArray[np.integer[Any]]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Packed:
-    """Coordinates of blocks: ``words`` (W,), and ``base`` and ``bits`` (B, 3) of each block."""
-
-    words: NDArray[np.uint64]
-    base: NDArray[np.int64]
-    bits: NDArray[np.uint8]
 
 
 def scaling_of(frame: PointFrame) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
-from pointbrush.sequences.octree.coordinates import FLOATS, WIDTH
+from pointbrush.sequences.octree.packed import FLOATS, WIDTH
 
 _MOST_WHOLE = 2.0**52
 

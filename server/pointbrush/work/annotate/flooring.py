@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
 from pointbrush.selection import Points, Stroke, first_hits, fit_plane
-from pointbrush.selection.ray import Alive
+from pointbrush.selection.points import Alive
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import Seen, frame_points

@@ -9,7 +9,7 @@ from pointbrush.labels import View
 from pointbrush.labels.types import PAINTED, FrameValues
 from pointbrush.ranges import by_block
 from pointbrush.selection import Points, PointSet, Stroke
-from pointbrush.selection.ray import Alive
+from pointbrush.selection.points import Alive
 from pointbrush.selection.selecting import Layer
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording

@@ -20,7 +20,7 @@ from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import FrameValues, LabelStore
 from pointbrush.selection import Points, Stroke, first_hits
 from pointbrush.selection.box import clipped
-from pointbrush.selection.ray import Alive
+from pointbrush.selection.points import Alive
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import Seen, frame_points
 from pointbrush.work.events import Prepared

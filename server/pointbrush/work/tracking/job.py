@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -24,7 +24,7 @@ from pointbrush.tracking import (
     TrackState,
 )
 from pointbrush.tracking.permissions import FEWEST
-from pointbrush.work.compiling import compile_loops
+from pointbrush.work.compiling import are_compiled
 from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.worker import Channel
 
@@ -54,7 +54,7 @@ class TrackingWork:
     def __call__(self, channel: Channel) -> None:
         """Track frame by frame from ``start`` to ``stop``, either way."""
         if self.method == "auto":  # the others have few loops, which are compiled as they are met
-            compile_loops(lambda _, message: channel.progress(0.0, message))
+            _compile(lambda message: channel.progress(0.0, message))
         recording = open_sequence(self.files)
         store = LabelStore(self.database)
         try:
@@ -177,8 +177,16 @@ def require_method(method: str) -> None:
 
 def load_default_method() -> None:
     """Compile and import what a run needs: a worker's first run would wait for it."""
-    compile_loops(lambda _share, _message: None)
+    _compile(lambda _message: None)
     METHODS["auto"]()
+
+
+def _compile(report: Callable[[str], None]) -> None:
+    """Compile the loops of a run, unless that was done; ``report`` gets a message at each step."""
+    if not are_compiled():
+        from pointbrush.work.prepare import compile_loops  # imports all that has loops
+
+        compile_loops(lambda _share, message: report(message))
 
 
 @dataclass
