@@ -12,6 +12,7 @@ from waiting import eventually
 
 from pointbrush.errors import LockedLabelError, UnavailableError
 from pointbrush.labels import Commit, LabelStore, Write, journal
+from pointbrush.labels.state import SequenceState
 
 SEQUENCE = "juggling"
 
@@ -21,6 +22,11 @@ def paint(store: LabelStore, edit: str, label: int) -> Commit:
     return store.apply(
         SEQUENCE, edit_id=edit, author=edit, kind="paint", writes=writes, summary=edit
     )
+
+
+def queued(store: LabelStore, state: SequenceState) -> int:
+    """Edits that wait for a recording's lock."""
+    return len(store._writer._waiting.get(state, ()))
 
 
 def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
@@ -34,7 +40,7 @@ def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
             before, waiting = state.revision, []
             for number, (edit, label) in enumerate(edits, start=1):
                 waiting.append(threads.submit(paint, store, edit, label))
-                eventually(lambda number=number: len(state.waiting) == number)
+                eventually(lambda number=number: queued(store, state) == number)
         with pytest.raises(LockedLabelError):
             waiting.pop(1).result()
         done = [one.result() for one in waiting]
@@ -62,7 +68,7 @@ def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
             before, waiting = state.revision, []
             for number, edit in enumerate(("a", "bb"), start=1):
                 waiting.append(threads.submit(paint, store, edit, 1))
-                eventually(lambda number=number: len(state.waiting) == number)
+                eventually(lambda number=number: queued(store, state) == number)
         for one in waiting:
             with pytest.raises(UnavailableError):
                 one.result()

@@ -16,9 +16,7 @@ from pointbrush.errors import NotFoundError, UnavailableError
 from pointbrush.labels import journal
 from pointbrush.labels.blocks import BlockCache
 from pointbrush.labels.database import Database
-from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import deltas_of, labels_in
-from pointbrush.labels.journal import Entry
 from pointbrush.labels.notify import Outbox, Watcher
 from pointbrush.labels.state import (
     LOOK,
@@ -31,7 +29,6 @@ from pointbrush.labels.state import (
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Commit
 from pointbrush.labels.upkeep import Upkeep
-from pointbrush.labels.writer import Request, Writer
 
 log = logging.getLogger(__name__)
 
@@ -60,7 +57,6 @@ class Sessions:
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)
-        self.writer = Writer(database, self)
 
     def close(self) -> None:
         """End the threads."""
@@ -76,7 +72,7 @@ class Sessions:
         ``look``: ask the database whether there is a newer one; else what is known will do.
         Raises NotFoundError, UnavailableError.
         """
-        state = self._state(sequence)
+        state = self.state(sequence)
         try:
             with state.lock:
                 if look or state.stale:
@@ -91,7 +87,7 @@ class Sessions:
 
     def look_for(self, sequence: str, edit_id: str) -> Commit | None:
         """The commit of an edit by its id, ``repeated``, or None; looks at the newest revision."""
-        state = self._state(sequence)
+        state = self.state(sequence)
         row = self._database.look(LOOK_FOR, {"sequence_id": state.id, "edit_id": edit_id})
         if row is not None and row.edit is None:
             with state.lock:
@@ -105,7 +101,7 @@ class Sessions:
     @contextlib.contextmanager
     def reading(self, sequence: str) -> Iterator[tuple[Connection, SequenceState]]:
         """The sequence at its newest revision; raises NotFoundError, UnavailableError."""
-        state = self._state(sequence)
+        state = self.state(sequence)
         try:
             with state.lock, self._database.read() as connection:
                 self.refresh(connection, state, find_revision(connection, state.id))
@@ -119,7 +115,7 @@ class Sessions:
         make: Callable[[Connection, SequenceState], tuple[list[str], list[str]]],
     ) -> tuple[list[str], list[str]]:
         """Have ``make`` write what is derived from the journal, and read everything anew."""
-        state = self._state(sequence)
+        state = self.state(sequence)
         with state.lock, self._database.write() as connection:
             self.refresh(connection, state, find_revision(connection, state.id, lock=True))
             state.forget_blocks()
@@ -185,7 +181,8 @@ class Sessions:
         with self._database.read() as connection:
             return revisions(connection)
 
-    def _state(self, sequence: str) -> SequenceState:
+    def state(self, sequence: str) -> SequenceState:
+        """The sequence's state in memory, read when it is asked for first; NotFoundError."""
         state = self._states.get(sequence)
         if state is not None:
             return state
@@ -258,30 +255,6 @@ class Sessions:
         first = after if revision - after <= GAP else revision - 1
         rows = journal.rows_since(connection, state.number, first, GAP)
         return [self.load(connection, state, row) for row in rows]
-
-    # ── writing ──────────────────────────────────────────────────────────────────────────
-
-    def commit(
-        self,
-        sequence: str,
-        edit_id: str,
-        plan: Callable[[Draft], Entry],
-        identity: str | None = None,
-        *,
-        alone: bool = True,
-    ) -> Commit:
-        """Make what ``plan`` drafts the sequence's next revision, durable when this returns.
-
-        An ``edit_id`` that is there already gives its commit again.  ``identity``: of the import
-        that the edit was made for.  ``alone``: the plan writes to the database itself.  Any error
-        of ``plan``, NotFoundError for another import, and UnavailableError, leave everything as it
-        was.
-        """
-        state = self._state(sequence)
-        try:
-            return self.writer.commit(state, Request(edit_id, plan, identity, alone))
-        finally:
-            self.outbox.drain()
 
     # ── from the journal ─────────────────────────────────────────────────────────────────
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import threading
 import zlib
-from collections import deque
 from collections.abc import Container, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +35,6 @@ from pointbrush.labels.schema import (
 from pointbrush.labels.statements import Statement
 from pointbrush.labels.types import Cell, Label
 
-if TYPE_CHECKING:
-    from pointbrush.labels.writer import Request
-
 Count = tuple[int, int, int]
 """Points, painted ones among them (both without deleted points), and all that hold the label."""
 FrameLabel = tuple[int, int]
@@ -56,8 +52,6 @@ class SequenceState:
 
     def __init__(self, connection: Connection, row: Row[Any], blocks: BlockCache) -> None:
         self.lock = threading.RLock()
-        self.waiting: deque[Request] = deque()
-        """Edits to be committed next; used without the lock."""
         self.stale = False
         """Memory has what the database may not: it must be read anew."""
         self.palette: dict[int, Label] = {}

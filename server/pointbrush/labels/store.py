@@ -25,7 +25,7 @@ from pointbrush.labels.signing_keys import SigningKeys
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label
-from pointbrush.labels.writer import require_import
+from pointbrush.labels.writer import Writer, require_import
 
 
 class LabelStore:
@@ -50,6 +50,7 @@ class LabelStore:
         except BaseException:
             self._database.close()
             raise
+        self._writer = Writer(self._database, self._sessions)
         self.tokens = Tokens(self._database)
         self.accounts = Accounts(self._database)
         self.sign_ins = SignIns(self._database)
@@ -169,7 +170,7 @@ class LabelStore:
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
         plan = plans.create(entry, number, fields, distinct)
-        commit = self._sessions.commit(sequence, entry.id, plan)
+        commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # without another look at a database that may have gone away meanwhile
             return commit.label, commit
         with self._sessions.reading(sequence) as (connection, state):
@@ -188,7 +189,7 @@ class LabelStore:
         given = palette.check_fields(fields)
         entry = new_entry(edit_id, author, "label", "change a label")
         plan = plans.change(entry, label_id, given)
-        commit = self._sessions.commit(sequence, entry.id, plan)
+        commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # and not the palette of now, from which it may be gone already
             return commit.label, commit
         with self._sessions.knowing(sequence) as state:
@@ -205,7 +206,7 @@ class LabelStore:
         if len(set(numbers)) < len(numbers):
             raise BadInputError("order: expected each label once, got one of them twice")
         entry = new_entry(edit_id, author, "label", "arrange labels")
-        return self._sessions.commit(sequence, entry.id, plans.arrange(entry, numbers))
+        return self._writer.commit(sequence, entry.id, plans.arrange(entry, numbers))
 
     def delete_label(
         self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None
@@ -215,7 +216,7 @@ class LabelStore:
         Raises LockedLabelError.
         """
         entry = new_entry(edit_id, author, "label", "delete a label")
-        return self._sessions.commit(sequence, entry.id, plans.remove(entry, label_id))
+        return self._writer.commit(sequence, entry.id, plans.remove(entry, label_id))
 
     def merge_labels(
         self,
@@ -235,7 +236,7 @@ class LabelStore:
                 f"labels: expected other labels than {label_id}, each once, got {list(others)[:20]}"
             )
         entry = new_entry(edit_id, author, "label", "merge labels")
-        return self._sessions.commit(sequence, entry.id, plans.merge(entry, label_id, others))
+        return self._writer.commit(sequence, entry.id, plans.merge(entry, label_id, others))
 
     # ── points ───────────────────────────────────────────────────────────────────────────
 
@@ -304,7 +305,7 @@ class LabelStore:
         """
         entry = new_entry(edit_id, author, kind, summary)
         plan = plans.write(entry, writes, plans.check_tracks(tracks or ()), if_match)
-        return self._sessions.commit(sequence, entry.id, plan, identity, alone=False)
+        return self._writer.commit(sequence, entry.id, plan, identity, alone=False)
 
     # ── history ──────────────────────────────────────────────────────────────────────────
 
@@ -314,7 +315,7 @@ class LabelStore:
         Raises ConflictError when there is none, LockedLabelError.
         """
         entry = new_entry(edit_id, author, "undo", "undo")
-        return self._sessions.commit(sequence, entry.id, plans.take_back(entry))
+        return self._writer.commit(sequence, entry.id, plans.take_back(entry))
 
     def redo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
         """Put the edit of the author's last undo back where it was; a new edit ends that.
@@ -322,7 +323,7 @@ class LabelStore:
         Raises ConflictError when there is none, LockedLabelError.
         """
         entry = new_entry(edit_id, author, "redo", "redo")
-        return self._sessions.commit(sequence, entry.id, plans.bring_back(entry))
+        return self._writer.commit(sequence, entry.id, plans.bring_back(entry))
 
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
         """Return the edits that the author's undo, and redo, would take."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
 
@@ -18,13 +20,11 @@ from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import Effect, effect_of
 from pointbrush.labels.journal import Entry
 from pointbrush.labels.packing import States
+from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LOCK, SequenceState, cell_of
 from pointbrush.labels.statements import begin, commit, driver_of, together
 from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
-
-if TYPE_CHECKING:
-    from pointbrush.labels.sessions import Sessions
 
 TOGETHER = 32
 """Edits of one transaction at most."""
@@ -58,20 +58,46 @@ class Writer:
 
     def __init__(self, database: Database, sessions: Sessions) -> None:
         self._database, self._sessions = database, sessions
+        self._waiting: WeakKeyDictionary[SequenceState, deque[Request]] = WeakKeyDictionary()
+        self._opening = threading.Lock()
 
-    def commit(self, state: SequenceState, request: Request) -> Commit:
-        """Make a request's edit durable, with what waits beside it; raises what it came to.
+    def commit(
+        self,
+        sequence: str,
+        edit_id: str,
+        plan: Callable[[Draft], Entry],
+        identity: str | None = None,
+        *,
+        alone: bool = True,
+    ) -> Commit:
+        """Make what ``plan`` drafts the sequence's next revision, durable when this returns.
 
-        Whoever has the lock writes for all who wait: one transaction, one wait for the disk.
+        An ``edit_id`` that is there already gives its commit again.  ``identity`` and ``alone`` as
+        of ``Request``.  Any error of ``plan``, NotFoundError for another import, and
+        UnavailableError, leave everything as it was.
         """
-        state.waiting.append(request)
-        with state.lock:
-            while not request.done:
-                self._commit_all(state, _batch(state))
+        state = self._sessions.state(sequence)
+        request = Request(edit_id, plan, identity, alone)
+        try:
+            self._commit(state, request)
+        finally:
+            self._sessions.outbox.drain()
         if request.error is not None:
             raise request.error
         assert request.commit is not None  # noqa: S101 – done
         return request.commit
+
+    def _commit(self, state: SequenceState, request: Request) -> None:
+        """Commit a request, with what waits beside it.
+
+        Whoever has the lock writes for all who wait: one transaction, one wait for the disk.
+        """
+        with self._opening:
+            waiting = self._waiting.setdefault(state, deque())
+        waiting.append(request)
+        with state.lock:
+            while not request.done:
+                self._commit_all(state, _batch(waiting))
 
     def _commit_all(self, state: SequenceState, batch: list[Request]) -> None:
         """Commit a batch; an error of the database is everybody's, and nothing has changed."""
@@ -230,9 +256,8 @@ def require_import(state: SequenceState, identity: str | None) -> None:
         )
 
 
-def _batch(state: SequenceState) -> list[Request]:
+def _batch(waiting: deque[Request]) -> list[Request]:
     """The requests to commit next: one alone, or those that can be together."""
-    waiting = state.waiting
     batch = [waiting.popleft()]
     while not batch[0].alone and waiting and not waiting[0].alone and len(batch) < TOGETHER:
         batch.append(waiting.popleft())
