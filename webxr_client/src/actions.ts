@@ -3,7 +3,7 @@
  * (`bindActions`); before it does, they do nothing.
  */
 import type { Bookmark } from './engine/bookmarks';
-import type { BrushShape, Tool, ViewSettings } from './state';
+import type { BrushShape, ChosenFile, ImportOptions, Tool, ViewSettings } from './state';
 import type { PointerSample } from './tools/path';
 
 export interface LabelPatch {
@@ -28,27 +28,6 @@ export interface TrackRequest {
   readonly until_painted?: boolean;
   /** End at the first frame that a person should look at. */
   readonly stop_unsure?: boolean;
-}
-
-/** A file, and where it lies below the folder that was chosen or dropped ("/" between names). */
-export interface ChosenFile {
-  readonly file: File;
-  readonly path: string;
-}
-
-/** Corrections of a person to files, by the names of the server's options. */
-export interface ImportOptions {
-  readonly name?: string;
-  readonly fps?: number;
-  readonly format?: string;
-  readonly columns?: string;
-  readonly delimiter?: string;
-  readonly decimal_comma?: boolean;
-  readonly scale?: number;
-  readonly up?: string;
-  readonly topic?: string;
-  readonly poses?: string;
-  readonly drop_invalid?: boolean;
 }
 
 export type ViewPreset = 'sensor' | 'top' | 'front' | 'left' | 'right' | 'fit';

@@ -6,6 +6,7 @@
  * Read with `.value` in components (they re-render), with `peek` (`watch.ts`) in render loops.
  */
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
+import type { Shown } from './cloud/frame';
 import type { Job, Label, SequenceInfo } from './protocol/messages';
 import type {
   Connection,
@@ -13,7 +14,6 @@ import type {
   Person,
   SequenceSummary,
   DeletedSequence,
-  Shown,
   LoadedRange,
   TimelineTable,
   StrokeTool,

@@ -1,19 +1,11 @@
 /** Types of the store's values: `state.ts` has the signals. */
-import type { ChosenFile, ImportOptions } from './actions';
+import type { Unsent } from './net/wire';
 import type { Welcome } from './protocol/messages';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
 
 /** `refused`: wrong token, page older than the server, … — trying again will not help. */
 export type ConnectionState = 'connecting' | 'online' | 'offline' | 'refused';
-
-/** A stroke that waits in this browser. */
-export interface Unsent {
-  readonly frame: number;
-  readonly tool: string;
-  /** 0 unless it paints. */
-  readonly label: number;
-}
 
 export interface Connection {
   readonly state: ConnectionState;
@@ -78,14 +70,6 @@ export interface DeletedSequence {
   /** ISO 8601: when it was deleted, and until when it is kept. */
   readonly deleted: string;
   readonly until: string;
-}
-
-/** View of what is on screen now. */
-export interface Shown {
-  readonly frame: number;
-  /** Points loaded of `total`; fewer while the frame still sharpens. */
-  readonly points: number;
-  readonly total: number;
 }
 
 /** Frames [first, last] in the page's cache; `complete`: with all their points. */
@@ -273,6 +257,27 @@ export interface LabelsFound {
   readonly unknown_classes: readonly number[];
   readonly unmatched_frames: readonly number[];
   readonly unmatched_files: readonly string[];
+}
+
+/** A file, and where it lies below the folder that was chosen or dropped ("/" between names). */
+export interface ChosenFile {
+  readonly file: File;
+  readonly path: string;
+}
+
+/** Corrections of a person to files, by the names of the server's options. */
+export interface ImportOptions {
+  readonly name?: string;
+  readonly fps?: number;
+  readonly format?: string;
+  readonly columns?: string;
+  readonly delimiter?: string;
+  readonly decimal_comma?: boolean;
+  readonly scale?: number;
+  readonly up?: string;
+  readonly topic?: string;
+  readonly poses?: string;
+  readonly drop_invalid?: boolean;
 }
 
 /** Files on their way in: chosen here (and sent, `upload`), or a path of the server's machine. */

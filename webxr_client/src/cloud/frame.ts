@@ -1,9 +1,16 @@
 /** A frame of points in the page's memory, and the label of each point. */
 import type { LabelUpdate } from '../net/wire';
-import type { Shown } from '../state';
 import { STRIDE, type Segment, type SegmentChunk } from '../net/segment';
 import { merged, sorted, type Overlay } from './overlay';
 import { applyDelta, applyRuns, lowerBound, type Piece } from './piece';
+
+/** View of what is on screen now. */
+export interface Shown {
+  readonly frame: number;
+  /** Points loaded of `total`; fewer while the frame still sharpens. */
+  readonly points: number;
+  readonly total: number;
+}
 
 export class CloudFrame {
   readonly pieces: Piece[] = [];

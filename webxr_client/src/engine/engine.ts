@@ -2,7 +2,7 @@
 import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
 import { layers } from '../accumulation';
 import { clip } from '../clip';
-import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
+import { ALL_POINTS, type CloudFrame, type Shown } from '../cloud/frame';
 import type { Vec } from '../cloud/pick';
 import { Viewer } from '../cloud/viewer';
 import { DeskCamera } from '../desktop/camera';
@@ -15,7 +15,7 @@ import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush, ClientMessage } from '../protocol/messages';
-import { activeLabel as active, canEdit, dismiss, isActive, state, type Shown } from '../state';
+import { activeLabel as active, canEdit, dismiss, isActive, state } from '../state';
 import { hiddenHere, seenIn } from '../tools/seen';
 import { AheadPreview } from '../tools/preview';
 import { brushNow } from '../tools/brush';

@@ -1,12 +1,14 @@
 /** Files that come in: what they are is shown first, can be corrected, and then they are taken. */
-import type { Actions, ChosenFile, ImportOptions } from '../actions';
+import type { Actions } from '../actions';
 import { api, ApiError, upload } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import {
   isActive,
   notify,
   state,
+  type ChosenFile,
   type ImportDraft,
+  type ImportOptions,
   type ImportPreview,
   type LabelsFound,
 } from '../state';

@@ -1,10 +1,17 @@
 /** Recordings: the list, export, change, delete. */
 import { signal } from '@preact/signals';
-import { actions, type Actions, type ChosenFile } from '../actions';
+import { actions, type Actions } from '../actions';
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError } from '../net/rest';
 import type { Job } from '../protocol/messages';
-import { notify, state, type DeletedSequence, type SequenceSummary, type Upload } from '../state';
+import {
+  notify,
+  state,
+  type ChosenFile,
+  type DeletedSequence,
+  type SequenceSummary,
+  type Upload,
+} from '../state';
 
 type RecordingActions = Pick<
   Actions,

@@ -12,8 +12,7 @@ import type {
   Track,
   Undo,
 } from '../protocol/messages';
-
-import type { Unsent } from '../store-types';
+import type { Unsent } from './wire';
 
 export type Edit = StrokeBegin | StrokeSamples | StrokeEnd | Undo | Redo | Track;
 

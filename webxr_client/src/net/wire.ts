@@ -1,6 +1,5 @@
 /** Messages between the page, the socket's worker and the decoder. */
 import type { ClientMessage, Depth, Frame, Open, ServerMessage } from '../protocol/messages';
-import type { Unsent } from '../store-types';
 import type { Segment } from './segment';
 
 export type ToWorker =
@@ -25,6 +24,14 @@ export type FromPage =
 /** Pace of the page: points of a frame that it can show in time, or null. */
 export interface Pace {
   readonly points: number | null;
+}
+
+/** A stroke that waits in this browser. */
+export interface Unsent {
+  readonly frame: number;
+  readonly tool: string;
+  /** 0 unless it paints. */
+  readonly label: number;
 }
 
 export type LinkState = 'connecting' | 'online' | 'offline' | 'refused';

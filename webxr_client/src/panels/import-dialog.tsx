@@ -1,8 +1,14 @@
 /** Between a drop and an import: what was found, and what a person says it is. */
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
-import { actions, type ImportOptions } from '../actions';
-import { state, type ImportDraft, type ImportPreview, type LabelsFound } from '../state';
+import { actions } from '../actions';
+import {
+  state,
+  type ImportDraft,
+  type ImportOptions,
+  type ImportPreview,
+  type LabelsFound,
+} from '../state';
 import { Button, Check } from './controls';
 import { plural } from './format';
 import { Icon } from './icons';

@@ -1,6 +1,7 @@
 /** Choosing files to import: by the browser's dialog or by dropping them on the page. */
 import { signal } from '@preact/signals';
-import { actions, type ChosenFile } from '../actions';
+import { actions } from '../actions';
+import type { ChosenFile } from '../state';
 
 /** Files are held over the page. */
 export const dropping = signal(false);
