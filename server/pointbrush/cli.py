@@ -196,6 +196,11 @@ def parser() -> argparse.ArgumentParser:
         "--table", choices=("frames", "labels", "people"), default="frames", help="of a .csv"
     )
 
+    headset_ = _command(
+        commands, "headset-report", "say what a file of the page /check-headset tells of a headset"
+    )
+    headset_.add_argument("file", type=Path, metavar="FILE", help="downloaded from that page")
+
     backup_ = _command(commands, "backup", "copy a workspace, also one that is in use")
     backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
 

@@ -227,6 +227,14 @@ def report(given: argparse.Namespace, settings: Settings) -> None:
     print(f"wrote {given.out}")
 
 
+def headset_report(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001
+    """Print what a report of a headset tells."""
+    from pointbrush.headset_report.model import read_report
+    from pointbrush.headset_report.words import report_lines
+
+    print(*report_lines(read_report(given.file)), sep="\n")
+
+
 def backup(given: argparse.Namespace, settings: Settings) -> None:
     """Copy recordings and labels into a new folder."""
     with closing(Workspace(settings)) as workspace:

@@ -134,11 +134,14 @@ class Headset(Desk):
         self.frames()
 
     def trigger(self, value: float, hand: str = "right") -> None:
-        if self.bare:
-            self.ask(f"device.hands.{hand}.updatePinchValue({value})")
-        else:
-            self.ask(f"device.controllers.{hand}.updateButtonValue('trigger', {value})")
+        self.ask(self.pressing(value, hand))
         self.frames()
+
+    def pressing(self, value: float, hand: str = "right") -> str:
+        """Return the expression that presses the trigger, or pinches."""
+        if self.bare:
+            return f"device.hands.{hand}.updatePinchValue({value})"
+        return f"device.controllers.{hand}.updateButtonValue('trigger', {value})"
 
     def lay_down_controllers(self) -> None:
         """Go on with bare hands."""

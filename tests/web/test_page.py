@@ -9,6 +9,7 @@ import httpx
 import pytest
 
 from pointbrush.web import page
+from tests.serving import Served
 
 SCRIPT = b"console.log('points');\n" * 100
 
@@ -71,3 +72,13 @@ def test_a_browser_with_a_wrong_token_gets_the_page_that_says_so(
         plain = anyone.get("/?token=wrong", headers={"Accept": accept})
         assert plain.status_code == 401
         assert plain.headers["content-type"] == "application/problem+json"
+
+
+def test_the_check_of_a_headset_is_the_page_at_an_address_of_its_own(
+    anyone: httpx.Client, served: Served, built: Path
+) -> None:
+    assert anyone.get("/check-headset").text == "<!doctype html>"
+    answer = anyone.get(f"/check-headset?token={served.token}&sequence=wall")
+    assert answer.status_code == 303
+    assert answer.headers["location"] == "/check-headset?sequence=wall"
+    assert "set-cookie" in answer.headers

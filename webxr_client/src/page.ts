@@ -1,4 +1,5 @@
 /** Wiring only. */
+import { checking } from './checking/mode';
 import { installCameras } from './cameras/strip';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
@@ -29,7 +30,10 @@ export function startPage(early: Early): void {
     mountReview();
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');
-    installHeadset(engine, overlays);
+    const headset = installHeadset(engine, overlays);
+    if (!checking) return;
+    const { installCheck } = await import('./checking/index');
+    installCheck(engine, headset);
   });
 }
 

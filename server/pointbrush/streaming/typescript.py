@@ -1,4 +1,4 @@
-"""Writes the page's message types from the models, so that the two never drift apart.
+"""Writes the page's types of messages and reports from the models: the two never drift apart.
 
 ``python -m pointbrush.streaming.typescript --write`` writes ``webxr_client/src/protocol/
 messages.ts``; ``--check`` fails when the file is stale.
@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.streaming.schema import client_schema, schema_hash, server_schema
 
 TARGET = Path(__file__).parents[3] / "webxr_client" / "src" / "protocol" / "messages.ts"
@@ -23,9 +24,10 @@ Schema = dict[str, Any]
 
 def generate() -> str:
     """The whole TypeScript module, ending in a newline."""
-    client, server = client_schema(), server_schema()
+    client, server, report = client_schema(), server_schema(), HeadsetReport.model_json_schema()
     parts = [
-        f"// Generated from server/pointbrush/streaming/messages/ by `{WRITE}`.\n"
+        "// Generated from streaming/messages/ and headset_report/ of server/pointbrush by\n"
+        f"// `{WRITE}`.\n"
         "// Do not edit: a stale file fails the tests.\n",
         f"export const SCHEMA_HASH = '{schema_hash()}';\n"
         "export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;\n",
@@ -36,6 +38,8 @@ def generate() -> str:
             if name not in written:
                 parts.append(interface(name, definition, complete=complete))
                 written.add(name)
+    for name, definition in sorted((report["$defs"] | {"HeadsetReport": report}).items()):
+        parts.append(interface(name, definition, complete=True))
     parts.append(union("ClientMessage", client))
     parts.append(union("ServerMessage", server))
     return "\n".join(parts)

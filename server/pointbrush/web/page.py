@@ -1,4 +1,4 @@
-"""The built page at ``/``, and the exchange of a URL token for the page's cookie."""
+"""The built page at ``/`` and ``/check-headset``, and the exchange of a token for its cookie."""
 
 from __future__ import annotations
 
@@ -31,8 +31,11 @@ mimetypes.add_type("application/wasm", ".wasm")
 
 
 @router.get("/")
+@router.get("/check-headset")
 def index(request: Request, token: str | None = None) -> Response:
     """The page; a ``token`` in the URL becomes a cookie and leaves the address bar.
+
+    Its script knows by the address whether a headset is to be checked.
 
     A browser that brings a wrong token gets the page all the same, with the refusal's status: the
     token is left in its address, by which the page knows and says so.
@@ -76,7 +79,7 @@ def exchange(request: Request, token: str) -> Response:
     gate: Gate = request.app.state.gate
     _, cookies = gate.sign_in(token, request)
     clean = URL(str(request.url)).remove_query_params("token")
-    target = "/" + (f"?{clean.query}" if clean.query else "")
+    target = clean.path + (f"?{clean.query}" if clean.query else "")
     response = RedirectResponse(target, status_code=303)
     for cookie in cookies:
         set_cookie(request, response, cookie)

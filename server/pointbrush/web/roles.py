@@ -22,6 +22,7 @@ OPEN = frozenset({
     ("GET", "/trust/address.svg"),
     ("GET", "/trust/authority.crt"),
     ("GET", "/"),
+    ("GET", "/check-headset"),
     ("GET", "/{path:asset}"),
 })  # fmt: skip
 """Calls that need no token: signing in, and what is no secret."""

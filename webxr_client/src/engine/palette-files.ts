@@ -1,6 +1,7 @@
 /** Palettes from templates and files, and as a file; the order of the palette. */
 import { signal } from '@preact/signals';
 import type { Actions } from '../actions';
+import { saveFile } from '../net/files';
 import { api } from '../net/rest';
 import { notify, state } from '../state';
 import { attempt, sequencePath } from './recordings';
@@ -13,9 +14,6 @@ export interface Template {
 
 /** Palettes of well-known datasets; filled by `actions.loadTemplates`. */
 export const templates = signal<readonly Template[]>([]);
-
-/** A download has begun by then. */
-const REVOKE_MS = 10_000;
 
 interface PaletteFile {
   readonly labels: readonly unknown[];
@@ -73,12 +71,7 @@ function pick(): void {
 
 async function save(): Promise<void> {
   const palette = await api('GET', `${base()}/palette`);
-  const blob = new Blob([JSON.stringify(palette, null, 2)], { type: 'application/json' });
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(blob);
-  link.download = `${state.sequence.peek()?.name ?? 'recording'} palette.json`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), REVOKE_MS);
+  saveFile(`${state.sequence.peek()?.name ?? 'recording'} palette.json`, palette);
 }
 
 /** Show the order at once; the server's palette replaces it, also when it refuses. */

@@ -3,6 +3,7 @@ import { computed } from '@preact/signals';
 import { createPortal } from 'preact/compat';
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { actions } from '../actions';
+import { checking } from '../checking/mode';
 import { canEdit, state } from '../state';
 import { follow, watch } from '../watch';
 import { Button } from './controls';
@@ -23,7 +24,8 @@ export function Tour() {
   useEffect(
     () =>
       follow(() => {
-        if (hasPicture.value && tourStep.peek() === null && tourIsNew()) beginTour();
+        const begins = hasPicture.value && tourStep.peek() === null && !checking;
+        if (begins && tourIsNew()) beginTour();
       }),
     [],
   );

@@ -1,4 +1,5 @@
-// Generated from server/pointbrush/streaming/messages/ by `python -m pointbrush.streaming.typescript --write`.
+// Generated from streaming/messages/ and headset_report/ of server/pointbrush by
+// `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
 export const SCHEMA_HASH = '2fcb4e840829';
@@ -492,6 +493,97 @@ export interface Welcome {
   role: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
   version: string;
   credits: number;
+}
+
+/** A feature that was asked for; ``granted`` is null where the browser does not tell. */
+export interface HeadsetFeature {
+  name: string;
+  granted: boolean | null;
+}
+
+/**
+ * An input source, with what was seen of it.
+ *
+ * ``kind`` and ``layout`` are what the page took it for, empty where it knows none; ``pressed``
+ * and ``leaned`` are numbers of buttons and axes; ``joints`` is null without a hand.
+ */
+export interface HeadsetInput {
+  side: 'left' | 'right' | 'none';
+  mode: string;
+  profiles: string[];
+  kind: string;
+  layout: string;
+  buttons: number;
+  axes: number;
+  pressed: number[];
+  leaned: number[];
+  joints: number | null;
+  pulses: 'hapticActuators' | 'vibrationActuator' | 'none';
+}
+
+/** The layer that is drawn into; ``foveation`` is null where the browser has none. */
+export interface HeadsetLayer {
+  kind: 'projection' | 'webgl';
+  width: number;
+  height: number;
+  views: number;
+  foveation: number | null;
+  depth_near: number;
+  depth_far: number;
+}
+
+/**
+ * Times between pictures while the recording played.
+ *
+ * ``told`` is the display's rate as the browser tells it, ``offered`` the rates that it can be
+ * asked for, ``found`` the rate that the times show; a picture is ``late`` when it misses a
+ * refresh, of the rate that is told if there is one.
+ */
+export interface HeadsetPictures {
+  told: number | null;
+  offered: number[];
+  found: number;
+  count: number;
+  median_ms: number;
+  p95_ms: number;
+  late: number;
+}
+
+/** The whole file; ``trouble`` is why no session began, ``session`` null as long as none did. */
+export interface HeadsetReport {
+  format: 'pointbrush headset report';
+  version: 1;
+  made: string;
+  pointbrush: string;
+  browser: string;
+  trouble: string;
+  session: HeadsetSession | null;
+  inputs: HeadsetInput[];
+  pictures: HeadsetPictures | null;
+  tasks: HeadsetTask[];
+}
+
+/** A session as it began; ``floor``: its space knows where the floor is. */
+export interface HeadsetSession {
+  mode: string;
+  blend: string;
+  floor: boolean;
+  features: HeadsetFeature[];
+  spaces: HeadsetSpace[];
+  layer: HeadsetLayer;
+}
+
+/** A reference space, and whether the session gives it. */
+export interface HeadsetSpace {
+  name: string;
+  given: boolean;
+}
+
+/** A thing to do; ``by_buttons``: a button or pad of a controller did it, not a panel. */
+export interface HeadsetTask {
+  name: 'play' | 'felt' | 'paint' | 'erase' | 'label' | 'undo' | 'step' | 'go';
+  verdict: 'works' | 'fails' | 'unknown';
+  by_buttons: boolean;
 }
 
 export type ClientMessage =

@@ -15,6 +15,7 @@ import { Hud } from './hud';
 import { followInterruptions } from './interruptions';
 import { Locomotion } from './locomotion';
 import { Painter } from './painter';
+import type { Panel } from './panel';
 import { Place } from './place';
 import type { Pointer } from './pointer';
 import { Pointers } from './pointers';
@@ -44,9 +45,9 @@ export class Cockpit {
   readonly panels: RoomPanels;
   /** Pictures since the session began, for tests. */
   frames = 0;
-  private readonly lessons = new Lessons();
+  readonly lessons = new Lessons();
+  readonly locomotion = new Locomotion(this.rig);
   private readonly place: Place;
-  private readonly locomotion = new Locomotion(this.rig);
   private readonly grab = new WorldGrab();
   private readonly buttons: Buttons;
   private readonly labelSwitch = new LabelSwitch();
@@ -71,7 +72,7 @@ export class Cockpit {
     private readonly session: XRSession,
     private readonly poses: Poses,
     /** Whether the headset knows where the floor is. */
-    private readonly floor: boolean,
+    readonly floor: boolean,
     readonly mode: XRSessionMode,
   ) {
     const { viewer } = engine;
@@ -107,6 +108,13 @@ export class Cockpit {
   /** The pointer that paints. */
   get brush(): Pointer | null {
     return this.pointers.brush;
+  }
+
+  /** Hang a panel of somebody else's beside those of the room. */
+  hang(panel: Panel): void {
+    this.panels.add(panel);
+    this.rig.group.add(panel.mesh);
+    this.parts.add((now) => panel.update(now));
   }
 
   private assemble(): void {

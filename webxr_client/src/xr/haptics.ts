@@ -121,6 +121,13 @@ export function pulse(gamepad: unknown, strength: number, milliseconds: number):
   }
 }
 
+/** The property by which a gamepad pulses. */
+export function pulsesBy(gamepad: unknown): 'hapticActuators' | 'vibrationActuator' | 'none' {
+  const vibrating = (gamepad ?? {}) as Vibrating;
+  if (vibrating.hapticActuators?.[0]) return 'hapticActuators';
+  return vibrating.vibrationActuator ? 'vibrationActuator' : 'none';
+}
+
 function start(gamepad: Vibrating, strength: number, duration: number): unknown {
   const actuator = gamepad.hapticActuators?.[0] ?? gamepad.vibrationActuator;
   const power = Math.min(1, Math.max(0, strength));

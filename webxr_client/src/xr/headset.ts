@@ -14,7 +14,7 @@ type Mode = 'immersive-vr' | 'immersive-ar';
 const FEATURES = ['local-floor', 'bounded-floor', 'layers'] as const;
 
 /** Features asked of a session: browsers may ask the person about hands, so only where they are wanted. */
-function wanted(): XRSessionInit {
+export function wanted(): XRSessionInit {
   const { hands } = peek(xrSettings);
   return { optionalFeatures: hands ? [...FEATURES, 'hand-tracking'] : [...FEATURES] };
 }

@@ -11,7 +11,7 @@ import type { People } from './people';
 import type { Side } from './settings';
 import { CAPITAL } from './sizes';
 
-type PanelName = 'palette' | 'timeline' | 'question';
+type PanelName = 'palette' | 'timeline' | 'question' | 'added';
 type Triple = [number, number, number];
 
 export function installHeadsetHook(
@@ -23,7 +23,7 @@ export function installHeadsetHook(
   const { viewer } = engine;
   const inRig = (place: Vector3): Triple =>
     headset.cockpit!.rig.group.worldToLocal(place.clone()).toArray();
-  const panel = (name: PanelName): Panel => headset.cockpit!.panels[name];
+  const panel = (name: PanelName): Panel => headset.cockpit!.panels[name]!;
   const onPanel = (name: PanelName, u: number, v: number, out: number): Vector3 => {
     const { mesh, size } = panel(name);
     mesh.updateWorldMatrix(true, false);

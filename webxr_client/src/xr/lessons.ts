@@ -1,4 +1,5 @@
 /** Lessons: each button's action in words, and its uses, since what is learnt needs no words. */
+import { Listeners } from '../listeners';
 import { chords, type Device } from './devices';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
@@ -63,9 +64,12 @@ function buttonNames(device: Device, side: 0 | 1): readonly [string, string] {
 
 /** Uses of each lesson; kept in the browser. */
 export class Lessons {
+  /** Told every use of a button. */
+  readonly uses = new Listeners<Lesson>();
   private readonly used = new Map<string, number>(load());
 
   done(lesson: Lesson): void {
+    this.uses.run(lesson);
     const times = (this.used.get(lesson) ?? 0) + 1;
     this.used.set(lesson, times);
     if (times > LEARNT) return;

@@ -49,6 +49,8 @@ export class Locomotion {
   private readonly arc = new Ribbon(SEGMENTS, { color: 0x5ea2ff, order: 70 });
   private readonly ring: Mesh<RingGeometry, MeshBasicMaterial>;
   private readonly vignette: Mesh<PlaneGeometry, RawShaderMaterial>;
+  /** Count of jumps, and of pictures of gliding. */
+  moves = 0;
   private aiming = false;
   private strength = 0;
   /** Milliseconds since one jumped. */
@@ -151,6 +153,7 @@ export class Locomotion {
       .normalize()
       .multiplyScalar(GLIDE * amount);
     this.rig.move(this.by);
+    this.moves += 1;
   }
 
   private teleport(hand: Pointer | null, y: number): void {
@@ -176,6 +179,7 @@ export class Locomotion {
   private go(): void {
     if (!this.valid) return;
     this.rig.moveTo(this.target);
+    this.moves += 1;
     this.sinceJump[0] = 0;
   }
 

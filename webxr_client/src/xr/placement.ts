@@ -21,6 +21,9 @@ export const PLACEMENT = {
   /** To the side of straight ahead, and below the eyes' height, where a palette without a hand hangs. */
   beside: 52 * DEGREE,
   besideBelow: 22 * DEGREE,
+  /** The same of another panel: above a palette that hangs there. */
+  above: 40 * DEGREE,
+  aboveBelow: -8 * DEGREE,
   /** As near to the eyes, and as far from them, as a carried panel comes. */
   nearest: 0.45,
   farthest: 3,
@@ -85,6 +88,11 @@ export class Placement {
   hangBeside(panel: Object3D, left: boolean): void {
     const side = left ? PLACEMENT.beside : -PLACEMENT.beside;
     this.hang(panel, side, PLACEMENT.besideBelow, BESIDE);
+  }
+
+  /** Hang another panel above the palette's place; `left`: on that side. */
+  hangAbove(panel: Object3D, left: boolean): void {
+    this.hang(panel, left ? PLACEMENT.above : -PLACEMENT.above, PLACEMENT.aboveBelow, FACING);
   }
 
   private hang(panel: Object3D, left: number, down: number, facing: Facing): void {

@@ -45,9 +45,11 @@ export class RoomPanels {
     togglePalette: () => (this.spot.putAway = !this.spot.putAway),
   });
   readonly question: QuestionPanel;
-  readonly all: readonly Panel[];
+  readonly all: Panel[];
   /** Panels that also the hand that holds the palette can point at. */
-  readonly far: readonly Panel[];
+  readonly far: Panel[];
+  /** A panel that is none of the room's own. */
+  added: Panel | null = null;
   private readonly placement: Placement;
   private readonly spot = new PaletteSpot();
   /** The palette hangs beside the timeline: it stays where it is. */
@@ -82,12 +84,20 @@ export class RoomPanels {
     for (const { mesh } of this.all) rig.add(mesh);
   }
 
+  /** Take in another panel, which hangs above the palette's place. */
+  add(panel: Panel): void {
+    this.added = panel;
+    this.all.push(panel);
+    this.far.push(panel);
+  }
+
   /** Lay the timeline before the person as they look now. */
   settle(): void {
     this.placement.face();
     this.carried = false;
     this.lies = timelineBelow(this.world.scale.x, roomWay());
     this.placement.layBefore(this.timeline.mesh, this.lies);
+    if (this.added) this.placement.hangAbove(this.added.mesh, xrSettings.peek().hand === 'right');
   }
 
   /** Another tool may need the view that the timeline is in, unless a person put it there. */

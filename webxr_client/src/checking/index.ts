@@ -1,0 +1,30 @@
+/** Checking a headset: the whole page as it is, with somebody who watches what happens in it. */
+import { h, render } from 'preact';
+import type { Engine } from '../engine/engine';
+import { state } from '../state';
+import { watch } from '../watch';
+import type { Headset } from '../xr/headset';
+import { CheckPage } from './page';
+import { makeLabels, openRecording } from './recording';
+import { Findings, noteActions, Round } from './round';
+
+export function installCheck(engine: Engine, headset: Headset): void {
+  const findings = new Findings();
+  noteActions();
+  openRecording();
+  makeLabels();
+  const place = document.createElement('div');
+  document.body.append(place);
+  render(h(CheckPage, { findings }), place);
+  let round: Round | null = null;
+  watch([state.xr], () => {
+    const session = engine.viewer.renderer.xr.getSession();
+    const { cockpit } = headset;
+    if (state.xr.peek().session === 'running' && session && cockpit) {
+      round ??= new Round(engine, cockpit, session, findings);
+      return;
+    }
+    round?.stop();
+    round = null;
+  });
+}

@@ -1,0 +1,65 @@
+/** The page beside a headset that is checked: what to do, what came of it, and the report. */
+import { useState } from 'preact/hooks';
+import { actions } from '../actions';
+import { Button } from '../panels/controls';
+import { Icon } from '../panels/icons';
+import { canEdit, state } from '../state';
+import { ready } from './recording';
+import { saveReport } from './report';
+import type { Findings } from './round';
+import { outcomeOf, TASKS } from './tasks';
+
+const WORDS = { works: 'works', fails: 'fails', unknown: 'not tried' } as const;
+
+export function CheckPage({ findings }: { findings: Findings }) {
+  const [closed, close] = useState(false);
+  const { session } = state.xr.value;
+  if (session === 'running' || closed) return null;
+  return (
+    <section class="check-headset" aria-labelledby="check-title">
+      <h2 id="check-title">Check this headset</h2>
+      <p class="soft">
+        Enter, and do what the panel to your side says: ten minutes. Then come back here and
+        download the report. It holds what the headset and its controllers can do, no points and no
+        names.
+      </p>
+      <ul>
+        {TASKS.map(({ name, title }) => (
+          <li key={name}>
+            <span>{title}</span>
+            <span class="soft">{WORDS[outcomeOf(name).verdict]}</span>
+          </li>
+        ))}
+      </ul>
+      <Trouble />
+      <footer>
+        <Button label="Close" onClick={() => close(true)} />
+        <span class="spacer" />
+        <Button label="Download the report" kind="outlined" onClick={() => saveReport(findings)} />
+        <Button
+          icon="headset"
+          label="Enter to check"
+          kind="primary"
+          disabled={!ready.value || state.xr.value.supported !== true || session !== 'none'}
+          onClick={() => void actions.enterVR()}
+        />
+      </footer>
+    </section>
+  );
+}
+
+/** Reasons why one cannot enter, or not do everything. */
+function Trouble() {
+  const { detail } = state.xr.value;
+  const none = state.sequences.value?.length === 0;
+  const words = [
+    detail,
+    none ? 'There is no recording yet: “pointbrush demo” makes the sample, or import one.' : '',
+    canEdit.value ? '' : 'This token may only look: painting cannot be checked with it.',
+  ].filter((each) => each !== '');
+  return words.map((each) => (
+    <p key={each} role="status">
+      <Icon name="warning" /> {each}
+    </p>
+  ));
+}

@@ -1,0 +1,39 @@
+/** The file that a check ends in. */
+import { saveFile } from '../net/files';
+import type { HeadsetReport } from '../protocol/messages';
+import { state } from '../state';
+import type { Lesson } from '../xr/lessons';
+import type { Findings } from './round';
+import { outcomeOf, TASKS } from './tasks';
+
+/** Lessons of buttons, by the task that they do. */
+const LESSONS = new Map<string, Lesson>(
+  TASKS.flatMap(({ name, lesson }) => (lesson ? [[name, lesson]] : [])),
+);
+
+export function reportOf({ session, inputs, pictures, buttons }: Findings): HeadsetReport {
+  const { detail, session: running } = state.xr.peek();
+  const tasks = TASKS.map(({ name }) => {
+    const lesson = LESSONS.get(name);
+    const { verdict } = outcomeOf(name);
+    return { name, verdict, by_buttons: lesson !== undefined && buttons.has(lesson) };
+  });
+  return {
+    format: 'pointbrush headset report',
+    version: 1,
+    made: new Date().toISOString(),
+    pointbrush: state.me.peek()?.serverVersion ?? '',
+    browser: navigator.userAgent,
+    trouble: session || running === 'running' ? '' : detail,
+    session,
+    inputs: inputs.told,
+    pictures,
+    tasks,
+  };
+}
+
+/** Download the report. */
+export function saveReport(findings: Findings): void {
+  const report = reportOf(findings);
+  saveFile(`headset-report-${report.made.slice(0, 10)}.json`, report);
+}

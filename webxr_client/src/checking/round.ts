@@ -1,0 +1,133 @@
+/** One session of a headset that is checked: notes what happens in it, and ticks what was done. */
+import { actions, bindActions } from '../actions';
+import type { Engine } from '../engine/engine';
+import type { HeadsetPictures, HeadsetSession } from '../protocol/messages';
+import { state } from '../state';
+import { peek, watch } from '../watch';
+import type { Cockpit } from '../xr/cockpit';
+import type { Lesson } from '../xr/lessons';
+import { Inputs } from './inputs';
+import { CheckPanel } from './panel';
+import { Pictures } from './pictures';
+import { describe } from './session';
+import { outcomeOf, task, tick } from './tasks';
+
+/** Pictures after which the session is as it will be. */
+const SETTLED = 10;
+
+/** Findings of all sessions of this page. */
+export class Findings {
+  readonly inputs = new Inputs();
+  readonly buttons = new Set<Lesson>();
+  session: HeadsetSession | null = null;
+  pictures: HeadsetPictures | null = null;
+}
+
+type Asked = 'step' | 'undo' | 'label';
+
+/** Actions that were asked for, and what each would change, as it was then. */
+const asked = new Map<Asked, unknown>();
+const CHANGES: Record<Asked, () => unknown> = {
+  step: () => peek(state.shown).frame,
+  undo: () => peek(state.redo),
+  label: () => peek(state.activeLabel),
+};
+
+function ask(what: Asked): void {
+  asked.set(what, CHANGES[what]());
+}
+
+/** Note from now on what is asked for. */
+export function noteActions(): void {
+  const step = actions.step.bind(actions);
+  const undo = actions.undo.bind(actions);
+  const selectLabel = actions.selectLabel.bind(actions);
+  bindActions({
+    step: (frames) => {
+      ask('step');
+      step(frames);
+    },
+    undo: () => {
+      ask('undo');
+      undo();
+    },
+    selectLabel: (id) => {
+      ask('label');
+      selectLabel(id);
+    },
+  });
+}
+
+export class Round {
+  private readonly pictures = new Pictures();
+  private readonly strokes = new Map<string, string>();
+  private readonly stops: (() => void)[];
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly cockpit: Cockpit,
+    private readonly session: XRSession,
+    private readonly findings: Findings,
+  ) {
+    asked.clear();
+    const { strokes, viewer } = engine;
+    const panel = new CheckPanel(cockpit, findings.inputs);
+    cockpit.hang(panel);
+    this.stops = [
+      strokes.begins.add(({ id, brush }) => this.strokes.set(id, brush.tool ?? 'paint')),
+      strokes.results.add(({ id, changed }) => changed > 0 && this.changed(id)),
+      cockpit.lessons.uses.add((lesson) => this.used(lesson)),
+      watch([state.shown, state.redo, state.activeLabel], () => this.compare()),
+      viewer.ticks.add((now, frame) => frame && this.picture(now, frame)),
+    ];
+  }
+
+  /** The session has ended. */
+  stop(): void {
+    for (const stop of this.stops) stop();
+  }
+
+  private changed(stroke: string): void {
+    const tool = this.strokes.get(stroke);
+    if (tool === 'paint' || tool === 'erase') tick(tool);
+  }
+
+  private used(lesson: Lesson): void {
+    this.findings.buttons.add(lesson);
+    this.compare();
+  }
+
+  /** Tick what was asked for and has come about. */
+  private compare(): void {
+    const came = (what: Asked): boolean => asked.has(what) && asked.get(what) !== CHANGES[what]();
+    if (came('step')) tick('step');
+    if (came('undo') && peek(state.redo) !== null) tick('undo');
+    // With a pad it is the pad that is tried.
+    const pads = this.cockpit.pointers.bodies.some(({ pointer }) => pointer.device.pad !== 'none');
+    if (came('label') && (this.findings.buttons.has('label') || !pads)) tick('label');
+  }
+
+  private picture(now: number, frame: XRFrame): void {
+    const { engine, cockpit, session, findings, pictures } = this;
+    const { viewer } = engine;
+    const space = viewer.renderer.xr.getReferenceSpace();
+    if (space) findings.inputs.note(session.inputSources, frame, space);
+    if (cockpit.frames === SETTLED) this.begin();
+    pictures.note(now, peek(state.playing));
+    if (pictures.enough && outcomeOf('play').verdict === 'unknown') this.played();
+    if (cockpit.locomotion.moves > 0) tick('go');
+  }
+
+  private begin(): void {
+    const { engine, cockpit, session, findings } = this;
+    const found = describe(session, engine.viewer, cockpit.mode, cockpit.floor);
+    void found.then((facts) => (findings.session = facts));
+    if (task.peek()?.name === 'play') actions.play();
+  }
+
+  private played(): void {
+    actions.pause();
+    this.findings.pictures = this.pictures.sum(this.session);
+    tick('play');
+  }
+}

@@ -1,0 +1,14 @@
+/** Files that the page itself writes. */
+
+/** A download has begun by then. */
+const REVOKE_MS = 10_000;
+
+/** Let the browser save a value as JSON. */
+export function saveFile(name: string, value: unknown): void {
+  const blob = new Blob([JSON.stringify(value, null, 2)], { type: 'application/json' });
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), REVOKE_MS);
+}
