@@ -11,10 +11,11 @@ from typing import Any
 
 from alembic import command
 from alembic.config import Config
-from sqlalchemy import Table, inspect, select
+from sqlalchemy import Connection, Table, inspect, select
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import MIGRATIONS, metadata
+from pointbrush.sequences.manifest import checksum
 from pointbrush.settings import Settings
 from tests.serving import settings_in
 
@@ -35,11 +36,7 @@ def old_workspace(folder: Path, database: str = "") -> Settings:
 def _copy_rows(source: Path, url: str) -> None:
     target = Database(url)
     with target.write() as connection:
-        config = Config()
-        config.set_main_option("script_location", str(MIGRATIONS))
-        config.set_main_option("path_separator", "os")
-        config.attributes["connection"] = connection
-        command.upgrade(config, "0001")
+        command.upgrade(_config(connection), "0001")
     with closing(sqlite3.connect(source)) as old, target.write() as connection:
         old.row_factory = sqlite3.Row
         there = inspect(connection)
@@ -56,6 +53,28 @@ def _copy_rows(source: Path, url: str) -> None:
             f"SELECT setval(pg_get_serial_sequence('sequences', 'number'), {highest})"
         )
     target.close()
+
+
+def make_older(settings: Settings, schema: str, manifest: int, without: tuple[str, ...]) -> None:
+    """Make what this version wrote what the one of ``schema`` and ``manifest`` would have written.
+
+    ``without``: the fields that manifests did not have then.
+    """
+    with closing(Database(settings.database_url)) as database, database.write() as connection:
+        command.downgrade(_config(connection), schema)
+    for path in settings.workspace.glob("sequences/*/manifest.json"):
+        content = json.loads(path.read_text())
+        content = {k: v for k, v in content.items() if k not in (*without, "checksum")}
+        content["version"] = manifest
+        path.write_text(json.dumps(content | {"checksum": checksum(content)}))
+
+
+def _config(connection: Connection) -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS))
+    config.set_main_option("path_separator", "os")
+    config.attributes["connection"] = connection
+    return config
 
 
 def _typed(table: Table, row: dict[str, Any]) -> dict[str, Any]:

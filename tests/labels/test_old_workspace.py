@@ -11,15 +11,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
-from tests.old_workspace import EXPECTED, old_workspace
+from tests.old_workspace import EXPECTED, make_older, old_workspace
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
-def old(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Workspace]:
+def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
     postgres = request.param == "postgresql"
     url = str(request.getfixturevalue("postgres_url")) if postgres else ""
-    with closing(Workspace(old_workspace(tmp_path, url))) as workspace:
+    return old_workspace(tmp_path, url)
+
+
+@pytest.fixture
+def old(settings: Settings) -> Iterator[Workspace]:
+    with closing(Workspace(settings)) as workspace:
         yield workspace
 
 
@@ -71,3 +77,26 @@ def test_undo_goes_on(old: Workspace) -> None:
 def test_labels_belong_to_their_import_from_then_on(old: Workspace) -> None:
     known = {row.id: row.identity for row in old.store.recordings.live()}
     assert known == {name: told["identity"] for name, told in EXPECTED["sequences"].items()}
+
+
+def test_a_workspace_of_the_version_before_opens_with_its_trash_and_tokens(
+    settings: Settings,
+) -> None:
+    with closing(Workspace(settings)) as workspace:
+        workspace.update_sequence("ball", fps=5.0)  # so that this version writes a manifest
+        workspace.delete_sequence("hall")
+        author = next(edit.author for edit in workspace.edits("ball") if edit.kind == "tracking")
+        workspace.undo("ball", author)
+        before = told(workspace, "ball")
+        secret = workspace.store.tokens.add("annotator", "new", None)
+    make_older(settings, "0011", 6, ("dataset", "palette"))
+    with closing(Workspace(settings)) as workspace:
+        assert told(workspace, "ball") == before
+        assert [entry.labels_missing for entry in workspace.listing()] == [None]
+        assert workspace.store.tokens.check(secret) is not None
+        workspace.redo("ball", author)
+        workspace.restore_sequence("hall")
+        assert told(workspace, "hall") == EXPECTED["sequences"]["hall"]
+        tracked = EXPECTED["sequences"]["ball"]["annotation"]
+        assert told(workspace, "ball")["annotation"] == tracked
+        assert [workspace.check(name) for name in EXPECTED["sequences"]] == [[], []]

@@ -109,7 +109,8 @@ class Manifest:
         return np.array(self.found_room).reshape(4, 4)
 
 
-def _checksum(content: dict[str, Any]) -> str:
+def checksum(content: dict[str, Any]) -> str:
+    """Make the checksum that a manifest has of the rest of its content."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
@@ -117,7 +118,7 @@ def _checksum(content: dict[str, Any]) -> str:
 def encode_manifest(manifest: Manifest) -> bytes:
     """The manifest's file, which carries a checksum of itself."""
     content = {"version": VERSION, **asdict(manifest)}
-    return json.dumps(content | {"checksum": _checksum(content)}, indent=1).encode()
+    return json.dumps(content | {"checksum": checksum(content)}, indent=1).encode()
 
 
 def read_manifest(path: Path) -> Manifest:
@@ -145,7 +146,7 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
             + (", of a newer pointbrush" if isinstance(found, int) and found > VERSION else "")
         )
     given = content.pop("checksum", None)
-    if given != _checksum(content):
+    if given != checksum(content):
         raise BadInputError(f"{name}: expected manifest checksum {given}, got another")
     # Imports of before the room could be corrected by pointing did not keep what they found, those
     # of before a recording could be restored under another id did not keep the first one.
