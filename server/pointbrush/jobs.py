@@ -7,6 +7,7 @@ cancel comes down.
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import secrets
 import threading
@@ -25,6 +26,7 @@ from pointbrush.errors import (
     NotFoundError,
     UnavailableError,
 )
+from pointbrush.system import shortage, shortages_in_words
 from pointbrush.worker import (
     DisconnectedError,
     Work,
@@ -36,6 +38,7 @@ from pointbrush.worker import (
     tell,
 )
 
+logger = logging.getLogger(__name__)
 JobKind = Literal["import", "tracking", "export"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
@@ -46,8 +49,12 @@ TRIES = 2
 """A job whose worker dies is begun once more."""
 SUBMISSIONS = 5
 """Most times that work is handed out which no worker has come to begin."""
+SHORTAGE_SECONDS = 0.1
+"""Pause after a worker that could not be heard for want of files or memory."""
 LOOK_SECONDS = 1.0
 """Interval of looks at what a job waits for that no worker has begun."""
+SCHEDULER_AWAY = "waiting for the Dask scheduler, which is away"
+SHORTAGE = "waiting for files and memory that a worker needs"
 MESSAGE = "message"
 """Key of a result that becomes the ended job's message."""
 KEPT_JOBS = 1000
@@ -81,6 +88,9 @@ class Book(Protocol):
     def begun(self, job: Job) -> None:
         """Note a job before it is handed out; what this raises keeps it from being so."""
 
+    def dropped(self, job: Job) -> None:
+        """Forget a job that could not be begun."""
+
     def changed(self, job: Job) -> None:
         """Note that a job has changed."""
 
@@ -96,10 +106,14 @@ class _Running:
     tries: int = 0
     """Workers that have begun the work."""
     submissions: int = 1
+    turn: int = 0
+    """Number of the last time that the work was handed out."""
     connection: Connection[Any, Any] | None = None
     cancelled: bool = False
     left: bool = False
     """Another server does it from here on: it ends without a result."""
+    fault: BaseException | None = None
+    """Error that kept this process from taking in the work's findings."""
     drained: threading.Event = field(default_factory=threading.Event)
     ended: threading.Event = field(default_factory=threading.Event)
 
@@ -152,13 +166,21 @@ class JobRunner:
         self._require_open()
         if self.book is not None:
             self.book.begun(job)
-        with self._lock:
-            self._require_open()
-            future = self._hand_out(job.id, work)
-            running = _Running(work, future, finish, on_item, done, restart)
-            self._jobs[job.id], self._running[job.id] = job, running
-            self._forget_old()
-        threading.Thread(target=self._supervise, args=(job.id, running), daemon=True).start()
+        running = _Running(work, None, finish, on_item, done, restart)
+        supervisor = threading.Thread(target=self._supervise, args=(job.id, running), daemon=True)
+        try:
+            with self._lock:
+                self._require_open()
+                self._jobs[job.id], self._running[job.id] = job, running
+                running.future = self._hand_out(job.id, running)
+                self._forget_old()
+            with shortages_in_words():
+                supervisor.start()
+        except BaseException:
+            self._forget(job.id)
+            if self.book is not None:
+                self.book.dropped(job)
+            raise
         return job
 
     def make_ready(self, function: Callable[[], None]) -> None:
@@ -166,7 +188,7 @@ class JobRunner:
 
         Jobs need not wait for its imports then.  Workers of a cluster begin by themselves.
         """
-        with self._lock:
+        with self._lock, suppress(UnavailableError), shortages_in_words():
             if not self._workers.begun and not self._closed:
                 self._workers.submit(function)
 
@@ -260,19 +282,24 @@ class JobRunner:
         while not self._closed:
             try:
                 connection = self._listener.accept()
-            except (OSError, EOFError, multiprocessing.AuthenticationError):
+                threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
+            except (EOFError, multiprocessing.AuthenticationError):
                 continue
-            threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
+            except Exception as error:
+                # Of a shortage; the connection is closed, and its work is begun again.
+                logger.warning("a worker cannot be heard now: %s", shortage(error) or error)
+                time.sleep(SHORTAGE_SECONDS)
 
     def _listen(self, connection: Connection[Any, Any]) -> None:
         try:
-            job_id = connection.recv()
+            job_id, turn = connection.recv()
         except (EOFError, OSError):
             return
         with self._lock:
             running = self._running.get(job_id)
             # A cluster runs work again by itself whose worker died, more often than wanted.
-            if running is None or running.tries >= TRIES:
+            # And what was handed out in vain, for want of a process say, may begin late.
+            if running is None or running.tries >= TRIES or running.turn != turn:
                 connection.close()
                 return
             running.tries += 1
@@ -296,25 +323,18 @@ class JobRunner:
                 elif kind == "item" and running.on_item is not None:
                     running.on_item(self.job(job_id), values[0])
         except (EOFError, OSError):
-            running.drained.set()
+            pass
+        except Exception as error:  # such as no memory for what came
+            running.fault = error
+            cut_off(connection)
+        running.drained.set()
 
     def _supervise(self, job_id: str, running: _Running) -> None:
         job = self.job(job_id)
         try:
-            error = self._outcome(job_id, running)
-            while self._again(job_id, running, error):
-                error = self._outcome(job_id, running)
-            # Items that are still on their way; work that failed may not have come to connect.
-            connected = error is None or running.connection is not None
-            running.drained.wait(DRAIN_SECONDS if connected else 0)
-            if running.left:
-                self._forget(job_id)
-            elif error is None:
-                self._end(job_id, running, cancelled=False)
-            elif running.cancelled or isinstance(error, CancelledError):
-                self._end(job_id, running, cancelled=True)
-            else:
-                self._change(job_id, state="failed", error=self._public(sentence(error)))
+            self._see_through(job_id, running)
+        except Exception as error:  # nobody else would end it
+            self._change(job_id, state="failed", error=self._public(sentence(error)))
         finally:
             with self._lock:
                 job = self._jobs.get(job_id, job)
@@ -324,14 +344,41 @@ class JobRunner:
                 self._running.pop(job_id, None)
             running.ended.set()
 
-    def _hand_out(self, job_id: str, work: Work) -> Future[Any] | None:
-        """Give work to a worker; None while the scheduler is away, and once this is closed.
+    def _see_through(self, job_id: str, running: _Running) -> None:
+        """Wait until the work has ended, begin it again where it must be, and end the job."""
+        error = self._outcome(job_id, running)
+        while self._again(job_id, running, error):
+            error = self._outcome(job_id, running)
+        # Items that are still on their way; work that failed may not have come to connect.
+        connected = error is None or running.connection is not None
+        running.drained.wait(DRAIN_SECONDS if connected else 0)
+        error = running.fault or error
+        if running.left:
+            self._forget(job_id)
+        elif error is None:
+            self._end(job_id, running, cancelled=False)
+        elif running.cancelled or isinstance(error, CancelledError):
+            self._end(job_id, running, cancelled=True)
+        else:
+            self._change(job_id, state="failed", error=self._public(sentence(error)))
 
-        The lock must be held.
+    def _hand_out(self, job_id: str, running: _Running) -> Future[Any] | None:
+        """Give work to a worker; None while nobody can take it, and once this is closed.
+
+        Then the scheduler is away, or there are no files or no memory for a worker.  The lock must
+        be held.
         """
         if self._closed:
             return None
-        return self._workers.submit(run_work, self._listener.address, self._key, job_id, work)
+        running.turn += 1
+        try:
+            address, turn = self._listener.address, running.turn
+            return self._workers.submit(run_work, address, self._key, (job_id, turn), running.work)
+        except Exception as error:
+            if (short := shortage(error)) is None:
+                raise
+            logger.warning("a job waits: %s", short)
+            return None
 
     def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
         """Wait until the work has ended or was taken off the queue; return its error, or None."""
@@ -339,11 +386,11 @@ class JobRunner:
             if running.future is None:
                 if running.cancelled or self._closed:
                     return CancelledError("cancelled by the user")
-                self._change(job_id, message="waiting for the Dask scheduler, which is away")
+                self._change(job_id, message=SCHEDULER_AWAY if self._workers.away else SHORTAGE)
                 time.sleep(LOOK_SECONDS)
                 self._workers.look_for_scheduler()
                 with self._lock:
-                    running.future = self._hand_out(job_id, running.work)
+                    running.future = self._hand_out(job_id, running)
                 continue
             try:
                 running.future.result(LOOK_SECONDS)
@@ -376,7 +423,7 @@ class JobRunner:
             job_id, state="queued", progress=0.0, message="its worker died; it is tried once more"
         )
         with self._lock:
-            running.future = self._hand_out(job_id, running.work)
+            running.future = self._hand_out(job_id, running)
         return True
 
     def _end(self, job_id: str, running: _Running, *, cancelled: bool) -> None:
@@ -394,6 +441,7 @@ class JobRunner:
     def _forget(self, job_id: str) -> None:
         with self._lock:
             self._jobs.pop(job_id, None)
+            self._running.pop(job_id, None)
 
     def _change(self, job_id: str, **fields: Any) -> None:
         with self._lock:

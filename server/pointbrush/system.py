@@ -1,12 +1,14 @@
-"""The system under this process: room on its disk, files it may open, other processes."""
+"""The system under this process: room on its disk, files it may open, memory, other processes."""
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from pointbrush.errors import UnavailableError
@@ -14,24 +16,50 @@ from pointbrush.permissions import FORBIDDEN
 
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 FILES = frozenset({errno.EMFILE, errno.ENFILE})
+NO_THREAD = "can't start new thread"
+NO_MAPPING = ("failed to map segment", os.strerror(errno.ENOMEM))
+"""Words of the errors of Python and of the system's loader of libraries, which have no number."""
 RESERVED = 256
 """Files that connections leave to the database, to recordings and to worker processes."""
 LEAST_ROOM = 32 << 20
 """Bytes on the disk below which a server is not ready for new work."""
 
 
-def shortage(error: OSError) -> UnavailableError | None:
+def shortage(error: BaseException) -> UnavailableError | None:
     """Return the error in our words when it is about a shortage that may pass, or None."""
-    if error.errno in FULL:
+    number, said = error.errno if isinstance(error, OSError) else None, str(error)
+    if number in FULL and isinstance(error, OSError):
         return UnavailableError(
             f"the disk has no room for this, nothing was changed: {error.strerror}"
         )
-    if error.errno in FILES:
+    unread = isinstance(error, ImportError) or (isinstance(error, OSError) and number is None)
+    if number in FILES or (unread and os.strerror(errno.EMFILE) in said):
         return UnavailableError(
             "the server has too many files open to do this now, nothing was changed; "
             "try again when fewer people are connected"
         )
+    if (
+        isinstance(error, MemoryError)
+        or number == errno.ENOMEM
+        or (unread and any(words in said for words in NO_MAPPING))
+        or (isinstance(error, RuntimeError) and said == NO_THREAD)
+    ):
+        return UnavailableError(
+            "the server has too little memory to do this now, nothing was changed; "
+            "try again in a moment"
+        )
     return None
+
+
+@contextlib.contextmanager
+def shortages_in_words() -> Iterator[None]:
+    """Raise UnavailableError in place of errors about a shortage that may pass."""
+    try:
+        yield
+    except Exception as error:
+        if (short := shortage(error)) is None:
+            raise
+        raise short from error
 
 
 def most_connections() -> int:

@@ -23,6 +23,7 @@ from urllib.parse import urlsplit
 
 from pointbrush.errors import BadInputError, CancelledError, PointbrushError, UnavailableError
 from pointbrush.permissions import private_files
+from pointbrush.system import shortage
 
 logger = logging.getLogger(__name__)
 
@@ -99,10 +100,13 @@ def _end_after(parent: Any) -> None:
     os._exit(1)
 
 
-def run_work(address: tuple[str, int], key: bytes, job_id: str, work: Work) -> Any:
-    """Do a job's work in this process, which talks to its runner at ``address``."""
+def run_work(address: tuple[str, int], key: bytes, turn: tuple[str, int], work: Work) -> Any:
+    """Do a job's work in this process, which talks to its runner at ``address``.
+
+    ``turn``: the job's id, and which time it is that the work was handed out.
+    """
     with private_files(), Client(address, authkey=key) as connection:
-        connection.send(job_id)
+        connection.send(turn)
         connection.recv()  # "start"; EOFError when the job is no longer wanted
         return work(Channel(connection))
 
@@ -306,6 +310,8 @@ def sentence(error: BaseException) -> str:
     """Return what a job that failed says of it; what nobody foresaw is for the log."""
     if isinstance(error, PointbrushError):
         return str(error)
+    if (short := shortage(error)) is not None:
+        return str(short)
     if died(error):
         return "the worker process died, twice (out of memory, or a fault in a native decoder)"
     # Not one of ours: the operator needs the traceback, the user the gist.

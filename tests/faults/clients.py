@@ -27,8 +27,6 @@ Edit = dict[str, Any]
 
 LOST = (OSError, EOFError, WebSocketException, httpx.TransportError)
 """The server went away before it answered."""
-NO_ID = ("create", "change", "remove")
-"""Edits that carry no UUID of their author's, so that they cannot be sent again."""
 
 
 class RefusedError(Exception):
@@ -85,7 +83,7 @@ class Person:
 
     def _one(self, talk: RestTalk) -> None:
         asked = self.waiting
-        if asked is None or asked.edit["kind"] in NO_ID:
+        if asked is None:
             self.waiting = asked = Asked(random_edit(self.rng, self.name, len(self.asked)))
             self.asked.append(asked)
         try:
@@ -170,14 +168,14 @@ class RestTalk:
                 path = f"{self.base}/{edit['kind']}"
                 return dict(self.call("POST", path, json={"id": edit["id"]}))
             case "create":
-                return {
-                    "label": self.call("POST", f"{self.base}/labels", json={"name": edit["name"]})
-                }
+                path, body = f"{self.base}/labels?edit={edit['id']}", {"name": edit["name"]}
+                return {"label": self.call("POST", path, json=body)}
             case "change":
-                path = f"{self.base}/labels/{edit['label']}"
+                path = f"{self.base}/labels/{edit['label']}?edit={edit['id']}"
                 return {"label": self.call("PATCH", path, json=edit["fields"])}
             case "remove":
-                return dict(self.call("DELETE", f"{self.base}/labels/{edit['label']}"))
+                path = f"{self.base}/labels/{edit['label']}?edit={edit['id']}"
+                return dict(self.call("DELETE", path))
         return self.track(edit)
 
     def track(self, edit: Edit) -> dict[str, Any]:

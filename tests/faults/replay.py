@@ -20,9 +20,9 @@ from sqlalchemy import select
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.packing import LABELS, decode_change, label_of, provenance_of
-from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks
+from pointbrush.labels.schema import edit_blocks, edit_tracks
 from pointbrush.sequences import open_sequence
-from tests.faults.clients import NO_ID, SEQUENCE, Asked, Edit, Person
+from tests.faults.clients import SEQUENCE, Asked, Edit, Person
 from tests.labels.label_model import Edit as ModelEdit
 from tests.labels.label_model import Mark, Model
 
@@ -120,36 +120,7 @@ class Replay:
 
     def _is(self, row: dict[str, Any], edit: Edit) -> bool:
         kind = edit["stroke"]["tool"] if edit["kind"] == "stroke" else edit["kind"]
-        if row["kind"] != ALIKE.get(kind, kind):
-            return False
-        if kind in NO_ID:
-            return self._told(edit) == (row["summary"], self._written(row["revision"]))
-        return bool(row["id"] == edit["id"])
-
-    def _told(self, edit: Edit) -> tuple[str, Any] | None:
-        """Summary and new name of an edit of the palette as it is; None: there is no such label.
-
-        The author of one that was never answered may have asked for a like one since.
-        """
-        if edit["kind"] == "create":
-            return f"create label '{edit['name']}'", edit["name"]
-        label = self.model.palette().get(edit["label"])
-        if label is None:
-            return None
-        if edit["kind"] == "remove":
-            return f"delete label '{label['name']}'", None
-        news = {name: value for name, value in edit["fields"].items() if label[name] != value}
-        what = ", ".join(news) or "nothing"
-        return f"change {what} of label '{label['name']}'", news.get("name")
-
-    def _written(self, revision: int) -> str | None:
-        """Return the name that an edit of the palette gave to a label, if it did."""
-        with closing(Database(self.database)) as database, database.read() as connection:
-            fields = select(edit_labels.c.fields).where(edit_labels.c.revision == revision)
-            return next(
-                (json.loads(text).get("name") for text in connection.execute(fields).scalars()),
-                None,
-            )
+        return bool(row["kind"] == ALIKE.get(kind, kind) and row["id"] == edit["id"])
 
     @staticmethod
     def _compare_answer(row: dict[str, Any], asked: Asked) -> None:

@@ -8,7 +8,7 @@ import sys
 import time
 import uuid
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from waiting import PATIENCE, eventually
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.faults.test_private import ended, scan, upload
 from tests.serving import add_sequence, settings_in
+from tests.torture.machine import descriptors, limited
 
 resource = pytest.importorskip("resource")
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="sets limits of other processes")
@@ -33,21 +34,6 @@ def server(tmp_path: Path) -> Iterator[ServerProcess]:
         with started.api() as api:
             api.post("/sequences/wall/labels", json={"name": "pin"}).raise_for_status()
         yield started
-
-
-@contextmanager
-def limited(server: ServerProcess, kind: int, soft: int) -> Iterator[None]:
-    """The running server's soft limit, until the context ends."""
-    before = resource.prlimit(server.process.pid, kind)
-    resource.prlimit(server.process.pid, kind, (soft, before[1]))
-    try:
-        yield
-    finally:
-        resource.prlimit(server.process.pid, kind, before)
-
-
-def descriptors(server: ServerProcess) -> int:
-    return len(list(Path(f"/proc/{server.process.pid}/fd").iterdir()))
 
 
 def ticks(server: ServerProcess) -> int:
@@ -75,13 +61,13 @@ def require_words(response: httpx.Response, *words: str) -> None:
 
 
 def test_more_connections_than_files_are_refused_in_words(server: ServerProcess) -> None:
-    with limited(server, resource.RLIMIT_NOFILE, FILES), server.api() as early:
+    with limited(server.process.pid, resource.RLIMIT_NOFILE, FILES), server.api() as early:
         assert stroke(early).status_code == 200
         with ExitStack() as held:
             for _ in range(FILES // 2 + 8):
                 held.enter_context(connect(server))
-            eventually(lambda: descriptors(server) > FILES // 2)
-            assert descriptors(server) < FILES
+            eventually(lambda: descriptors(server.process.pid) > FILES // 2)
+            assert descriptors(server.process.pid) < FILES
             with httpx.Client(base_url=server.url) as late:
                 require_words(late.get("/healthz"), "connections")
             # Whoever has a connection works on.
@@ -109,7 +95,9 @@ def test_a_flood_beyond_every_file_ends_nothing(server: ServerProcess) -> None:
         assert stroke(early).status_code == 200
         # A thread that still opens files to import them may take the loop's spare descriptor.
         eventually(lambda: rests(server))
-        with limited(server, resource.RLIMIT_NOFILE, descriptors(server) + 2), ExitStack() as held:
+        process = server.process.pid
+        few = limited(process, resource.RLIMIT_NOFILE, descriptors(process) + 2)
+        with few, ExitStack() as held:
             for _ in range(60):
                 held.enter_context(connect(server))
             for path in ("/sequences/wall/frames/0/points", "/sequences/wall/frames/1/annotation"):
@@ -127,7 +115,7 @@ def test_a_flood_beyond_every_file_ends_nothing(server: ServerProcess) -> None:
 
 def test_files_may_grow_no_more(server: ServerProcess) -> None:
     with server.api() as api:
-        with limited(server, resource.RLIMIT_FSIZE, 4096):
+        with limited(server.process.pid, resource.RLIMIT_FSIZE, 4096):
             require_words(stroke(api), "database")
             refused = api.post("/sequences", files={"files": ("scan.npy", scan(200_000))})
             require_words(refused, "room")

@@ -218,3 +218,13 @@ def test_the_same_undo_twice_undoes_once(pins: LabelStore) -> None:
     assert again.repeated
     assert again.revision == first.revision
     assert shown(pins) == [1, 0, 0, 0]
+
+
+def test_a_change_that_is_sent_again_is_answered_though_its_label_has_gone(
+    pins: LabelStore,
+) -> None:
+    first, made = pins.update_label(SEQ, "ann", 1, name="ball", edit_id="e")
+    pins.delete_label(SEQ, "bob", 1)
+    again, commit = pins.update_label(SEQ, "ann", 1, name="ball", edit_id="e")
+    assert (commit.revision, commit.repeated) == (made.revision, True)
+    assert again == first

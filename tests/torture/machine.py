@@ -1,7 +1,8 @@
-"""Disks that fill up, may not be written or are slow, and clocks that jump."""
+"""Disks that fill up, may not be written or are slow, clocks that jump, limits of a process."""
 
 from __future__ import annotations
 
+import resource
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -40,6 +41,27 @@ def preloaded(folder: Path) -> str:
     if subprocess.run(command, capture_output=True).returncode:
         pytest.skip("the C compiler cannot build a library here")
     return str(library)
+
+
+@contextmanager
+def limited(process: int, kind: int, soft: int) -> Iterator[None]:
+    """The soft limit of a running process, one of ``resource.RLIMIT_…``, until the context ends."""
+    before = resource.prlimit(process, kind)
+    resource.prlimit(process, kind, (soft, before[1]))
+    try:
+        yield
+    finally:
+        resource.prlimit(process, kind, before)
+
+
+def descriptors(process: int) -> int:
+    """Return how many files a process has open."""
+    return len(list(Path(f"/proc/{process}/fd").iterdir()))
+
+
+def address_space(process: int) -> int:
+    """Return the bytes of addresses that a process has in use."""
+    return int(Path(f"/proc/{process}/statm").read_text().split()[0]) * resource.getpagesize()
 
 
 class Ballast:

@@ -94,6 +94,12 @@ class JobRecords:
                     lost.add(record.id)
         return lost
 
+    def remove(self, ids: Collection[str]) -> None:
+        """Remove jobs of this process."""
+        own = jobs.c.id.in_(ids) & (jobs.c.owner == self.owner)
+        with self._database.write() as connection:
+            connection.execute(delete(jobs).where(own))
+
     def release(self, ids: Collection[str], message: str) -> None:
         """Leave jobs of this process to the next server that sees them."""
         own = jobs.c.id.in_(ids) & (jobs.c.owner == self.owner) & jobs.c.state.in_(UNDER_WAY)

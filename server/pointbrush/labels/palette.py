@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, select, true
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.schema import IN_FORCE, edit_labels, edits
@@ -185,11 +185,14 @@ def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[
     return {label_id: _label(label_id, fields) for label_id, fields in merged.items()}
 
 
-def as_last_made(connection: Connection, number: int, label_id: int) -> Label | None:
+def as_last_made(
+    connection: Connection, number: int, label_id: int, until: int | None = None
+) -> Label | None:
     """Return what the edits in force make of a label if its last creation is one of them.
 
-    None: it was deleted since.
+    None: it was deleted since.  ``until``: the last edit that counts.
     """
+    last = edit_labels.c.revision <= until if until is not None else true()
     rows = connection.execute(
         select(edit_labels.c.fields, edits.c.state)
         .join(
@@ -197,7 +200,7 @@ def as_last_made(connection: Connection, number: int, label_id: int) -> Label | 
             (edits.c.sequence == edit_labels.c.sequence)
             & (edits.c.revision == edit_labels.c.revision),
         )
-        .where(edit_labels.c.sequence == number, edit_labels.c.label == label_id)
+        .where(edit_labels.c.sequence == number, edit_labels.c.label == label_id, last)
         .order_by(edit_labels.c.revision)
     )
     told = [(json.loads(fields), state in IN_FORCE) for fields, state in rows]

@@ -63,7 +63,6 @@ class SequenceState:
 
     def reset(self, connection: Connection, row: Row[Any]) -> None:
         """Start again from the sequence's row."""
-        self.stale = False
         self.number: int = row.number
         self.id: str = row.id
         self.identity: str | None = row.identity
@@ -79,6 +78,7 @@ class SequenceState:
         self.reload_palette(connection)
         self.reload_counts(connection)
         self.reload_changed(connection, 0)
+        self.stale = False
 
     def undone(self, connection: Connection) -> set[int]:
         """Revisions of the edits that are out of force."""

@@ -192,8 +192,10 @@ class LabelStore:
         commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # and not the palette of now, from which it may be gone already
             return commit.label, commit
-        with self._sessions.knowing(sequence) as state:
-            return palette.require(state.palette, label_id), commit
+        with self._sessions.reading(sequence) as (connection, state):
+            number, made = state.number, commit.revision
+            label = palette.as_last_made(connection, number, label_id, until=made)
+        return palette.require({} if label is None else {label_id: label}, label_id), commit
 
     def arrange_labels(
         self, sequence: str, author: str, order: Sequence[int], *, edit_id: str | None = None

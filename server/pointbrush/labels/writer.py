@@ -25,6 +25,7 @@ from pointbrush.labels.state import LOCK, SequenceState, cell_of
 from pointbrush.labels.statements import begin, commit, driver_of, together
 from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
+from pointbrush.system import shortage, shortages_in_words
 
 TOGETHER = 32
 """Edits of one transaction at most."""
@@ -103,7 +104,7 @@ class Writer:
         """Commit a batch; an error of the database is everybody's, and nothing has changed."""
         made: dict[str, Commit] = {}
         told: list[tuple[Request, Commit]] = []
-        before, ended = state.revision, False
+        before, written, ended = state.revision, False, False
         try:
             with self._database.write(begun=False) as connection:
                 first = self._opened(connection, state, batch)
@@ -123,16 +124,18 @@ class Writer:
                             raise
                         request.error = error  # it has written nothing: the others go on
                         continue
-                    last = ended = request is batch[-1]
+                    written, last = True, request is batch[-1]
+                    ended = last
                     done = made[request.edit_id] = self._append(draft, entry, last=last)
                     told.append((request, done))
                 if made and not last:
                     ended = True
                     commit(driver_of(connection))
         except BaseException as error:
-            if made:  # taken into memory, and perhaps nowhere else
+            if written:  # taken into memory, half perhaps, and perhaps nowhere else
                 state.revision, state.stale = before, True
-            if ended and isinstance(error, UnavailableError) and not self._database.sqlite:
+            lost = isinstance(error, UnavailableError) and not self._database.sqlite
+            if ended and (lost or shortage(error) is not None):
                 error = self._settle(state, batch, error)
             for request in batch:
                 if request.commit is None:
@@ -144,17 +147,21 @@ class Writer:
             request.commit = done
 
     def _settle(
-        self, state: SequenceState, batch: list[Request], error: UnavailableError
+        self, state: SequenceState, batch: list[Request], error: BaseException
     ) -> BaseException:
         """Look for the edits of a batch whose commit was sent and not answered.
 
-        PostgreSQL may have made them before it was lost.  Returns the error of those that are not
+        PostgreSQL may have made them before it was lost, or there was no memory for what follows
+        a commit.  Returns the error of those that are not
         there, which says that it is not known when the database does not come back in time.
         """
         end = time.monotonic() + SETTLE_SECONDS
         while time.monotonic() < end:
             try:
-                with self._database.write(begun=False) as connection:
+                with (
+                    shortages_in_words(),
+                    self._database.write(begun=False) as connection,
+                ):
                     found = self._opened(connection, state, batch)
             except UnavailableError:
                 time.sleep(SETTLE_RETRY_SECONDS)
@@ -167,7 +174,7 @@ class Writer:
         return UnavailableError(
             "the label database went away as the edit was made: it is not known whether it is "
             "there; send it again with the same id",
-            private=error.private,
+            private=getattr(error, "private", ""),
         )
 
     def _opened(

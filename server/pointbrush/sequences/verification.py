@@ -15,7 +15,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from pointbrush.errors import DamagedError
+from pointbrush.errors import DamagedError, UnavailableError
 from pointbrush.system import shortage
 
 log = logging.getLogger(__name__)
@@ -120,6 +120,8 @@ class Verifier:
                     self._compare(path, checksum, stamp, BACKGROUND_SHARE)
             except DamagedError:
                 pass  # deleted meanwhile, or found by somebody else
+            except UnavailableError as error:
+                log.warning("%s is compared when it is used next: %s", path, error)
             except Exception:
                 log.exception("%s could not be compared with its checksum", path)
             with self._lock:

@@ -21,6 +21,7 @@ from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
+from pointbrush.system import shortages_in_words
 from pointbrush.work.annotate.strokes import LiveStroke
 from pointbrush.work.objects import ObjectStroke
 
@@ -197,8 +198,9 @@ class Editor:
             try:
                 if expelled is not None:
                     raise expelled
-                # Where the stroke's end waits already, its own answer says all.
-                result = yield from self._apply(edit, provisional=edit.id not in ends)
+                with shortages_in_words():
+                    # Where the stroke's end waits already, its own answer says all.
+                    result = yield from self._apply(edit, provisional=edit.id not in ends)
                 done.append((edit, result, one.came))
             except PointbrushError as error:
                 self._drop(edit)

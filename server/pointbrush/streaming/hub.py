@@ -24,6 +24,7 @@ from pointbrush.streaming.shared.cache import MessageCache
 from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
+from pointbrush.system import shortages_in_words
 from pointbrush.workspace import (
     Event,
     Prepared,
@@ -98,7 +99,8 @@ class Hub:
 
     async def read(self, function: Callable[..., T], *args: Any) -> T:
         """Run something short that reads, in a thread."""
-        return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
+        with shortages_in_words():
+            return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
 
     async def edit(self, function: Callable[..., T], *args: Any, again: bool = False) -> T:
         """Run something that writes, in a thread of its own kind: readers do not wait for it.
@@ -106,8 +108,9 @@ class Hub:
         ``again``: it goes on with something long, which leaves the threads to what is short.
         """
         if again:
-            return await anyio.to_thread.run_sync(function, *args, limiter=self._long)
-        with self.load.edit():
+            with shortages_in_words():
+                return await anyio.to_thread.run_sync(function, *args, limiter=self._long)
+        with self.load.edit(), shortages_in_words():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
 
     # ── what is sent ─────────────────────────────────────────────────────────────────────

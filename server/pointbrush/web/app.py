@@ -94,7 +94,7 @@ def _import_ahead() -> None:
     try:
         for name in ("scipy.spatial", "scipy.sparse.csgraph"):
             import_module(name)
-    except OSError as error:  # such as no descriptors left: the stroke imports it then
+    except (OSError, ImportError, MemoryError) as error:  # a shortage: the stroke imports it then
         log.warning("not imported ahead of the first stroke: %s", error)
 
 

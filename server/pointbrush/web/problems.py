@@ -72,7 +72,7 @@ def install(app: FastAPI) -> None:
         errors.PointbrushError: _ours,
         RequestValidationError: _invalid,
         HTTPException: _http,
-        OSError: _system,
+        **dict.fromkeys((OSError, MemoryError, RuntimeError, ImportError), _system),
         Exception: _unexpected,
     }
     for kind, handler in handlers.items():
@@ -140,7 +140,7 @@ def methods_of(app: FastAPI, path: str) -> list[str]:
 
 
 async def _system(request: Request, error: Exception) -> JSONResponse:
-    if isinstance(error, OSError) and (short := shortage(error)) is not None:
+    if (short := shortage(error)) is not None:
         return problem_of(short)
     if isinstance(error, OSError) and error.errno == errno.EROFS:
         detail = "the workspace's folder is read-only here, nothing was changed"

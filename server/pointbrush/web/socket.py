@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect
 from uvicorn.protocols.utils import ClientDisconnected
@@ -18,9 +20,13 @@ from pointbrush.web.problems import problem_of
 from pointbrush.web.roles import PREFIX, ROUTES
 from pointbrush.web.uncopied import UncopiedProtocol, link_of
 
+log = logging.getLogger(__name__)
 router = APIRouter(prefix=PREFIX)
 TEXT_REFUSED = 1003
 GOING_AWAY = 1001
+TRY_AGAIN_LATER = 1013
+MOST_REASON = 120
+"""Characters of the reason of a close; the protocol has room for 123 bytes."""
 NOT_ADMITTED = 4401
 CLOSE_SECONDS = 2.0
 """Longest wait for a client to take a closing and to answer it; then the connection is cut."""
@@ -36,11 +42,8 @@ async def stream(socket: WebSocket) -> None:
     hub: Hub = socket.app.state.hub
     try:
         principal = await hub.read(admit, socket)
-    except (PointbrushError, OSError) as error:
-        refusal = error if isinstance(error, PointbrushError) else shortage(error)
-        if refusal is None:
-            raise
-        await socket.send_denial_response(problem_of(refusal))
+    except PointbrushError as error:
+        await socket.send_denial_response(problem_of(error))
         return
     await socket.accept(subprotocol=subprotocol())
     await serve(socket, hub, principal)
@@ -92,6 +95,11 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
             await socket.close(GOING_AWAY, "the server is stopping, connect again")
     except (WebSocketDisconnect, ClientDisconnected):
         return
+    except (OSError, MemoryError, RuntimeError, ImportError) as error:
+        if (short := shortage(error)) is None:
+            raise
+        log.warning("a viewer is sent away: %s", short)
+        await socket.close(TRY_AGAIN_LATER, str(short)[:MOST_REASON])
 
 
 async def expel(socket: WebSocket, link: UncopiedProtocol) -> None:

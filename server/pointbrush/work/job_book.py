@@ -55,6 +55,8 @@ class JobBook:
         self._records, self._runner, self._notify = store.jobs, runner, notify
         self._begin, self._keep, self._public = begin, keep, public
         self._changed: dict[str, Job] = {}
+        self._dropped: set[str] = set()
+        """Jobs that could not be begun, whose records are to go."""
         self._seen: dict[str, Job] = {}
         self._waiting: dict[str, JobRecord] = {}
         self._lock = threading.Lock()
@@ -75,6 +77,7 @@ class JobBook:
             return
         self._thread.join()
         try:
+            self._drop()
             self._write()
             own = [r.id for r in self._records.under_way() if r.owner == self._records.owner]
             self._records.release(own, WAITS)
@@ -88,8 +91,22 @@ class JobBook:
 
         Raises ConflictError when there is another one of its id, UnavailableError.
         """
-        if job.id not in self._waiting:
+        if job.id in self._dropped:
+            self._drop()
+        if job.id in self._waiting:
+            return
+        try:
             self._records.add(record_of(job))
+        except UnavailableError:  # the answer to its commit was lost, perhaps
+            self.dropped(job)
+            raise
+
+    def dropped(self, job: Job) -> None:
+        """Forget a job that could not be begun, but for one that is to begin again."""
+        with self._lock:
+            if job.id not in self._waiting:
+                self._dropped.add(job.id)
+        self._wake.set()
 
     def changed(self, job: Job) -> None:
         """Note that a job has changed; its progress is written with the next beat."""
@@ -104,7 +121,8 @@ class JobBook:
     def jobs(self) -> list[Job]:
         """Return the jobs of all servers, newest first."""
         here = {job.id: job for job in self._runner.jobs()}
-        kept = {record.id: job_of(record) for record in self._records.all()}
+        records = (each for each in self._records.all() if each.id not in self._dropped)
+        kept = {record.id: job_of(record) for record in records}
         return sorted((kept | here).values(), key=lambda job: job.created, reverse=True)
 
     def job(self, job_id: str) -> Job:
@@ -113,7 +131,7 @@ class JobBook:
             return self._runner.job(job_id)
         except NotFoundError:
             record = self._records.find(job_id)
-            if record is None:
+            if record is None or job_id in self._dropped:
                 raise
             return job_of(record)
 
@@ -186,6 +204,7 @@ class JobBook:
             self._wake.clear()
 
     def _look(self) -> None:
+        self._drop()
         self._write()
         silent = time.monotonic() - self._silent_since > STALE_SECONDS
         self._waiting |= {record.id: record for record in self._records.claim(silent=silent)}
@@ -196,6 +215,15 @@ class JobBook:
             if record.owner == self._records.owner and record.wish:
                 self._heed(record.id, record.wish)
         self._tell([job_of(r) for r in under_way if r.owner != self._records.owner])
+
+    def _drop(self) -> None:
+        """Remove jobs that could not be begun."""
+        with self._lock:
+            dropped = set(self._dropped)
+        if dropped:
+            self._records.remove(dropped)
+            with self._lock:
+                self._dropped -= dropped
 
     def _write(self) -> None:
         """Write down what changed, and that the rest still runs."""

@@ -38,7 +38,8 @@ def many_files() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
-def _connected(server: ServerProcess, *, window: int = 0) -> socket.socket:
+def connected(server: ServerProcess, *, window: int = 0) -> socket.socket:
+    """Connect to a server; ``window``: bytes that wait for this reader, 0 as the system says."""
     link = socket.socket()
     link.settimeout(FAR)
     if window:
@@ -60,7 +61,7 @@ def connections(arena: Arena) -> None:
             ExitStack() as held,
         ):
             time.sleep(arena.rng.uniform(0.0, 1.0))
-            links = [held.enter_context(_connected(server)) for _ in range(CONNECTIONS)]
+            links = [held.enter_context(connected(server)) for _ in range(CONNECTIONS)]
             for link in links:
                 link.sendall(b"GET /healthz HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n")
             for link in links:
@@ -98,7 +99,7 @@ def deaf_viewers(arena: Arena) -> None:
 
 def _deaf(server: ServerProcess) -> socket.socket:
     """A viewer who has read nothing but the answer to the handshake."""
-    link = _connected(server, window=4096)
+    link = connected(server, window=4096)
     key = base64.b64encode(os.urandom(16)).decode()
     lines = (
         "GET /api/v1/stream HTTP/1.1", f"Host: 127.0.0.1:{server.port}", "Upgrade: websocket",

@@ -8,7 +8,7 @@ import time
 from tests.faults.server import ServerProcess, running
 from tests.torture.authors import Authors, quiet
 from tests.torture.framework import Arena, scenario
-from tests.torture.machine import Ballast, mounted, preloaded
+from tests.torture.machine import Ballast, limited, mounted, preloaded
 
 SIZE = 24 * 2**20
 FSYNC_MICROSECONDS = "150000"
@@ -49,11 +49,8 @@ def disk_read_only(arena: Arena) -> None:
     for _ in arena.rounds():
         with authors.editing(lambda: [server.url]):
             time.sleep(arena.rng.uniform(0.2, 0.8))
-            before = resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE)
-            limit = (MOST_BYTES, before[1])
-            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, limit)
-            time.sleep(arena.rng.uniform(0.5, 1.0))
-            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, before)
+            with limited(server.process.pid, resource.RLIMIT_FSIZE, MOST_BYTES):
+                time.sleep(arena.rng.uniform(0.5, 1.0))
             time.sleep(arena.rng.uniform(0.2, 0.8))
         _settle(arena, authors, server)
 

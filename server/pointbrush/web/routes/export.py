@@ -196,8 +196,8 @@ async def respond(
         pipe.close()
         exports.leave(place)
 
-    threading.Thread(target=run, name="pointbrush-export", daemon=True).start()
     try:
+        threading.Thread(target=run, name="pointbrush-export", daemon=True).start()
         first = await pipe.next()
     except BaseException:
         ended()

@@ -1,0 +1,46 @@
+"""Shortages that may pass are 503 in words; what merely looks like one is not."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from pointbrush.system import NO_THREAD
+from tests.serving import Served, add_sequence, serving, settings_in
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    folder: Path = tmp_path_factory.mktemp("short")
+    settings = settings_in(folder)
+    add_sequence(settings, "wall", frames=1, points=100)
+    with serving(settings) as started:
+        yield started
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "words"),
+    [
+        (MemoryError(), 503, "too little memory"),
+        (OSError(errno.ENOMEM, "x"), 503, "too little memory"),
+        (RuntimeError(NO_THREAD), 503, "too little memory"),
+        (ImportError("a.so: failed to map segment from shared object"), 503, "too little memory"),
+        (ImportError("a.so: cannot open: Too many open files"), 503, "too many files"),
+        (OSError(errno.EMFILE, "x"), 503, "too many files"),
+        (RuntimeError("a fault"), 500, "its log says why"),
+        (ImportError("no such module"), 500, "its log says why"),
+    ],
+)
+def test_the_answer_says_what_is_short(
+    served: Served, monkeypatch: pytest.MonkeyPatch, error: Exception, status: int, words: str
+) -> None:
+    def short(_: str) -> None:
+        raise error
+
+    monkeypatch.setattr(served.workspace, "palette", short)
+    answer = httpx.get(f"{served.url}/api/v1/sequences/wall/labels", headers=served.headers)
+    assert (answer.status_code, words in answer.json()["detail"]) == (status, True)
