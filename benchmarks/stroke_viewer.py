@@ -38,6 +38,14 @@ class StrokeViewer(LightViewer):
         self.send(type="stroke_end", id=edit)
         return answer
 
+    def undo(self) -> asyncio.Future[float]:
+        """Take back its author's last edit, as ``stroke``."""
+        edit = str(uuid.uuid4())
+        answer: asyncio.Future[float] = asyncio.get_running_loop().create_future()
+        self.waiting[edit] = (time.perf_counter(), answer)
+        self.send(type="undo", id=edit)
+        return answer
+
     def _forget(self) -> None:
         """Keep all frames, as a page does whose memory is not full."""
 
