@@ -1,26 +1,40 @@
-"""PostgreSQL's answer to a commit is lost: the edit is looked for, and answered as it was made."""
+"""PostgreSQL's answer to a commit is lost: what was written is looked for, and answered."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import closing
 from urllib.parse import urlsplit
 
 import numpy as np
+import pytest
 from postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 
+from pointbrush.errors import UnavailableError
+from pointbrush.jobs import Job
 from pointbrush.labels import LabelStore, Write
+from pointbrush.labels.reviews import Review
+from pointbrush.work.job_book import record_of
 from tests.torture.proxy import SlowProxy
 
 COMMITTED = (b"INSERT 0 1\0", b"COMMIT\0")
 """What PostgreSQL answers to an edit and its commit."""
 
 
-def test_an_edit_that_was_made_is_answered(
-    postgres_server: PostgresServer,  # noqa: F811
-) -> None:
+@pytest.fixture
+def proxy(postgres_server: PostgresServer) -> Iterator[SlowProxy]:  # noqa: F811
+    with SlowProxy(postgres_server.port) as running:
+        yield running
+
+
+@pytest.fixture
+def url(postgres_server: PostgresServer, proxy: SlowProxy) -> str:  # noqa: F811
     place = urlsplit(postgres_server.new_database())
-    with SlowProxy(postgres_server.port) as proxy:
-        url = place._replace(netloc=f"postgres@127.0.0.1:{proxy.port}").geturl()
-        store = LabelStore(url)
+    return place._replace(netloc=f"postgres@127.0.0.1:{proxy.port}").geturl()
+
+
+def test_an_edit_that_was_made_is_answered(url: str, proxy: SlowProxy) -> None:
+    with closing(LabelStore(url)) as store:
         heard: list[int] = []
         store.subscribe(lambda commit: heard.append(commit.revision))
         store.register("wall", [100])
@@ -41,4 +55,29 @@ def test_an_edit_that_was_made_is_answered(
         assert [one.name for one in store.palette("wall")] == ["brick"]
         assert not store.values("wall", 0).label.any()
         assert sorted(heard) == [1, 2, 3]
-        store.close()
+
+
+def test_what_may_not_be_written_twice_is_looked_for(url: str, proxy: SlowProxy) -> None:
+    with closing(LabelStore(url)) as store:
+        store.register("wall", [100])
+
+        proxy.lost = (b"COMMIT\0",)
+        secret = store.tokens.add("annotator", "ann", None)
+        assert store.tokens.check(secret) is not None
+
+        proxy.lost = (b"COMMIT\0",)
+        store.jobs.add(record_of(Job("import", "wall", owner="ann")))
+        assert [job.author for job in store.jobs.all()] == ["ann"]
+
+        proxy.lost = (b"COMMIT\0",)
+        told = store.reviews.add("wall", "", "ann", Review(0, 0, state="review", note="look"))
+        assert store.reviews.entries("wall") == [told]
+        assert proxy.lost == ()
+
+
+def test_what_was_not_written_is_refused(url: str, proxy: SlowProxy) -> None:
+    with closing(LabelStore(url)) as store:
+        proxy.lost = (b"INSERT 0 1\0",)
+        with pytest.raises(UnavailableError):
+            store.tokens.add("annotator", "ann", None)
+        assert store.tokens.list() == []

@@ -20,10 +20,11 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Row, and_, bindparam, delete, insert, select, update
+from sqlalchemy import Connection, Row, and_, bindparam, delete, insert, select, update
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.database import Database
+from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.schema import accounts, sign_ins, tokens
 from pointbrush.labels.statements import Statement, driver_of, upsert
 from pointbrush.names import require_visible
@@ -145,15 +146,21 @@ class Tokens:
             "created": time.time(),
             "expires": expires,
         }
-        with self._database.write() as connection:
-            if name:
-                same = connection.execute(select(tokens).where(tokens.c.name == name)).all()
-                if any(token_of(other).valid for other in same):
-                    raise ConflictError(
-                        f"name: expected one that no valid token has, got {name!r}; revoke it first"
-                    )
+
+        def make(connection: Connection) -> str:
+            same = connection.execute(select(tokens).where(tokens.c.name == name)).all()
+            if name and any(token_of(other).valid for other in same):
+                raise ConflictError(
+                    f"name: expected one that no valid token has, got {name!r}; revoke it first"
+                )
             connection.execute(insert(tokens), row)
-        return secret
+            return secret
+
+        def find(connection: Connection) -> str | None:
+            made = connection.execute(select(tokens.c.id).where(tokens.c.digest == row["digest"]))
+            return None if made.first() is None else secret
+
+        return write_once(self._database, make, find)
 
     def list(self) -> list[Token]:
         """All tokens, oldest first, revoked and expired ones too."""

@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, inse
 from pointbrush.errors import ConflictError
 from pointbrush.labels.database import Database
 from pointbrush.labels.guards import given_up, host
+from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.schema import jobs, works
 
 STALE_SECONDS = 30.0
@@ -66,7 +67,8 @@ class JobRecords:
 
         Raises ConflictError when there is a job of its id, UnavailableError.
         """
-        with self._database.write() as connection:
+
+        def make(connection: Connection) -> bool:
             if connection.scalar(select(jobs.c.id).where(jobs.c.id == record.id)) is not None:
                 raise ConflictError(f"id: expected one of no job yet, got {record.id}")
             row = _row(record) | self._mine(self._database.now(connection))
@@ -79,6 +81,13 @@ class JobRecords:
             )
             old = jobs.c.id.in_(ended.subquery().select())
             _delete_unlocked(connection, jobs, old)
+            return True
+
+        def find(connection: Connection) -> bool | None:
+            own = (jobs.c.id == record.id) & (jobs.c.owner == self.owner)
+            return connection.scalar(select(jobs.c.id).where(own)) is not None or None
+
+        write_once(self._database, make, find)
 
     def update(self, records: Iterable[JobRecord]) -> set[str]:
         """Write how far jobs of this process are; return those that are another's by now."""

@@ -11,6 +11,7 @@ from sqlalchemy import Connection, Row, func, insert, select
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.database import Database
+from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.schema import LIVE, reviews, sequences
 
 Place = tuple[float, float, float]
@@ -61,7 +62,8 @@ class Reviews:
         against it in the log that it is appended to: nobody adds to that meanwhile.  Raises
         NotFoundError where another import has the id by now, UnavailableError, ReadOnlyError.
         """
-        with self._database.write() as connection:
+
+        def make(connection: Connection) -> Review:
             row = _sequence(connection, sequence, lock=True)
             if row.identity not in (None, identity):
                 raise NotFoundError(f"sequence: {sequence!r} was imported anew meanwhile")
@@ -82,7 +84,15 @@ class Reviews:
                 "assignee": review.assignee,
             }
             connection.execute(insert(reviews), {"sequence": row.number, **values})
-        return Review(**{**values, "place": review.place})
+            made.append(Review(**{**values, "place": review.place}))
+            return made[-1]
+
+        def find(connection: Connection) -> Review | None:
+            number = _sequence(connection, sequence).number
+            return next((one for one in _entries(connection, number) if one == made[-1]), None)
+
+        made: list[Review] = []
+        return write_once(self._database, make, find)
 
     def entries(self, sequence: str) -> list[Review]:
         """Return the whole log, oldest first; raises NotFoundError."""

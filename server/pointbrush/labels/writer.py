@@ -19,19 +19,17 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import Effect, effect_of
 from pointbrush.labels.journal import Entry
+from pointbrush.labels.lost_answers import once_it_is_back
 from pointbrush.labels.packing import States
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LOCK, SequenceState, cell_of
 from pointbrush.labels.statements import begin, commit, driver_of, together
 from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
-from pointbrush.system import shortage, shortages_in_words
+from pointbrush.system import shortage
 
 TOGETHER = 32
 """Edits of one transaction at most."""
-SETTLE_SECONDS = 10.0
-"""Time in which a lost database must be back for an edit to be answered that it may have made."""
-SETTLE_RETRY_SECONDS = 0.1
 
 
 @dataclass(slots=True, eq=False)
@@ -152,30 +150,27 @@ class Writer:
         """Look for the edits of a batch whose commit was sent and not answered.
 
         PostgreSQL may have made them before it was lost, or there was no memory for what follows
-        a commit.  Returns the error of those that are not
-        there, which says that it is not known when the database does not come back in time.
+        a commit.  Returns the error of those that are not there, which says that it is not known
+        when the database does not come back in time.
         """
-        end = time.monotonic() + SETTLE_SECONDS
-        while time.monotonic() < end:
-            try:
-                with (
-                    shortages_in_words(),
-                    self._database.write(begun=False) as connection,
-                ):
-                    found = self._opened(connection, state, batch)
-            except UnavailableError:
-                time.sleep(SETTLE_RETRY_SECONDS)
-                continue
-            except PointbrushError as gone:
-                return gone
-            for request in batch:
-                request.commit = found.get(request.edit_id)
-            return error
-        return UnavailableError(
-            "the label database went away as the edit was made: it is not known whether it is "
-            "there; send it again with the same id",
-            private=getattr(error, "private", ""),
-        )
+
+        def look() -> dict[str, Commit]:
+            with self._database.write(begun=False) as connection:
+                return self._opened(connection, state, batch)
+
+        try:
+            found = once_it_is_back(look)
+        except UnavailableError as away:
+            return UnavailableError(
+                "the label database went away as the edit was made: it is not known whether it is "
+                "there; send it again with the same id",
+                private=away.private,
+            )
+        except PointbrushError as gone:
+            return gone
+        for request in batch:
+            request.commit = found.get(request.edit_id)
+        return error
 
     def _opened(
         self, connection: Connection, state: SequenceState, batch: list[Request]
