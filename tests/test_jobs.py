@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import multiprocessing
 import os
 import subprocess
@@ -21,7 +23,7 @@ from distributed import LocalCluster
 from pointbrush import worker
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.jobs import Job, JobRunner
-from pointbrush.worker import Channel, DaskExecutor
+from pointbrush.worker import Channel, DaskExecutor, brief_logs
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE, eventually
@@ -266,3 +268,17 @@ def test_a_recording_is_tracked_on_the_cluster(cluster: str, tmp_path: Path) -> 
         job = workspace.runner.wait(job.id, PATIENCE)
         assert (job.state, job.error) == ("done", None)
         assert workspace.store.counts("wall")[1, 1][0] > 0
+
+
+def test_dask_says_in_a_line_what_it_lost() -> None:
+    told, logger = io.StringIO(), logging.getLogger("distributed.lost")
+    handler = logging.StreamHandler(told)
+    logger.addHandler(handler)
+    try:
+        brief_logs()
+        raise ConnectionError("the other end\nis gone")
+    except ConnectionError:
+        logger.exception("a stream\nhas ended")
+    finally:
+        logger.removeHandler(handler)
+    assert told.getvalue() == "distributed.lost: a stream (ConnectionError: the other end)\n"

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import os
-import socket
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +12,7 @@ import pytest
 
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.worker import Channel
+from tests.dask_cluster import DaskCluster
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
 from tests.waiting import PATIENCE, eventually
 
@@ -53,64 +50,24 @@ def test_a_job_whose_worker_died_is_begun_once_more(
     assert (seen.finished, seen.done) == ([False], 1)
 
 
-@contextmanager
-def started(*command: str) -> Iterator[None]:
-    process = subprocess.Popen(
-        [sys.executable, "-m", *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    try:
-        yield
-    finally:
-        process.terminate()
-        try:
-            process.wait(PATIENCE)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def listening(port: int) -> bool:
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-@pytest.fixture
-def port() -> int:
-    pytest.importorskip("distributed")
-    return free_port()
-
-
 def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
     seen: Seen,  # noqa: F811
-    port: int,
 ) -> None:
-    address = f"tcp://127.0.0.1:{port}"
-    scheduler_command = (
-        "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port),
-        "--no-dashboard",
-    )  # fmt: skip
-    worker_command = (
-        "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
-        "--host", "127.0.0.1",
-    )  # fmt: skip
-    with started(*scheduler_command):
-        eventually(lambda: listening(port))
-        runner = JobRunner(seen.jobs.append, scheduler=address)
-        first = submit(runner, seen)
-        eventually(lambda: "expected workers" in runner.job(first.id).message)
-        with started(*worker_command):
+    pytest.importorskip("distributed")
+    with DaskCluster() as dask:
+        dask.start("scheduler")
+        runner = JobRunner(seen.jobs.append, scheduler=dask.address)
+        with closing(runner):
+            first = submit(runner, seen)
+            eventually(lambda: "expected workers" in runner.job(first.id).message)
+            dask.start("worker")
             assert runner.wait(first.id, PATIENCE).state == "done"
-    with closing(runner):
-        eventually(lambda: not listening(port))
-        second = submit(runner, seen)
-        eventually(lambda: "scheduler" in runner.job(second.id).message)
-        with started(*scheduler_command), started(*worker_command):
+            dask.kill("worker")
+            dask.kill("scheduler")
+            second = submit(runner, seen)
+            eventually(lambda: "scheduler" in runner.job(second.id).message)
+            dask.start("scheduler")
+            dask.start("worker")
             job = runner.wait(second.id, PATIENCE)
             assert (job.state, job.error) == ("done", None)
 

@@ -126,6 +126,29 @@ def _with_temporary(folder: str, done: Callable[[], T]) -> T:
         tempfile.tempdir = before
 
 
+class BriefFormatter(logging.Formatter):
+    """Writes a record as one line, without the traceback of the error that it is about."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the line."""
+        plain = logging.makeLogRecord(record.__dict__ | {"exc_info": None, "exc_text": None})
+        line = super().format(plain).partition("\n")[0]
+        if not record.exc_info or record.exc_info[1] is None:
+            return line
+        error = record.exc_info[1]
+        return f"{line} ({type(error).__name__}: {str(error).partition(chr(10))[0]})"
+
+
+def brief_logs() -> None:
+    """Have Dask, which takes lost connections for faults, say each in a line."""
+    form = BriefFormatter("%(name)s: %(message)s")
+    for name in ("distributed", "tornado"):
+        known = [each for each in logging.Logger.manager.loggerDict if f"{each}.".startswith(name)]
+        for logger in map(logging.getLogger, known):
+            for handler in logger.handlers:
+                handler.setFormatter(form)
+
+
 class DisconnectedError(Exception):
     """The scheduler is another one by now, or away: what it was given is forgotten."""
 
@@ -145,6 +168,7 @@ class DaskExecutor(Executor):
             raise BadInputError(
                 "scheduler: expected Dask to be installed: pip install 'pointbrush[dask]'"
             ) from None
+        brief_logs()
         try:
             self._client = distributed.Client(
                 address, timeout=CONNECT_SECONDS, set_as_default=False
