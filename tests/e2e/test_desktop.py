@@ -316,3 +316,10 @@ def test_exports(desk: Desk, server: LiveServer, truth: Truth) -> None:
         with archive.open(sorted(names)[0]) as file:
             labels = np.load(file)["label"]
     assert int((labels == 1).sum()) == count
+    desk.page.get_by_role("button", name="Export").click()
+    desk.page.get_by_label("Validation").select_option("all of these frames")
+    with desk.page.expect_download() as started:
+        desk.page.get_by_role("button", name="Pointcept").click()
+    with zipfile.ZipFile(started.value.path()) as archive:
+        splits = {name.split("/")[-3] for name in archive.namelist() if name.endswith("coord.npy")}
+    assert splits == {"val"}

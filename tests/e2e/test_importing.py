@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -104,3 +106,58 @@ def test_label_files_on_an_open_recording_are_its_labels(
     desk.until("pb.state.palette.value.some((label) => label.category === 'car')")
     after = server.request("GET", f"sequences/{SEQUENCE}/labels").json()
     assert len(after) == len(before) + 1
+
+
+def test_label_files_of_other_names_are_matched_by_order_when_a_person_says_so(
+    desk: Desk, server: LiveServer, tmp_path: Path
+) -> None:
+    counts = server.request("GET", f"sequences/{SEQUENCE}").json()["points"]
+    files = [tmp_path / f"{letter}.label" for letter in "abcdef"]
+    for file, count in zip(files, counts, strict=True):
+        file.write_bytes((np.arange(count) < 50).astype("<u4").tobytes())
+    dialog = choose(desk, files)
+    expect(dialog.get_by_role("alert")).to_contain_text("got 6 of no frame: a.label")
+    expect(dialog.get_by_role("button", name="Import labels")).to_be_disabled()
+    dialog.get_by_label("Match files to frames in their order").check()
+    row = dialog.get_by_role("row", name="c.label")
+    expect(row).to_contain_text("2")
+    expect(dialog.get_by_role("alert")).to_have_count(0)
+    dialog.get_by_role("button", name="Import labels").click()
+    expect(dialog).to_have_count(0)
+    told = desk.page.locator(".toast")
+    expect(told).to_contain_text(
+        "300 points in 6 frames. a.label → 0, b.label → 1, c.label → 2, 3 more"
+    )
+    assert (server.annotation(SEQUENCE, 2) > 0).sum() == 50
+
+
+def test_a_recording_whose_labels_did_not_come_in_is_tried_again(
+    desk: Desk, server: LiveServer
+) -> None:
+    def database(statement: str) -> None:
+        with closing(sqlite3.connect(server.workspace / "labels.sqlite")) as connection:
+            connection.execute(statement)
+            connection.commit()
+
+    database(
+        "CREATE TRIGGER full BEFORE INSERT ON edits WHEN NEW.kind = 'import' "
+        "BEGIN SELECT RAISE(ABORT, 'no room for labels'); END"
+    )
+    rows = "".join(f"{i} {i} 0 {i % 2}\n" for i in range(20))
+    files = {"files": ("street.csv", f"x y z label\n{rows}")}
+    server.request("POST", "sequences", files=files)
+
+    def street() -> list[dict[str, Any]]:
+        return [s for s in server.request("GET", "sequences").json() if s["name"] == "street"]
+
+    eventually(street)
+    desk.page.get_by_role("button", name="Juggling").click()
+    desk.page.get_by_role("button", name="All recordings").click()
+    line = desk.page.locator(".recording-line", has_text="street")
+    expect(line).to_contain_text("Labels did not come in:")
+    expect(line).to_contain_text("no room for labels")
+    database("DROP TRIGGER full")
+    line.get_by_role("button", name="Try again").click()
+    expect(line).to_contain_text("1 of 1 labelled")
+    desk.complaints.clear()
+    assert (server.annotation(street()[0]["id"], 0) > 0).sum() == 10

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.cli import main
+from pointbrush.sequences import open_sequence
 from pointbrush.web.upload_files import KEPT_SECONDS, KeptUploads, Upload
 from tests.serving import Served, serving, settings_in
 from tests.waiting import PATIENCE
@@ -208,3 +209,24 @@ def test_the_command_previews_without_a_workspace(
     for expected in ("text (XYZ, TXT, PTS, CSV)", "2, by number", "millimetres", "nothing was"):
         assert expected in printed
     assert not workspace.exists()
+
+
+def test_poses_of_other_names_are_taken_by_order_when_a_person_says_so(
+    served: Served, tmp_path: Path
+) -> None:
+    folder = room(inbox(served) / "ordered")
+    for number, name in enumerate("ab"):
+        (folder / f"{number}.csv").rename(folder / f"{name}.csv")
+    (folder / "poses.txt").write_text("first 0 0 0 0 0 0 1\nlast 1 0 0 0 0 0 1\n")
+    found = ask(served, {"path": str(folder)}).json()
+    assert found["poses"] is None
+    assert "--by-order" in found["warnings"][-1]
+    found = ask(served, {"path": str(folder), "by_order": True}).json()
+    assert found["poses"]["source"] == "poses.txt"
+    assert found["files"] == [{"file": "a.csv", "frame": 0}, {"file": "b.csv", "frame": 1}]
+    asked = ["import", str(folder), "--by-order", "--workspace", str(tmp_path / "ws")]
+    assert main(asked) == 0
+    (recording,) = (tmp_path / "ws" / "sequences").iterdir()
+    pose = open_sequence(recording)[1].pose
+    assert pose is not None
+    assert pose[0, 3] == 1

@@ -226,6 +226,7 @@ export interface ImportPreview {
   readonly fps: number;
   readonly fps_from: string;
   readonly order: string;
+  readonly files: readonly FileFrame[];
   readonly points: readonly { readonly points: number; readonly left_out: number }[];
   readonly columns: readonly { readonly name: string; readonly meaning: string }[];
   readonly topics: readonly {
@@ -248,15 +249,27 @@ export interface ImportPreview {
   readonly upload: string | null;
 }
 
+/** A file and the frame that it is, or is matched to. */
+export interface FileFrame {
+  readonly file: string;
+  readonly frame: number;
+}
+
 /** Findings of an import of labels, or of its preview. */
 export interface LabelsFound {
   readonly labelled: number;
+  readonly changed: number;
   readonly matched: number;
-  readonly labels: readonly unknown[];
+  readonly files: readonly FileFrame[];
+  /** Points by label id. */
+  readonly labels: Readonly<Record<string, number>>;
   readonly new_labels: readonly unknown[];
   readonly unknown_classes: readonly number[];
   readonly unmatched_frames: readonly number[];
   readonly unmatched_files: readonly string[];
+  /** Names of locked labels that keep points which the files label otherwise. */
+  readonly locked: readonly string[];
+  readonly warnings: readonly string[];
 }
 
 /** A file, and where it lies below the folder that was chosen or dropped ("/" between names). */
@@ -277,6 +290,8 @@ export interface ImportOptions {
   readonly up?: string;
   readonly topic?: string;
   readonly poses?: string;
+  /** Files beside the frames are theirs in their order, whatever their names are. */
+  readonly by_order?: boolean;
   readonly drop_invalid?: boolean;
 }
 

@@ -1,5 +1,6 @@
 /** Files that come in: what they are is shown first, can be corrected, and then they are taken. */
 import type { Actions } from '../actions';
+import { count as shown, plural } from '../panels/format';
 import { api, ApiError, upload } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import {
@@ -12,7 +13,15 @@ import {
   type ImportPreview,
   type LabelsFound,
 } from '../state';
-import { attempt, commonName, jobOf, noteJob, sequencePath, setUpload } from './recordings';
+import {
+  attempt,
+  commonName,
+  jobOf,
+  noteJob,
+  sequencePath,
+  setUpload,
+  waitedFor,
+} from './recordings';
 
 type ImportActions = Pick<
   Actions,
@@ -24,6 +33,9 @@ type JobAnswer = Omit<Job, 'type' | 'frame'> & { readonly result: unknown };
 const LOOK = 200;
 /** Endings of files that hold labels and no points. */
 const LABELS = /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation)[^/]*\.(npy|json))$/i;
+
+/** Files that a short message names. */
+const TOLD = 3;
 
 /** Answers to earlier questions are of no interest. */
 let asked = 0;
@@ -83,9 +95,14 @@ async function preview(): Promise<void> {
 
 /** Ask what labels the files give the open recording; or, not `dry`, take them. */
 async function labels(dry: boolean): Promise<LabelsFound> {
-  const { files, sequence } = state.importing.peek()!;
+  const { files, sequence, options } = state.importing.peek()!;
   const path = `${sequencePath(sequence!)}/annotations${dry ? '?dry_run=true' : ''}`;
-  let job = await send<JobAnswer>(path, files!, {});
+  const id = crypto.randomUUID();
+  waitedFor.add(id);
+  let job = await send<JobAnswer>(path, files!, {
+    id,
+    ...(options.by_order && { by_order: true }),
+  });
   if (!dry) noteJob(jobOf(job));
   while (isActive(jobOf(job))) {
     await new Promise((done) => setTimeout(done, LOOK));
@@ -144,14 +161,22 @@ async function leave(): Promise<void> {
   if (draft?.upload) await api('DELETE', `imports/${draft.upload}`).catch(() => undefined);
 }
 
+/** Outcome of an import of label files, in words. */
+export function outcome({ changed, matched, files, locked }: LabelsFound): string {
+  const count = `${shown(changed)} points in ${plural(matched, 'frame')}`;
+  const pairs = files.slice(0, TOLD).map(({ file, frame }) => `${file} → ${frame}`);
+  if (files.length > TOLD) pairs.push(`${files.length - TOLD} more`);
+  const kept = locked.length > 0 ? [`Points of locked labels stayed: ${locked.join(', ')}`] : [];
+  return [count, pairs.join(', '), ...kept].filter(Boolean).join('. ');
+}
+
 async function take(): Promise<void> {
   const draft = state.importing.peek();
   if (!draft || draft.busy) return;
   if (draft.sequence) {
     change({ busy: true });
     const found = await labels(false).finally(() => (state.importing.value = null));
-    const count = found.labelled.toLocaleString('en');
-    notify('success', 'Labels imported', `${count} points in ${found.matched} frames`);
+    notify('success', 'Labels imported', outcome(found));
     return;
   }
   const source = draft.upload ? { upload: draft.upload } : { path: draft.path };
@@ -170,7 +195,7 @@ export const importActions: ImportActions = {
       Object.entries({ ...draft.options, ...patch }).filter(([, value]) => value !== null),
     );
     change({ options });
-    return preview();
+    return look();
   },
   retargetImport: (sequence) => {
     change({ sequence });

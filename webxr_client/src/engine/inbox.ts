@@ -13,7 +13,7 @@ import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels';
 import type { Playback } from './playback';
-import { deletedHere, leaveOut, noteJob } from './recordings';
+import { deletedHere, leaveOut, noteJob, waitedFor } from './recordings';
 import { runEnded } from './review';
 
 export interface InboxDeps {
@@ -175,7 +175,7 @@ export class Inbox {
     const known = state.jobs.peek().find((other) => other.id === job.id);
     noteJob(job);
     this.deps.following.job(job);
-    if (isActive(job) || (known && !isActive(known))) return;
+    if (isActive(job) || (known && !isActive(known)) || waitedFor.has(job.id)) return;
     if (job.kind === 'tracking') {
       this.dropProvisional();
       runEnded(tellRun(job));

@@ -37,6 +37,9 @@ export async function attempt(what: string, work: () => Promise<void>): Promise<
 }
 
 /** Job messages come over the socket and from answers; the newest word counts. */
+/** Ids of jobs whose end is told where they are waited for, not in a message of their own. */
+export const waitedFor = new Set<string>();
+
 export function noteJob(job: Job): void {
   const others = state.jobs.peek().filter((other) => other.id !== job.id);
   state.jobs.value = [...others, job];

@@ -2,16 +2,11 @@
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 import { actions } from '../actions';
-import {
-  state,
-  type ImportDraft,
-  type ImportOptions,
-  type ImportPreview,
-  type LabelsFound,
-} from '../state';
+import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../state';
 import { Button, Check } from './controls';
 import { plural } from './format';
 import { Icon } from './icons';
+import { Facts, Labels, onPage, orderCounts } from './import-found';
 
 const FORMATS = [
   ['ply', 'PLY'], ['pcd', 'PCD'], ['las', 'LAS, LAZ, COPC'], ['e57', 'E57'], ['text', 'Text'],
@@ -57,8 +52,15 @@ export function ImportDialog() {
         <Target draft={draft} />
         {draft.error && (
           <p class="import-note bad" role="alert">
-            <Icon name="warning" /> <span>{draft.error}</span>
+            <Icon name="warning" /> <span>{onPage(draft.error)}</span>
           </p>
+        )}
+        {orderCounts(draft) && (
+          <Check
+            label="Match files to frames in their order, whatever their names are"
+            checked={draft.options.by_order ?? false}
+            onChange={(checked) => correct({ by_order: checked || null })}
+          />
         )}
         {draft.sequence ? (
           draft.labels && <Labels found={draft.labels} />
@@ -221,65 +223,6 @@ function Topics({ found, options }: { found: ImportPreview; options: ImportOptio
       />
     </Row>
   );
-}
-
-function Facts({ found }: { found: ImportPreview }) {
-  const first = found.points[0];
-  const extent = found.units.extent.map((wide) => wide.toFixed(1)).join(' × ');
-  const rows: readonly Fact[] = [
-    ['Format', found.title],
-    ['Frames', `${found.frames?.toLocaleString('en') ?? 'unknown'}, ${found.order}`],
-    ['Rate', `${found.fps} per second, ${found.fps_from}`],
-    ['Points', `${first?.points.toLocaleString('en') ?? '0'} in the first frame`],
-    ['Columns', found.columns.map(described).join(', ')],
-    ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
-    ['Cameras', found.cameras.map(({ name }) => name).join(', ')],
-    ['Labels', found.labels ? 'come with the points' : ''],
-  ];
-  return (
-    <>
-      <FactList rows={rows} />
-      {found.warnings.map((warning) => (
-        <p key={warning} class="import-note">
-          <Icon name="warning" /> <span>{warning}</span>
-        </p>
-      ))}
-    </>
-  );
-}
-
-type Fact = readonly [name: string, value: string];
-
-/** List of facts by name, without those that have no value. */
-function FactList({ rows }: { rows: readonly Fact[] }) {
-  return (
-    <dl class="import-facts">
-      {rows
-        .filter(([, value]) => value)
-        .map(([name, value]) => (
-          <div key={name}>
-            <dt>{name}</dt>
-            <dd>{value}</dd>
-          </div>
-        ))}
-    </dl>
-  );
-}
-
-function described({ name, meaning }: ImportPreview['columns'][number]): string {
-  if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
-  return `${name} (${meaning || 'left out'})`;
-}
-
-function Labels({ found }: { found: LabelsFound }) {
-  const rows: readonly Fact[] = [
-    ['Points', `${found.labelled.toLocaleString('en')} with a label`],
-    ['Frames', `${found.matched} with labels, ${found.unmatched_frames.length} without`],
-    ['Labels', `${found.labels.length}, ${found.new_labels.length} of them new`],
-    ['Classes without a name', found.unknown_classes.slice(0, 12).join(', ')],
-    ['Files of no frame', found.unmatched_files.slice(0, 6).join(', ')],
-  ];
-  return <FactList rows={rows} />;
 }
 
 function Row({ label, children }: { label: string; children: ComponentChildren }) {

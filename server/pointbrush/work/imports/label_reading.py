@@ -167,7 +167,11 @@ class ReadLabelsWork:
         known = frame_names(recording.manifest)
         named = {part: part.frame for _, part in parts if isinstance(part.frame, str)}
         if named:
-            frames |= zip(named, match(list(named.values()), known), strict=True)
+            frames |= zip(
+                named,
+                match(list(named.values()), known, by_order=self.request.by_order),
+                strict=True,
+            )
         # A table has the times of a whole drive, of which the recording may be a part.
         timed = {part: part.time for _, part in parts if part.time is not None}
         moments = [FrameName("", time) for time in timed.values()]
