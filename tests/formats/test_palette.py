@@ -11,7 +11,7 @@ import pytest
 from pointbrush.formats import LabeledFrame, export, own_labels, read
 from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.exports.labeled import Palette
-from pointbrush.formats.palette import source_dataset
+from pointbrush.formats.source import open_source
 from pointbrush.frame import PointFrame
 
 
@@ -48,13 +48,18 @@ def test_an_export_read_again_keeps_ids_and_names(tmp_path, name, out):
     assert frame.label.tolist() == [0, 7, 300]
 
 
-def test_semantickitti_has_names_of_its_own(tmp_path):
+def test_labels_beside_scans_are_of_semantickitti(tmp_path):
+    drive = tmp_path / "sequences" / "03"
     for folder in ("velodyne", "labels"):
-        (tmp_path / "sequences" / "03" / folder).mkdir(parents=True)
-    velodyne = tmp_path / "sequences" / "03" / "velodyne"
-    for path in (tmp_path, tmp_path / "sequences" / "03", velodyne, velodyne / "0.bin"):
-        assert source_dataset([path]) is SEMANTIC_KITTI
-    assert source_dataset([tmp_path / "sequences"]) is None
+        (drive / folder).mkdir(parents=True)
+    scan = drive / "velodyne" / "0.bin"
+    scan.write_bytes(bytes(32))
+    for labels, dataset in ((None, ""), (bytes(8), SEMANTIC_KITTI.name)):
+        if labels is not None:
+            (drive / "labels" / "0.label").write_bytes(labels)
+        for path in (tmp_path, drive, scan.parent, scan):
+            with open_source([path]) as source:
+                assert source.listings[0].dataset == dataset
 
 
 @pytest.mark.parametrize(

@@ -447,3 +447,18 @@ def test_a_bag_of_depth_images_alone_says_what_to_do(tmp_path: Path) -> None:
     path.write_bytes(rosbag1(("/camera/depth/image_raw", "sensor_msgs/Image", 101.5, taken)))
     with pytest.raises(BadInputError, match=r"image_raw .*turn depth images into points"):
         pictures_of(path)
+
+
+def test_depth_images_beside_clouds_are_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    taken = image_message(101.5, bytes(72), compressed=False).replace(b"bgr8", b"16UC1")
+    path = tmp_path / "drive.bag"
+    path.write_bytes(
+        rosbag1(
+            ("/points", "sensor_msgs/PointCloud2", 101.5, message(1, cdr=False)),
+            ("/camera/depth/image_raw", "sensor_msgs/Image", 101.5, taken),
+        )
+    )
+    assert pictures_of(path) == []
+    assert "/camera/depth/image_raw are left out: turn depth images into points" in caplog.text

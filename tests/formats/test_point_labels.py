@@ -6,12 +6,14 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import laspy
 import numpy as np
 import plyfile
 import pytest
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.annotation import find_label_files
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.options import Limits, ReadOptions
 
@@ -123,3 +125,17 @@ def test_cloudcompare_keeps_classes_in_a_scalar_field_with_nan_for_none(
     """CloudCompare qCC_io/src/PlyFilter.cpp, AsciiFilter.cpp, qPCL/PclUtils/utils/cc2sm.cpp."""
     write(tmp_path / f"scan.{write.__name__[-3:]}", np.array([2, np.nan, 6, 0]))
     assert read(tmp_path) == [[2, 0, 6, 0]]
+
+
+def test_cloudcompare_keeps_scalar_fields_as_extra_dimensions_of_las(tmp_path: Path) -> None:
+    """CloudCompare qLASIO/src/LasScalarField.cpp, LasExtraScalarField.cpp."""
+    las = laspy.create(point_format=6, file_version="1.4")
+    las.add_extra_dim(laspy.ExtraBytesParams("tree class", "f4"))
+    las.xyz = np.zeros((4, 3))
+    las.classification = np.array([2, 1, 6, 0])
+    las["tree class"] = np.array([0, 3, 4, np.nan])
+    las.write(tmp_path / "scan.las")
+    assert read(tmp_path, "las") == [[2, 0, 6, 0]]
+    options = ReadOptions(chosen=Corrections(columns=("tree class=label",)))
+    files = find_label_files(tmp_path, "points", {}, Limits())
+    assert files.read(files.paths[0], options).category.tolist() == [0, 3, 4, 0]

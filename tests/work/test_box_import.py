@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from pointbrush.formats.boxes.figures import Box, points_of
 from pointbrush.formats.boxes.registry import read_boxes
+from pointbrush.formats.corrections import Corrections
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
@@ -182,3 +184,28 @@ def test_a_file_with_more_frames_than_the_recording_is_told_once(
     result = workspace.runner.wait(job.id, PATIENCE).result
     assert result["matched"] == 2
     assert result["unmatched_files"] == ["0000.txt (7 of 9 frames)"]
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.001])
+def test_boxes_of_points_in_millimetres_are_in_their_unit_or_in_metres(
+    tmp_path: Path, unit: float
+) -> None:
+    points, boxes = tmp_path / "room", tmp_path / "boxes"
+    points.mkdir()
+    boxes.mkdir()
+    np.save(points / "000000.npy", scene(0) * 1000)
+    labelcloud(boxes)
+    (boxes / "000001.json").unlink()
+    content = json.loads((boxes / "000000.json").read_text())
+    for each in content["objects"]:
+        for part in ("centroid", "dimensions"):
+            each[part] = {axis: value / unit for axis, value in each[part].items()}
+    (boxes / "000000.json").write_text(json.dumps(content))
+    with closing(Workspace(Settings(workspace=tmp_path / "workspace"))) as workspace:
+        job = workspace.import_paths([points], chosen=Corrections(scale=0.001))
+        assert workspace.runner.wait(job.id, PATIENCE).state == "done"
+        done = workspace.runner.wait(workspace.import_labels("room", boxes, "me").id, PATIENCE)
+        assert done.state == "done", done.error
+        assert sorted(done.result["labels"].values()) == [100, 200]
+        told = "the boxes are in the units of the recording's files: 0.001 m each"
+        assert done.result["warnings"] == ([told] if unit < 1 else [])

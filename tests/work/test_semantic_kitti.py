@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
 from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pointbrush.formats.class_maps import parse_map
 from pointbrush.labels import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
@@ -106,6 +108,52 @@ def test_labels_beside_scans_become_the_labels_that_an_import_of_them_alone_make
     palette, _ = made[beside]
     cars = {label.name for label in palette if label.category == "car"}
     assert cars == {"car 3", "car 7"}
+
+
+@pytest.mark.parametrize("way", ["a flat folder", "a zip", "a zip of a flat folder"])
+def test_scans_with_label_files_have_the_classes_names_wherever_they_lie(
+    tmp_path: Path, way: str
+) -> None:
+    source = drive(tmp_path / "kitti", 1)
+    if "flat" in way:
+        flat = tmp_path / "flat"
+        flat.mkdir()
+        for path in sorted(source.rglob("*.*")):
+            path.rename(flat / path.name)
+        source = flat
+    if "zip" in way:
+        source = Path(shutil.make_archive(str(tmp_path / "packed"), "zip", source))
+    with closing(opened(tmp_path)) as workspace:
+        palette = workspace.palette(import_path(workspace, source))
+    assert {"road", "car 3", "car 7"} <= {label.name for label in palette}
+
+
+def test_a_folder_of_point_labeler_has_the_classes_of_its_xml(tmp_path: Path) -> None:
+    """src/widget/KittiReader.cpp: labels/ beside velodyne/, a uint32 a point, made as scans are
+    looked at; src/data/label_utils.cpp: id and name of each label of labels.xml."""
+    source = drive(tmp_path / "yard")
+    labels = (source / "labels").rename(tmp_path / "labels")
+    (labels / "000000.label").unlink()
+    (source / "calib.txt").write_text("Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n")
+    (source / "poses.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 2 0 1 0 0 0 0 1 0\n")
+    classes = "".join(
+        f"<label><id>{number}</id><name>{name}</name><color>0 90 200</color></label>"
+        for number, name in ((10, "lorry"), (40, "yard"))
+    )
+    with closing(opened(tmp_path)) as workspace:
+        sequence = import_path(workspace, source)
+        labels.rename(source / "labels")
+        job = workspace.import_labels(
+            sequence, source, "ann", names=parse_map("labels.xml", f"<config>{classes}</config>")
+        )
+        done = workspace.runner.wait(job.id, PATIENCE)
+        assert done.state == "done", done.error
+        assert done.result["files"] == [{"file": "000001.label", "frame": 1}]
+        names = {label.id: label.name for label in workspace.palette(sequence)}
+        found = [names.get(n, "") for n in workspace.annotation(sequence, 1)[0].tolist()]
+    kind = packed(source / "labels", 1)
+    for name, number in (("yard", 40), ("lorry 3", 10 | 3 << 16), ("lorry 7", 10 | 7 << 16)):
+        assert [each == name for each in found] == (kind == number).tolist()
 
 
 def test_categories_keep_their_number_in_a_dataset_and_in_the_workspace(tmp_path: Path) -> None:

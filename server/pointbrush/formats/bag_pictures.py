@@ -111,9 +111,13 @@ def _image_topics(topics: Sequence[Topic]) -> list[ImageTopic]:
         own = topic.name.removesuffix("/compressed")
         spaces = [own, own.rpartition("/")[0]]
         info = next((f"{s}/camera_info" for s in spaces if f"{s}/camera_info" in infos), "")
-        # Depth images are clouds by themselves; image_raw and image_rect are of one camera.
         if "depth" in own.lower() or "disparity" in own.lower():
+            log.warning(
+                "the images of %s are left out: turn depth images into points with "
+                "depth_image_proc", topic.name,
+            )  # fmt: skip
             continue
+        # image_raw and image_rect are of one camera.
         name = (info.rpartition("/")[0] or own).strip("/").replace("/", "_")
         chosen.setdefault(name, ImageTopic(topic, info, name))
     return list(chosen.values())[:MAX_CAMERAS]

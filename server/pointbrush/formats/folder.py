@@ -13,7 +13,9 @@ import numpy as np
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.bag_listing import list_bags
 from pointbrush.formats.beside import find_tables, pictures_beside, poses_beside
+from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
+from pointbrush.formats.kitti import find_label
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
@@ -235,6 +237,8 @@ def list_files(
         assumed_fps=assumed_rate(entry.name, folder),
         poses_from=poses.source if poses else "",
         pictures=pictures,
+        # A .label file is SemanticKITTI's, in whatever folder it lies.
+        dataset=SEMANTIC_KITTI.name if entry.headless and any(map(find_label, files)) else "",
     )
 
 

@@ -30,7 +30,8 @@ class Listing:
 
     ``order`` and ``rate_from`` say in words what the order and ``fps`` come from; ``assumed_fps``
     is taken where ``fps`` is not known.  ``poses_from`` is the file of poses; ``topics`` are those
-    of a bag; ``pictures`` those of cameras, by frame.
+    of a bag; ``pictures`` those of cameras, by frame.  ``dataset`` is the one whose numbers the
+    labels beside the points are, "" where it is not known.
     """
 
     format: str
@@ -45,3 +46,4 @@ class Listing:
     topics: tuple[Topic, ...] = ()
     topic: str = ""
     pictures: PictureSource | None = None
+    dataset: str = ""

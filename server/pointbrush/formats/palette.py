@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.datasets import SEMANTIC_KITTI, Dataset
+from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.names import spelled_out
 
 NAME = "palette.json"
@@ -42,13 +42,6 @@ class SourceLabel:
         """Write out characters that no name may hold."""
         for field in ("name", "category"):
             object.__setattr__(self, field, spelled_out(getattr(self, field)))
-
-
-def source_dataset(paths: Sequence[Path]) -> Dataset | None:
-    """The dataset whose layout the files have, and whose numbers their labels are; or None."""
-    if own_labels(paths):
-        return None
-    return SEMANTIC_KITTI if any(_is_semantic_kitti(path) for path in paths) else None
 
 
 def labels_of_packed(
@@ -146,11 +139,3 @@ def _label(entry: dict[str, Any]) -> SourceLabel:
     if entry.get("categoryless") is True:
         category = ""
     return SourceLabel(number, name, category, color, packed, came)
-
-
-def _is_semantic_kitti(path: Path) -> bool:
-    places = [path, path.parent] if path.is_dir() else list(path.parents)[:2]
-    return any(
-        (place / "velodyne").is_dir() and (place / "labels").is_dir()
-        for place in (*places, *(path.glob("sequences/*") if path.is_dir() else ()))
-    )

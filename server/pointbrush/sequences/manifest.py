@@ -21,7 +21,7 @@ VERSION = 7
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
 further fields as it packs arrays, and the coordinates of octrees, 5 tells the format of depth
 images, 6 names the classes of labels that are words, and the
-files of frames, 7 keeps what the numbers of labels mean; all are read."""
+files of frames, 7 keeps what the numbers of labels mean, and the scale; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -52,6 +52,7 @@ class Manifest:
     ``dataset``         the one whose numbers the labels are, "" where it is not known.
     ``palette``         labels of ours whose ids the labels are, where the files are our export:
                         fields of ``formats.palette.SourceLabel``.
+    ``scale``           metres for a unit of the source's coordinates.
     ``files``           name of the file that each frame came from, ``places`` its place among the
                         frames of that file; both empty where an older import did not keep them.
     ``imported_as``     ``id`` at the import: a restored recording may have got another one.
@@ -86,6 +87,7 @@ class Manifest:
     places: list[int]
     dataset: str
     palette: list[dict[str, Any]]
+    scale: float
 
     @property
     def identity(self) -> str:
@@ -160,6 +162,7 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
     content.setdefault("places", [0] * len(content["files"]))
     content.setdefault("dataset", "")
     content.setdefault("palette", [])
+    content.setdefault("scale", 1.0)
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 
@@ -187,9 +190,9 @@ def rename_sequence(path: Path, sequence: str) -> Manifest:
     return manifest
 
 
-def name_labels(path: Path, dataset: str, palette: list[dict[str, Any]]) -> None:
-    """Note what the numbers of labels mean in the recording in folder ``path``; see Manifest."""
-    manifest = replace(read_manifest(path), dataset=dataset, palette=palette)
+def note_meaning(path: Path, dataset: str, palette: list[dict[str, Any]], scale: float) -> None:
+    """Note what numbers of the source's files mean in the recording in folder ``path``."""
+    manifest = replace(read_manifest(path), dataset=dataset, palette=palette, scale=scale)
     replace_file(path / FILE, encode_manifest(manifest))
 
 

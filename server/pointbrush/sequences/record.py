@@ -158,4 +158,5 @@ def make_manifest(
         places=[origin.place for origin in origins],
         dataset="",
         palette=[],
+        scale=1.0,
     )

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import logging
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
+log = logging.getLogger(__name__)
 MOST_NUMBER = 10**9
 """Numbers of objects above which a key is a word."""
 GROUND_REACH = 1.0
@@ -39,6 +41,10 @@ class Box:
         """Move a box to the coordinates of the points; ``T_boxes_points`` (4, 4)."""
         R, t = T_boxes_points[:3, :3], T_boxes_points[:3, 3]
         return replace(self, center=R.T @ (self.center - t), rotation=R.T @ self.rotation)
+
+    def scaled(self, scale: float) -> Box:
+        """Scale a box about the origin of its coordinates."""
+        return replace(self, center=self.center * scale, size=self.size * scale)
 
     def inside(self, xyz: Floats) -> NDArray[np.bool_]:
         """Mark the points of ``xyz`` (N, 3) that are in the box, its faces included."""
@@ -73,11 +79,32 @@ class FrameBoxes:
 
     def moved_back(self, T_boxes_points: Floats) -> FrameBoxes:
         """Move the boxes to the coordinates of the points."""
-        moved = (
-            each.moved_back(T_boxes_points) if isinstance(each, Box) else each
-            for each in self.boxes
-        )
-        return replace(self, boxes=tuple(moved))
+        return self.changed(lambda box: box.moved_back(T_boxes_points))
+
+    def changed(self, change: Callable[[Box], Box]) -> FrameBoxes:
+        """Change the boxes, and leave the marked points as they are."""
+        changed = (change(each) if isinstance(each, Box) else each for each in self.boxes)
+        return replace(self, boxes=tuple(changed))
+
+
+def in_metres(
+    found: Sequence[Sequence[FrameBoxes]], scale: float, lo: Floats, hi: Floats
+) -> list[list[FrameBoxes]]:
+    """Scale boxes that are in the units of a recording's files, ``scale`` metres each.
+
+    They are where more of them lie between ``lo`` and ``hi`` (3,), the recording's bounds, than do
+    as they are.
+    """
+    boxes = [box for file in found for part in file for box in part.boxes if isinstance(box, Box)]
+    centers = np.array([box.center for box in boxes]).reshape(-1, 3)
+    as_is, scaled = (
+        int(((lo <= where) & (where <= hi)).all(axis=1).sum())
+        for where in (centers, centers * scale)
+    )
+    if scaled <= as_is:
+        return [list(file) for file in found]
+    log.warning("the boxes are in the units of the recording's files: %g m each", scale)
+    return [[part.changed(lambda box: box.scaled(scale)) for part in file] for file in found]
 
 
 def instance_numbers(figures: Iterable[Figure]) -> dict[str, int]:

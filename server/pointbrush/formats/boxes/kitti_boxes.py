@@ -52,8 +52,9 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
     T_velo_cam = np.asarray(np.linalg.inv(_camera_from_velodyne(path)), np.float64)
     frames: dict[int, list[Box]] = {}
     for words in _lines(path, TRACKING_WORDS):
-        # Numbers of tracks count from 0, and 0 is no instance.
-        box = _of_camera(words[2:], str(int(words[1]) + 1), T_velo_cam)
+        # Numbers of tracks count from 0, and 0 is no instance; -1 is no track.
+        track = int(words[1])
+        box = _of_camera(words[2:], str(track + 1) if track >= 0 else "", T_velo_cam)
         frames.setdefault(int(words[0]), []).append(box)
     yield from (FrameBoxes(frame, tuple(boxes)) for frame, boxes in sorted(frames.items()))
 

@@ -14,12 +14,12 @@ from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
 from pointbrush.formats.matching import Origin
 from pointbrush.formats.options import Limits, ReadOptions
-from pointbrush.formats.palette import own_labels, source_dataset
+from pointbrush.formats.palette import own_labels
 from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
-from pointbrush.sequences.manifest import name_labels
+from pointbrush.sequences.manifest import note_meaning
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
@@ -51,15 +51,12 @@ class ImportWork:
         with formats.reported() as warnings, self.target.building(channel.progress) as folder:
             for warning in self._import(channel, folder):
                 warnings.setdefault(warning)
-            self._name_labels(folder)
         channel.item(list(warnings))
 
-    def _name_labels(self, folder: Path) -> None:
-        """Keep what the numbers of labels mean: uploaded files are gone afterwards."""
-        own, dataset = own_labels(self.paths), source_dataset(self.paths)
-        if own or dataset is not None:
-            name = "" if dataset is None else dataset.name
-            name_labels(folder, name, [asdict(label) for label in own])
+    def _note_meaning(self, folder: Path, dataset: str) -> None:
+        """Keep what numbers of labels and coordinates mean: uploaded files are gone afterwards."""
+        own = [asdict(label) for label in own_labels(self.paths)]
+        note_meaning(folder, "" if own else dataset, own, self.chosen.scale)
 
     def _import(self, channel: Channel, folder: Path) -> list[str]:
         about: dict[str, Any] = {
@@ -81,6 +78,7 @@ class ImportWork:
                 origins=[Origin(scan.name)],
                 **about,
             )
+            self._note_meaning(folder, "")
             return []
         with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
             fps, said = source.rate(self.fps)
@@ -96,6 +94,7 @@ class ImportWork:
                 origins=source.origins,
                 **about,
             )
+            self._note_meaning(folder, source.listings[0].dataset)
         if said != ASSUMED or manifest.frames == 1:
             return []
         return [f"the rate is assumed, {fps:g} frames a second: nothing in the files states it"]

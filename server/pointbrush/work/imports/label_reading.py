@@ -15,7 +15,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits, ReadOptions
 from pointbrush.formats.annotation import LabelFiles, find_label_files
 from pointbrush.formats.archive import unpacked
-from pointbrush.formats.boxes.figures import FrameBoxes, instance_numbers
+from pointbrush.formats.boxes.figures import FrameBoxes, in_metres, instance_numbers
 from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
 from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
@@ -185,6 +185,9 @@ class ReadLabelsWork:
         found = [read_boxes(path, files.format) for path in files.paths]
         if (export := files.export) is not None:
             found = [[part.moved_back(export.T_export_source) for part in f] for f in found]
+        elif (manifest := recording.manifest).scale != 1:
+            bounds = (np.add(end, manifest.shift) for end in (manifest.lo, manifest.hi))
+            found = in_metres(found, manifest.scale, *bounds)
         figures = [figure for file in found for part in file for figure in part.boxes]
         names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
