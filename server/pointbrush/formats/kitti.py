@@ -43,12 +43,13 @@ def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     columns |= _table_columns(path.name, read_bytes(path), KITTI_FIELDS, options)
     label_file = find_label(path)
     if label_file is not None:
-        label, instance = read_label(label_file, len(columns["x"]))
-        own = own_palette(label_file)
-        if own is not None:
-            label = labels_of_packed(label_file.name, pack_label(label, instance), own)
-        columns["label"] = label
-        columns["instance"] = instance
+        columns["label"], columns["instance"] = read_label(label_file, options)
+        count = len(columns["x"])
+        if len(columns["label"]) != count:
+            raise BadInputError(
+                f"{label_file.name}: expected {count} labels of 4 bytes, one for each point, got "
+                f"{len(columns['label'])}"
+            )
     yield frame_from_columns(path.name, columns, options)
 
 
@@ -184,19 +185,19 @@ def find_label(path: Path) -> Path | None:
     return next((candidate for candidate in candidates if candidate.is_file()), None)
 
 
-def read_label(path: Path, count: int) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
-    """Semantic class (lower 16 bits) and instance (upper 16 bits) of each point.
+def read_label(path: Path, options: ReadOptions) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
+    """Read class (lower 16 bits) and instance (upper 16 bits) of each point.
 
-    Raises BadInputError unless the file holds ``count`` uint32.
+    Classes of an export of ours are ids of its palette.  Raises BadInputError unless the file
+    holds uint32.
     """
-    data = path.read_bytes()
-    if len(data) != 4 * count:
-        raise BadInputError(
-            f"{path.name}: expected {count} labels of 4 bytes, one for each point, got {len(data)} "
-            "bytes"
-        )
-    packed = np.frombuffer(data, "<u4")
-    return (packed & 0xFFFF).astype(np.uint16), (packed >> 16).astype(np.uint16)
+    data = read_bytes(path)
+    if len(data) % 4:
+        raise BadInputError(f"{path.name}: expected labels of 4 bytes, got {len(data)} bytes")
+    require_count(path.name, len(data) // 4, options.limits)
+    packed, own = np.frombuffer(data, "<u4"), own_palette(path)
+    label = packed & 0xFFFF if own is None else labels_of_packed(path.name, packed, own)
+    return label.astype(np.uint16), (packed >> 16).astype(np.uint16)
 
 
 def pack_label(semantic: NDArray[np.uint16], instance: NDArray[np.uint16]) -> NDArray[np.uint32]:

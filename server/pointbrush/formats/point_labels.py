@@ -17,11 +17,12 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.class_maps import GREATEST_CLASS
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.exports.about import ROW
+from pointbrush.formats.kitti import read_label
 from pointbrush.formats.label_values import number_of
 from pointbrush.formats.npy import require_array_header
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
-from pointbrush.formats.palette import labels_of_packed, own_palette
+from pointbrush.formats.palette import own_palette
 from pointbrush.formats.registry import format_by_name
 
 Numbers = NDArray[np.int64]
@@ -48,17 +49,8 @@ class PointLabels:
 
 
 def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
-    data = read_bytes(path)
-    if len(data) % 4:
-        raise BadInputError(f"{path.name}: expected labels of 4 bytes, got {len(data)} bytes")
-    require_count(path.name, len(data) // 4, options.limits)
-    raw = np.frombuffer(data, "<u4")
-    own = own_palette(path)
-    if own is not None:
-        return PointLabels(path.name, labels_of_packed(path.name, raw, own).astype(np.int64), None)
-    packed = raw.astype(np.int64)
-    instance = packed >> 16
-    return PointLabels(path.name, packed & 0xFFFF, instance if instance.any() else None)
+    category, instance = read_label(path, options)
+    return PointLabels(path.name, category.astype(np.int64), instance.astype(np.int64))
 
 
 def _read_octets(path: Path, options: ReadOptions) -> PointLabels:
@@ -143,10 +135,7 @@ def _read_points(path: Path, options: ReadOptions) -> PointLabels:
             f"{frame.dropped} are not, so that their order is not known"
         )
     instance = None if frame.instance is None else frame.instance.astype(np.int64)
-    rows = None
-    if own_palette(path) is not None:
-        instance = None  # a label of ours is an instance
-        rows = frame.other.get(ROW)
+    rows = None if own_palette(path) is None else frame.other.get(ROW)
     labels = PointLabels(path.name, frame.label.astype(np.int64), instance, rows)
     return labels if frame.rows is None else _of_rows(labels, frame.rows, frame.dropped)
 

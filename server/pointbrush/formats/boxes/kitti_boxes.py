@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.boxes.documents import lines_of_words
 from pointbrush.formats.boxes.editors import labelcloud_format
 from pointbrush.formats.boxes.figures import Box, FrameBoxes
 from pointbrush.formats.boxes.rotations import euler_matrix
@@ -61,13 +62,8 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
 
 def _lines(path: Path, count: int) -> Iterator[list[str]]:
     """Split the lines into words; those of regions that nobody labelled are left out."""
-    for number, line in enumerate(read_bytes(path).decode("utf-8", "replace").splitlines(), 1):
-        words = line.split()
-        if words and len(words) < count:
-            raise BadInputError(
-                f"{path.name} line {number}: expected {count} values, got {len(words)}"
-            )
-        if words and words[count - OBJECT_WORDS].lower() != IGNORED:
+    for words in lines_of_words(path, count):
+        if words[count - OBJECT_WORDS].lower() != IGNORED:
             yield words
 
 

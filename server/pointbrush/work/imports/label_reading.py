@@ -277,7 +277,9 @@ def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -
             f"{labels.file}: expected {points:,} labels, one for each point of frame {frame}, "
             f"got {count:,}"
         )
-    instance = np.zeros(count, np.int64) if labels.instance is None else labels.instance
+    # A label of ours is an instance.
+    instance = None if files.own else labels.instance
+    instance = np.zeros(count, np.int64) if instance is None else instance
     rows = np.flatnonzero(labels.category > 0)
     if 0 in files.names and not files.own:
         rows = np.arange(count)
