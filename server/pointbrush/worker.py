@@ -207,9 +207,12 @@ class DaskExecutor(Executor):
             raise UnavailableError("expected workers at the Dask scheduler, there are none")
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Leave the cluster, which goes on."""
-        self._pool.shutdown(wait=wait and not cancel_futures)
-        self._client.close()
+        """Leave the cluster, which goes on, or has gone."""
+        try:
+            self._pool.shutdown(wait=wait and not cancel_futures)
+            self._client.close()
+        except Exception as error:  # a client that was lost cannot say goodbye
+            logger.info("the connection to the Dask scheduler had ended: %s", error)
 
 
 def require_address(address: str) -> tuple[str, int]:
