@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -112,7 +112,15 @@ def told(workspace: Workspace, frame: int) -> Iterator[tuple[Told, frozenset[int
         yield palette[number], frozenset(np.flatnonzero((label == number) & alive).tolist())
 
 
-@pytest.mark.parametrize("kind", sorted(EXPORTS.keys() - {"openpcdet"}))
+def by_category(found: Iterable[tuple[Told, frozenset[int]]]) -> set[frozenset[int]]:
+    """Points of each category, or label without one."""
+    points: dict[str, frozenset[int]] = {}
+    for (name, category), of_label in found:
+        points[category or name] = points.get(category or name, frozenset()) | of_label
+    return set(points.values())
+
+
+@pytest.mark.parametrize("kind", sorted(EXPORTS))
 @settings(
     max_examples=2,
     deadline=None,
@@ -134,4 +142,7 @@ def test_an_export_comes_back_into_a_copy(
         done = again.runner.wait(job.id, 120)
         assert done.state == "done", done.error
         after = [sorted(told(again, frame), key=repr) for frame in range(2)]
-    assert after == before
+    if kind == "openpcdet":  # boxes of classes, whose names are one word
+        assert list(map(by_category, after)) == list(map(by_category, before))
+    else:
+        assert after == before

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import strategies as st
 
 from pointbrush.formats.corrections import Corrections
 from pointbrush.frame import PointFrame
+from pointbrush.labels import Label
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
@@ -22,103 +23,97 @@ from tests.waiting import PATIENCE
 FORMATS = ("ply", "pcd", "npz", "csv", "las", "laz", "semantickitti")
 EXACT = {"semantickitti": 1e-3, "las": 1e-6, "laz": 1e-6}
 """Metres that a format's coordinates may be off: float32 of a shifted scan, the finest grid."""
-TEXT = st.text("abcäöü 0-_.", min_size=1, max_size=12).map(str.strip).filter(bool)
-COLOR = st.integers(0, 0xFFFFFF).map("#{:06x}".format)
+ALPHABET = np.array(list("abcäöü 0-_."))
+FRAMES = 3
 
 
-@st.composite
-def recordings(draw: st.DrawFn) -> tuple[list[PointFrame], list[tuple[str, str, str]]]:
-    rng = np.random.default_rng(draw(st.integers(0, 2**31)))
-    far = draw(st.booleans())
-    frames = []
-    for _ in range(draw(st.integers(1, 2))):
-        count = draw(st.integers(3, 40))
-        xyz = rng.integers(-4000, 4000, (count, 3)) / 256
-        frames.append(
-            PointFrame(
-                xyz + [400_000, 5_000_000, 100] if far else xyz.astype(np.float32),
-                rgb=rng.integers(0, 256, (count, 3)).astype(np.uint8),
-                intensity=rng.integers(0, 255, count).astype(np.float32),
-            )
-        )
-    names = draw(st.lists(TEXT, min_size=1, max_size=4, unique=True))
-    return frames, [(name, draw(TEXT | st.just("")), draw(COLOR)) for name in names]
+@dataclass(frozen=True)
+class Made:
+    """A recording of random points, which are labelled at random."""
+
+    frames: list[PointFrame]
+    labels: list[np.ndarray]
+    palette: dict[int, Label]
 
 
-def imported(folder: Path, path: Path) -> Workspace:
-    """A workspace into which an export was imported as ``again``."""
-    workspace = Workspace(Settings(workspace=folder))
-    job = workspace.import_paths([path], name="again", fps=10.0)
-    done = workspace.runner.wait(job.id, PATIENCE)
-    assert done.state == "done", done.error
-    return workspace
+def words(rng: np.random.Generator) -> str:
+    return "a" + "".join(rng.choice(ALPHABET, rng.integers(0, 12))).rstrip()
 
 
-def painted(
-    folder: Path, frames: list[PointFrame], palette: list[tuple[str, str, str]], seed: int
-) -> tuple[Workspace, list[np.ndarray]]:
-    place = folder / "sequences" / "made"
-    import_frames(frames, place, sequence_id="made", name="made", fps=10.0)
-    workspace = Workspace(Settings(workspace=folder))
-    ids = [
-        workspace.create_label("made", "ann", name=name, category=category, color=color).id
-        for name, category, color in palette
-    ]
-    rng = np.random.default_rng(seed)
-    labels = [rng.choice([0, *ids], len(frame)).astype(np.uint16) for frame in frames]
+def scan(rng: np.random.Generator, *, far: bool) -> PointFrame:
+    count = rng.integers(3, 40)
+    xyz = rng.integers(-4000, 4000, (count, 3)) / 256
+    return PointFrame(
+        xyz + [400_000, 5_000_000, 100] if far else xyz.astype(np.float32),
+        rgb=rng.integers(0, 256, (count, 3)).astype(np.uint8),
+        intensity=rng.integers(0, 255, count).astype(np.float32),
+    )
+
+
+def painted(workspace: Workspace, name: str, frames: list[PointFrame]) -> Made:
+    rng = np.random.default_rng(len(frames[0]))
+    for category in (words(rng), "", words(rng), words(rng)):
+        color = f"#{rng.integers(0, 1 << 24):06x}"
+        workspace.create_label(name, "ann", name=words(rng), category=category, color=color)
+    palette = {label.id: label for label in workspace.palette(name)}
+    labels = [rng.choice([0, *palette], len(frame)).astype(np.uint16) for frame in frames]
     for index, label in enumerate(labels):
-        workspace.put_annotation("made", index, label, author="ann")
-    return workspace, labels
+        workspace.put_annotation(name, index, label, author="ann")
+    return Made(frames, labels, palette)
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workspace, dict[str, Made]]]:
+    folder, rng = tmp_path_factory.mktemp("source"), np.random.default_rng(0)
+    frames = {
+        name: [scan(rng, far=name == "far") for _ in range(FRAMES)] for name in ("near", "far")
+    }
+    for name, scans in frames.items():
+        place = folder / "sequences" / name
+        import_frames(scans, place, sequence_id=name, name=name, fps=10.0)
+    with closing(Workspace(Settings(workspace=folder))) as workspace:
+        yield workspace, {name: painted(workspace, name, scans) for name, scans in frames.items()}
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-@settings(
-    max_examples=3,
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-    derandomize=True,
-    phases=[Phase.generate],
-)
-@given(made=recordings(), seed=st.integers(0, 1000))
 def test_points_colours_labels_palette_and_provenance_are_equal(
-    tmp_path_factory: pytest.TempPathFactory,
-    kind: str,
-    made: tuple[list[PointFrame], list[tuple[str, str, str]]],
-    seed: int,
+    tmp_path: Path, kind: str, source: tuple[Workspace, dict[str, Made]]
 ) -> None:
-    folder = tmp_path_factory.mktemp("trip")
-    frames, palette = made
-    workspace, labels = painted(folder / "one", frames, palette, seed)
-    with closing(workspace):
-        workspace.export("made", kind, folder / "out")
-        first = {label.id: label for label in workspace.palette("made")}
-    with closing(imported(folder / "two", folder / "out")) as again:
-        second = {label.id: label for label in again.palette("again")}
-        for index, (frame, label) in enumerate(zip(frames, labels, strict=True)):
-            np.testing.assert_array_equal(again.annotation("again", index)[0], label)
-            provenance = again.annotation("again", index, "provenance")[0]
-            np.testing.assert_array_equal(provenance, np.where(label > 0, 3, 0))
-            stored = again.recording("again")[index]
-            columns = stored.read_source(0, stored.count, ["xyz", "rgb", "intensity"])
-            order = np.argsort(stored.source_index)
-            close = {"rtol": 0, "atol": EXACT.get(kind, 0.0)}
-            xyz = _world(again, index, columns["xyz"][order])
-            if kind == "csv":
-                xyz = xyz.astype(frame.xyz.dtype)  # text has no types
-            np.testing.assert_allclose(xyz, frame.xyz, **close)
-            np.testing.assert_array_equal(columns["intensity"][order], frame.intensity)
-            if kind != "semantickitti":
-                np.testing.assert_array_equal(columns["rgb"][order], frame.rgb)
-    used = set(np.unique(np.concatenate(labels)).tolist()) - {0}
-    for label_id in used:
-        ours, theirs = first[label_id], second[label_id]
+    workspace, recordings = source
+    with closing(Workspace(Settings(workspace=tmp_path / "again"))) as again:
+        for name, made in recordings.items():
+            workspace.export(name, kind, tmp_path / name)
+            job = again.import_paths([tmp_path / name], name=name, fps=10.0)
+            done = again.runner.wait(job.id, PATIENCE)
+            assert done.state == "done", done.error
+            came_back(again, name, made, kind)
+
+
+def came_back(again: Workspace, name: str, made: Made, kind: str) -> None:
+    """Compare a recording with what its export was imported as."""
+    for index, (frame, label) in enumerate(zip(made.frames, made.labels, strict=True)):
+        np.testing.assert_array_equal(again.annotation(name, index)[0], label)
+        provenance = again.annotation(name, index, "provenance")[0]
+        np.testing.assert_array_equal(provenance, np.where(label > 0, 3, 0))
+        stored = again.recording(name)[index]
+        columns = stored.read_source(0, stored.count, ["xyz", "rgb", "intensity"])
+        order = np.argsort(stored.source_index)
+        xyz = _world(stored.pose, columns["xyz"][order])
+        if kind == "csv":
+            xyz = xyz.astype(frame.xyz.dtype)  # text has no types
+        np.testing.assert_allclose(xyz, frame.xyz, rtol=0, atol=EXACT.get(kind, 0.0))
+        np.testing.assert_array_equal(columns["intensity"][order], frame.intensity)
+        if kind != "semantickitti":
+            np.testing.assert_array_equal(columns["rgb"][order], frame.rgb)
+    palette = {label.id: label for label in again.palette(name)}
+    for label_id in set(np.concatenate(made.labels).tolist()) - {0}:
+        ours, theirs = made.palette[label_id], palette[label_id]
         assert (theirs.name, theirs.category) == (ours.name, ours.category)
         assert theirs.color == ours.color
 
 
-def _world(workspace: Workspace, index: int, xyz: np.ndarray) -> np.ndarray:
+def _world(pose: np.ndarray | None, xyz: np.ndarray) -> np.ndarray:
     """Coordinates of the source: those that a pose has undone are moved back."""
-    pose = workspace.recording("again")[index].pose
     return xyz if pose is None else xyz @ pose[:3, :3].T + pose[:3, 3]
 
 

@@ -192,7 +192,9 @@ class ReadLabelsWork:
         names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
         instance_of = instance_numbers(figures)
-        channel.item(Naming(names, dict(files.own)))
+        # Without ids of labels (OpenPCDet's text) the palette beside says nothing of the numbers.
+        own = files.own if any(figure.label for figure in figures) else {}
+        channel.item(Naming(names, dict(own)))
         up = recording.manifest.T_room_local[1, :3]
         frames = self._box_frames(files, found, recording)
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
