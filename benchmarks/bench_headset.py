@@ -5,8 +5,8 @@ python benchmarks/bench_headset.py
 The headset is emulated (the npm package iwer); draw calls do nothing, because this machine's GPU is
 a program.  Counted is everything of ours before the draw: hands, panels, brush, presence, time, and
 bringing a new frame's points over; and the whole callback of a picture, three.js and the calls to
-draw included.  Then what a picture of frames that are cached allocates, by
-whose code asks for it: objects, and numbers that V8 boxes.
+draw included.  Then what a picture of frames that are cached allocates, by whose code asks for it:
+objects, and numbers that V8 boxes.
 """
 
 from __future__ import annotations

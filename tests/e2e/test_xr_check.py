@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from tests.e2e.headset import QUEST, VIVE, Headset, wear
-from tests.e2e.recording import PERSON, SEQUENCE, Truth
+from tests.e2e.recording import PERSON, Truth
 from tests.e2e.server import LiveServer
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -45,7 +45,6 @@ def check(browser: Browser, server: LiveServer) -> Iterator[Check]:
         headset.ask("pb.setDrawing(false)")
         return headset
 
-    server.create_label(SEQUENCE, "person", "#ff5d5d")
     yield enter
     for headset in worn:
         headset.context.close()

@@ -1,7 +1,10 @@
 /** The recording in which a headset is checked: the sample, or the first one, with two labels. */
 import { computed } from '@preact/signals';
 import { actions } from '../actions';
+import { attempt, sequencePath } from '../engine/recordings';
 import { firstOf } from '../net/early';
+import { api } from '../net/rest';
+import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../state';
 import { follow } from '../watch';
 
@@ -28,15 +31,23 @@ export function openRecording(): void {
   });
 }
 
-/** Make the labels that are missing, once the recording's own have come. */
+/** Make the labels that are missing, once there is something to paint. */
 export function makeLabels(): void {
-  let making = false;
-  follow(() => {
-    const missing = state.palette.value.length < LABELS;
-    if (!missing || making || state.shown.value.total === 0 || !canEdit.value) return;
-    making = true;
+  const stop = follow(() => {
+    const { id } = state.sequence.value ?? {};
+    const known = state.me.value !== null && canEdit.value;
+    if (id === undefined || !known || state.shown.value.total === 0) return;
     queueMicrotask(() => {
-      void actions.createLabel().finally(() => (making = false));
+      stop();
+      void fill(id);
     });
+  });
+}
+
+/** Points may come before the palette: the server is asked how many there are. */
+async function fill(sequence: string): Promise<void> {
+  await attempt('The labels to check with were not made', async () => {
+    const labels = await api<Label[]>('GET', `${sequencePath(sequence)}/labels`);
+    for (let i = labels.length; i < LABELS; i++) await actions.createLabel();
   });
 }
