@@ -134,6 +134,7 @@ def take(server: Served, browser: Browser, target: Path, dust: int, place: list[
 
     headset.move("left", OUT_OF_SIGHT)
     headset.ask("device.quaternion.set(-0.2, 0, 0, 0.98)")
+    headset.call("timeline")
     headset.move("right", [0.35, 1.1, -0.4])
     save(look(headset), target / "headset-timeline.jpg")
 
@@ -143,6 +144,9 @@ def take(server: Served, browser: Browser, target: Path, dust: int, place: list[
 
     headset.click("palette", "Labels")
     headset.lay_down_controllers()
+    hold(headset)
+    for shown in ("timeline", "palette"):
+        headset.call(shown)
     hold(headset)
     save(look(headset), target / "headset-hands.jpg")
     headset.bare = False
@@ -158,8 +162,9 @@ def take(server: Served, browser: Browser, target: Path, dust: int, place: list[
     save(look(headset), target / "headset-doubt.jpg")
 
     headset.click("question", "Later")
-    headset.click("palette", "View")
-    headset.click("palette", "Doll")
+    headset.click("timeline", "Hide")
+    for name in ("View", "Doll", "Put away"):
+        headset.click("palette", name)
     hold(headset)
     headset.move("left", LOW)
     save(look(headset), target / "headset-doll.jpg")

@@ -211,8 +211,18 @@ class Headset(Desk):
         if release:
             self.trigger(0)
 
+    def call(self, panel: str, hand: str = "right") -> None:
+        """Rest a ray on a panel's handle, if it is folded, until it has unfolded."""
+        if self.ask(f"hs.open('{panel}')"):
+            return
+        self.until(f"hs.areas('{panel}').length > 0")
+        area = self.ask(f"hs.areas('{panel}')[0]")
+        self.point(panel, area["x"] + area["w"] / 2, area["y"] + area["h"] / 2, hand)
+        self.until(f"hs.open('{panel}') && hs.areas('{panel}').length > 0")
+
     def click(self, panel: str, name: str, hand: str = "right") -> None:
         """Point at something on a panel by its name, and press."""
+        self.call(panel, hand)
         self.page.wait_for_timeout(80)
         self.until(f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})")
         self.point_at(panel, name, 0.5, hand)
@@ -229,6 +239,7 @@ class Headset(Desk):
 
     def point_at(self, panel: str, name: str, share: float, hand: str = "right") -> None:
         """Point at a share of the width of what has a name on a panel."""
+        self.call(panel, hand)
         areas = self.ask(f"hs.areas('{panel}')")
         area = next(area for area in areas if area["name"] == name)
         self.point(panel, area["x"] + area["w"] * share, area["y"] + area["h"] / 2, hand)

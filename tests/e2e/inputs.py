@@ -84,8 +84,21 @@ class Input:
         """Look at a point of the recording (source coordinates)."""
         self.move(self.headset.ask(f"hs.place({json.dumps(point)})"))
 
+    def call(self, panel: str) -> None:
+        """Look at a panel's handle and press, if it is folded."""
+        if self.headset.ask(f"hs.open('{panel}')"):
+            return
+        self.headset.until(f"hs.areas('{panel}').length > 0")
+        area = self.headset.ask(f"hs.areas('{panel}')[0]")
+        u, v = area["x"] + area["w"] / 2, area["y"] + area["h"] / 2
+        self.move(self.headset.ask(f"hs.onPanel('{panel}', {u}, {v})")["at"])
+        for down in (True, False):
+            self.select(down)
+        self.headset.until(f"hs.open('{panel}') && hs.areas('{panel}').length > 0")
+
     def look_at(self, panel: str, name: str, share: float = 0.5) -> None:
-        """Look at a share of the width of what has a name on a panel."""
+        """Look at a share of the width of what has a name on a panel, called if it is folded."""
+        self.call(panel)
         areas = self.headset.ask(f"hs.areas('{panel}')")
         area = next(area for area in areas if area["name"] == name)
         u, v = area["x"] + area["w"] * share, area["y"] + area["h"] / 2

@@ -39,15 +39,14 @@ def test_what_has_no_place_paints_where_its_ray_hits_and_drags_at_that_depth(
     headset = put_on()
     inject(headset)
     lay_down(headset, "left", "right")
-    # The palette hangs beside the timeline, where eyes and a pinch put it away.
+    # The palette's handle hangs beside the timeline's: eyes and a pinch call it and put it away.
     headset.until(f"{PALETTE}.visible")
-    headset.frames(4)
     look = Input(headset, "away", "transient-pointer", "right")
     look.look_at("palette", "Put away")
     look.select(True)
     look.select(False)
     look.go()
-    headset.until(f"!{PALETTE}.visible")
+    headset.until("!hs.open('palette')")
     x, y, z = truth(0, PERSON)
     before = 0
     for mode, up in (("transient-pointer", 0.0), ("screen", 0.15), ("gaze", 0.3)):
@@ -166,6 +165,7 @@ def test_a_bare_hand_does_what_a_controller_does(
     finger = "hs.headset.cockpit.pointers.of('right').fingertip.clone()"
 
     def poke(panel: str, name: str) -> None:
+        headset.call(panel)
         headset.until(f"hs.areas('{panel}').some((area) => area.name === '{name}')")
         area = next(a for a in headset.ask(f"hs.areas('{panel}')") if a["name"] == name)
         u, v = area["x"] + area["w"] / 2, area["y"] + area["h"] / 2

@@ -117,8 +117,6 @@ def set_the_floor(headset: Headset, server: LiveServer) -> None:
     found, floor = tip_over(headset, server)
     headset.click("palette", "View")
     headset.click("palette", "Floor")
-    # The timeline lies where one points, and makes way.
-    headset.until("!hs.headset.cockpit.panels.timeline.mesh.visible")
     for place in corners_of(floor):
         x, y, z = headset.ask(f"hs.place({place})")
         headset.move("right", [x, y + 0.3, z], [x, y, z])
@@ -135,9 +133,7 @@ def set_the_floor(headset: Headset, server: LiveServer) -> None:
     stands_as(headset, found)
     assert np.allclose(room_of(server), found)
     headset.click("palette", "Done")
-    headset.until(
-        "pb.state.tool.value === 'paint' && hs.headset.cockpit.panels.timeline.mesh.visible"
-    )
+    headset.until("pb.state.tool.value === 'paint'")
 
 
 # ── doubt ────────────────────────────────────────────────────────────────────────────────────
@@ -185,12 +181,14 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     for frame in (2, 4, 2):
         headset.button("thumbstick", "left")
         headset.until(f"pb.state.frame.value === {frame} && hs.doubt().unsure[0] === 1")
+    headset.call("palette")
     headset.until("hs.doubt().pulse > 0.6 && hs.headset.cockpit.panels.palette.glow.mesh.visible")
     headset.until("hs.doubt().pulse < 0.4")
     headset.flick_to_frame(3)
     headset.until("hs.doubt().unsure.length === 0 && hs.doubt().pulse === 0")
     # In the room's timeline painted frames are the label's colour, tracked ones a paler one of it,
     # doubtful ones hatched, and empty ones neither.
+    headset.call("timeline")
     headset.page.wait_for_timeout(200)
     assert 0xFF5D5D in cell(headset, 0)
     assert len(cell(headset, 2)) > 1

@@ -119,6 +119,7 @@ def test_a_ray_is_two_pixels_wide_at_least(browser: Browser, server: LiveServer)
     headset = wear(browser, server.page_url, size=(1000, 500), drawn=True)
     headset.ready()
     headset.enter()
+    headset.call("timeline")
     at = headset.ask("hs.onPanel('timeline', 0.3, 0.4)")["at"]
     headset.move("right", [0.35, 1.35, -0.35], at)
     # Nothing else is drawn, in either eye.

@@ -166,26 +166,28 @@ def test_how_the_recording_is_shown_and_where_one_stands(headset: Headset) -> No
     after = headset.ask(f"[{rig}.head.x, {rig}.head.z]")
     assert np.hypot(after[0] - before[0], after[1] - before[1]) > 0.02
     headset.until("!hs.headset.cockpit.locomotion.vignette.visible")
-    # The timeline is carried by its bar, hidden, and shown again where one looks.
+    # The timeline is carried by its bar, hidden, and called again where one looks.
     panels = "hs.headset.cockpit.panels"
     headset.point_at("timeline", "Move", 0.5)
     headset.trigger(1)
     headset.move("right", [0.3, 1.2, -0.2], [1.3, 1.0, -0.9])
     headset.trigger(0)
     assert headset.ask(f"{panels}.timeline.mesh.matrix.elements[12]") > 0.3
-    for hidden in (True, False):
-        headset.click("palette", "Timeline")
-        headset.until(f"{panels}.timeline.mesh.visible === {'false' if hidden else 'true'}")
+    headset.click("timeline", "Hide")
+    headset.until(f"{panels}.timeline.folded")
+    headset.click("palette", "Timeline")
+    headset.until("hs.open('timeline')")
     assert abs(headset.ask(f"{panels}.timeline.mesh.matrix.elements[12]")) < 0.1
-    # The palette is put away and shown, and hangs beside the timeline once its hand is gone.
+    # The palette is put away and called, and hangs in the timeline's place once its hand is gone.
     headset.click("palette", "Put away")
-    headset.until(f"!{panels}.palette.mesh.visible")
+    headset.until(f"{panels}.palette.folded")
     headset.ask("(device.controllers.left.connected = false)")
     headset.click("timeline", "Palette")
-    headset.until(f"{panels}.palette.mesh.visible && {panels}.hangs")
+    headset.until(f"hs.open('palette') && {panels}.hangs && {panels}.palette.mesh.visible")
     headset.click("palette", "Tools")
     headset.click("palette", "Erase")
     headset.until("pb.state.tool.value === 'erase'")
+    headset.click("palette", "Timeline")
     headset.click("timeline", "loop")
     headset.until("pb.state.loop.value === false")
     headset.click("timeline", "1×")

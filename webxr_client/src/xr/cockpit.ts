@@ -89,7 +89,7 @@ export class Cockpit {
       if (settles) this.settle(peek(xrSettings).seated);
       else this.panels.settle();
     });
-    this.panels = new RoomPanels(this.rig, session, viewer.world, {
+    this.panels = new RoomPanels(this.rig, session, {
       scaleTo: (scale) => this.scale.to(scale),
       reset: () => this.scale.reset(),
       recentre: () => this.stand(),
@@ -130,7 +130,8 @@ export class Cockpit {
   private switchLabels(pointer: Pointer | null, now: number): void {
     if (!pointer) return;
     const { pointers, panels } = this;
-    const onPalette = pointers.bodyOf(pointer).on === panels.palette;
+    const { palette } = panels;
+    const onPalette = palette.open && pointers.bodyOf(pointer).on === palette;
     if (!this.labelSwitch.update(pointer, pointers.partOf(pointer), onPalette, now)) return;
     this.lessons.done('label');
   }
@@ -175,6 +176,7 @@ export class Cockpit {
     this.frames += 1;
     this.poses.read(frame, space);
     if (!this.rig.update(this.poses)) return;
+    this.rig.sight.take(this.engine.viewer.renderer.xr.getCamera().cameras);
     if (!this.standing) this.stand();
     this.pointers.update(frame, space, seconds);
     this.rig.group.updateMatrixWorld(true);
@@ -189,6 +191,7 @@ export class Cockpit {
     parts.add(() => this.place.update());
     parts.add(() => pointers.point(this.panels.all, this.panels.far, this.painter));
     parts.add(() => this.carryPanels());
+    parts.add(() => this.panels.fold(pointers.at, seconds));
     parts.add((now) => this.switchLabels(pointers.brush, now));
     parts.add((now) => this.switchLabels(pointers.other, now));
     parts.add((now) => this.buttons.update(pointers.brush, pointers.other, seconds, now));

@@ -96,6 +96,8 @@ export function installHeadsetHook(
     },
     /** The others in the room: whose head, hands and brush one sees. */
     people: () => people.seen(),
+    /** Whether a panel is whole, and what is on it can be pressed. */
+    open: (name: PanelName) => panel(name).open,
     /** Places on a panel that answer, 0..1. */
     areas: (name: PanelName) => panel(name).places(),
   };

@@ -15,7 +15,7 @@ import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { xrSettings } from './settings';
 import { SIZES } from './sizes';
-import type { Ui } from './ui';
+import type { ButtonLook, Ui } from './ui';
 import { watch } from '../watch';
 
 type Tab = 'labels' | 'tools' | 'view' | 'comfort';
@@ -67,7 +67,17 @@ export class PalettePanel extends Panel {
     private readonly controls: PaletteControls,
     session: XRSession,
   ) {
-    super({ width: 0.31, height: 0.379, pixelsPerMetre: 3135, em: SIZES.palette.em }, 100);
+    super(
+      {
+        width: 0.31,
+        height: 0.379,
+        pixelsPerMetre: 3135,
+        em: SIZES.palette.em,
+        // To the right, where no hints of a left hand are.
+        handle: { at: 0.62, wide: 9 },
+      },
+      100,
+    );
     this.keyboard = new SystemKeyboard(session);
     this.mesh.add(this.glow.mesh);
     const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;
@@ -104,7 +114,13 @@ export class PalettePanel extends Panel {
 
   /** Brightness, of labels that a person should look at, 0..1. */
   pulse(strength: number): void {
-    this.glow.pulse(this.page === 'labels' ? strength : 0);
+    this.glow.pulse(!this.folded && this.page === 'labels' ? strength : 0);
+  }
+
+  /** The label that is painted, else what this is. */
+  protected override handleLook(): ButtonLook {
+    const label = activeLabel.peek();
+    return label ? { swatch: label.color, text: label.name } : { text: 'Palette' };
   }
 
   protected override draw(ui: Ui): void {

@@ -1,7 +1,8 @@
 /** A panel in the room: a plane with a canvas on it, pressed by a ray. */
 import { CanvasTexture, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector2, Vector3 } from 'three'; // prettier-ignore
+import { Fold } from './fold';
 import { tint } from './tint';
-import { LIGHT, Ui, type Area } from './ui';
+import { LIGHT, Ui, type Area, type ButtonLook } from './ui';
 
 /** Metres behind the panel to which a fingertip still presses it. */
 const THROUGH = 0.04;
@@ -9,6 +10,8 @@ const THROUGH = 0.04;
 const REDRAW_MS = 60;
 /** Opacity of a panel behind nearer points, and while one paints. */
 const VEILED = 0.3;
+/** Ems: height of a handle. */
+export const HANDLE_EMS = 2.1;
 
 export interface PanelSize {
   /** Metres. */
@@ -17,6 +20,8 @@ export interface PanelSize {
   readonly pixelsPerMetre: number;
   /** Metres of normal text's em. */
   readonly em: number;
+  /** All that is left of it while it is folded: its middle, a share of the lower edge, and ems. */
+  readonly handle?: { readonly at: number; readonly wide: number };
 }
 
 export abstract class Panel {
@@ -41,6 +46,7 @@ export abstract class Panel {
   /** Drawn over everything, but faintly: what is nearer hides the panel, and never all of it. */
   private readonly veil: Mesh<PlaneGeometry, MeshBasicMaterial>;
   readonly away = new Float64Array(1);
+  private readonly fold = new Fold();
 
   constructor(
     readonly size: PanelSize,
@@ -83,6 +89,55 @@ export abstract class Panel {
 
   protected abstract draw(ui: Ui): void;
 
+  /** Words and marks on the handle. */
+  protected handleLook(): ButtonLook {
+    return {};
+  }
+
+  // ── folding ────────────────────────────────────────────────────────────────────────────────
+
+  get folded(): boolean {
+    return this.size.handle !== undefined && this.fold.folded;
+  }
+
+  /** It is whole, and what is on it can be pressed. */
+  get open(): boolean {
+    return !this.folded && !this.fold.young;
+  }
+
+  /** Fold to the handle, or unfold; what was drawn answers no more. */
+  setFolded(folded: boolean): void {
+    if (folded === this.folded) return;
+    this.fold.set(folded);
+    this.ui.areas.length = 0;
+    this.hover = -1;
+    this.light.visible = false;
+    this.drawn = -Infinity;
+    this.touch();
+  }
+
+  /** Once per picture: see `Fold.update`. */
+  updateFold(...asked: Parameters<Fold['update']>): void {
+    if (this.size.handle && this.fold.update(...asked)) this.setFolded(!this.folded);
+  }
+
+  /** The middle of what is seen of it, in the headset's own space. */
+  middle(out: Vector3): Vector3 {
+    const { width, height, em, handle } = this.size;
+    if (handle && this.folded)
+      out.set((handle.at - 0.5) * width, (HANDLE_EMS * em - height) / 2, 0);
+    else out.set(0, 0, 0);
+    return out.applyMatrix4(this.mesh.matrix);
+  }
+
+  private drawHandle({ at, wide }: { at: number; wide: number }): void {
+    const { ui } = this;
+    const [w, h] = [wide * ui.em, HANDLE_EMS * ui.em];
+    const [x, y] = [at * ui.width - w / 2, ui.height - h];
+    ui.begin(x, y, w, h);
+    ui.button(x, y, w, h, this.handleLook(), () => this.setFolded(false));
+  }
+
   /** Draw anew at the next opportunity. */
   readonly touch = (): void => {
     this.dirty = true;
@@ -92,8 +147,11 @@ export abstract class Panel {
     if (!this.dirty || !this.mesh.visible || now - this.drawn < REDRAW_MS) return;
     this.dirty = false;
     this.drawn = now;
-    this.ui.begin();
-    this.draw(this.ui);
+    if (this.folded) this.drawHandle(this.size.handle!);
+    else {
+      this.ui.begin();
+      this.draw(this.ui);
+    }
     this.lighten();
     this.texture.needsUpdate = true;
   }
@@ -110,10 +168,8 @@ export abstract class Panel {
     const distance = -this.from.z / this.way.z;
     const u = (this.from.x + this.way.x * distance) / this.size.width + 0.5;
     const v = 0.5 - (this.from.y + this.way.y * distance) / this.size.height;
-    if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
+    if (!this.takes(u, v)) return false;
     this.heldAt.set((u - 0.5) * this.size.width, (0.5 - v) * this.size.height);
-    this.at[0] = u * this.ui.width;
-    this.at[1] = v * this.ui.height;
     this.away[0] = distance * this.grown();
     return true;
   }
@@ -127,11 +183,18 @@ export abstract class Panel {
     if (away > reach || away < -THROUGH) return false;
     const u = from.x / this.size.width + 0.5;
     const v = 0.5 - from.y / this.size.height;
-    if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
-    this.at[0] = u * this.ui.width;
-    this.at[1] = v * this.ui.height;
+    if (!this.takes(u, v)) return false;
     this.away[0] = away;
     return true;
+  }
+
+  /** Whether it answers at a place, 0..1, and notes that: anywhere while it is pressed. */
+  private takes(u: number, v: number): boolean {
+    const { at, ui } = this;
+    if (this.pressed === null && (u < 0 || u > 1 || v < 0 || v > 1)) return false;
+    at[0] = u * ui.width;
+    at[1] = v * ui.height;
+    return this.pressed !== null || !this.folded || ui.find(at) >= 0;
   }
 
   /** Metres of the scene in one of its own. */
@@ -150,7 +213,7 @@ export abstract class Panel {
       this.lighten();
     }
     if (edge === 1) {
-      this.pressed = ui.areas[hover] ?? null;
+      this.pressed = (this.fold.young ? null : ui.areas[hover]) ?? null;
       this.holder = by;
       this.tell(this.pressed?.act);
     } else if (this.pressed?.drag) {

@@ -1,7 +1,7 @@
-import { Group, Matrix4, Object3D, Vector3 } from 'three';
+import { Group, Matrix4, Object3D, PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { Panel } from './panel';
-import { PaletteSpot, Placement, PLACEMENT, timelineBelow } from './placement';
+import { PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Poses } from './poses';
 import { Rig } from './rig';
 import { degrees, LEAST_DEGREES, SIZES } from './sizes';
@@ -20,15 +20,23 @@ function standing(eyes: Vector3): Rig {
   return rig;
 }
 
-function placed(eyes: Vector3, below: number): { middle: Vector3; corner: Vector3 } {
+/** An eye that sees so far down, degrees. */
+function eye(down: number): PerspectiveCamera {
+  return new PerspectiveCamera(2 * down);
+}
+
+function placed(eyes: Vector3, down = 45): { middle: Vector3; edge: Vector3; corner: Vector3 } {
   const rig = standing(eyes);
-  const panel = new Object3D();
+  rig.sight.take([eye(down), eye(48)]);
+  const mesh = new Object3D();
   const placement = new Placement(rig);
   placement.face();
-  placement.layBefore(panel, below);
+  const size = { width: 2 * HALF_WIDTH, height: 2 * HALF_HEIGHT };
+  placement.hangTimeline({ mesh, size } as unknown as Panel);
   return {
-    middle: new Vector3().setFromMatrixPosition(panel.matrix),
-    corner: new Vector3(HALF_WIDTH, HALF_HEIGHT, 0).applyMatrix4(panel.matrix),
+    middle: new Vector3().setFromMatrixPosition(mesh.matrix),
+    edge: new Vector3(0, -HALF_HEIGHT, 0).applyMatrix4(mesh.matrix),
+    corner: new Vector3(HALF_WIDTH, HALF_HEIGHT, 0).applyMatrix4(mesh.matrix),
   };
 }
 
@@ -43,26 +51,27 @@ describe('the timeline', () => {
     ['has no floor', 0],
   ])('hangs 15 to 30° below the eyes of who %s, and can be read', (_name, height) => {
     const eyes = new Vector3(0.3, height, -0.2);
-    const { middle, corner } = placed(eyes, PLACEMENT.below);
+    const { middle, corner } = placed(eyes);
     expect(below(eyes, middle)).toBeGreaterThanOrEqual(15);
     expect(below(eyes, middle)).toBeLessThanOrEqual(30);
     const away = corner.distanceTo(eyes);
     expect(degrees({ ...SIZES.timeline, away })).toBeGreaterThanOrEqual(LEAST_DEGREES);
   });
 
-  it('never hides a model of the recording, one larger than life, or what a ray or an outline takes', () => {
+  it('has its handle in the picture, however little a device sees', () => {
     const eyes = new Vector3(0, 1.6, 0);
-    const { middle } = placed(eyes, PLACEMENT.low);
-    const top = below(eyes, middle) - Math.atan(HALF_HEIGHT / PLACEMENT.away) / DEGREE;
-    expect(top).toBeGreaterThan(30);
-    for (const [scale, far, samples] of [
-      [0.1, false, 'path'],
-      [5, false, 'path'],
-      [1, true, 'path'],
-      [1, false, 'drawn'],
+    for (const [sees, hangs] of [
+      [50, 43],
+      [30, 28],
     ] as const) {
-      expect(timelineBelow(scale, { far, samples })).toBe(PLACEMENT.low);
+      expect(below(eyes, placed(eyes, sees).edge)).toBeCloseTo(hangs);
     }
+  });
+
+  it('hides nothing of a model while it is folded', () => {
+    const eyes = new Vector3(0, 1.6, 0);
+    // A handle is 4° high.
+    const top = PLACEMENT.edge / DEGREE - 4;
     for (const size of [2, 8, 40]) {
       const world = new Group();
       const bounds = [new Vector3(-size / 2, 0, 1), new Vector3(size / 2, 2, 1 + size)] as const;
@@ -94,7 +103,7 @@ const seconds = Float64Array.of(0.1);
 const [SIDEWAYS, TO_THE_EYES] = [0, 0.9];
 
 describe('the palette', () => {
-  it('is over the hand, hidden while one paints, and beside the timeline once the hand is missing', () => {
+  it('is over the hand, hidden while one paints, and beside the other handle once the hand is missing', () => {
     const spot = new PaletteSpot();
     expect(spot.update(true, false, SIDEWAYS, seconds)).toBe('hand');
     expect(spot.update(true, true, SIDEWAYS, seconds)).toBe('away');
@@ -108,22 +117,21 @@ describe('the palette', () => {
     expect(new PaletteSpot().update(false, false, SIDEWAYS, seconds)).toBe('beside');
   });
 
-  it('stays put away until the palm is turned to the eyes anew', () => {
+  it('is asked for by a palm that is turned to the eyes for a moment, once', () => {
     const spot = new PaletteSpot();
-    spot.update(true, false, TO_THE_EYES, seconds);
-    spot.putAway = true;
-    expect(spot.update(true, false, TO_THE_EYES, seconds)).toBe('away');
-    expect(spot.update(true, false, SIDEWAYS, seconds)).toBe('away');
-    const turned = Array.from({ length: 6 }, () => spot.update(true, false, TO_THE_EYES, seconds));
-    expect([turned[0], turned.at(-1)]).toEqual(['away', 'hand']);
-    expect(spot.update(true, false, SIDEWAYS, seconds)).toBe('hand');
+    const asked = Array.from({ length: 9 }, () => {
+      spot.update(true, false, TO_THE_EYES, seconds);
+      return spot.asked;
+    });
+    expect(asked.filter(Boolean)).toHaveLength(1);
+    expect(asked[0]).toBe(false);
   });
 
-  it('does not come for a palm that is turned for a system gesture, which pinches at once', () => {
+  it('is not asked for by a palm that is turned for a system gesture, which pinches at once', () => {
     const spot = new PaletteSpot();
-    spot.putAway = true;
     for (const palm of [TO_THE_EYES, TO_THE_EYES, 0, TO_THE_EYES, TO_THE_EYES, TO_THE_EYES]) {
-      expect(spot.update(true, false, palm, seconds)).toBe('away');
+      spot.update(true, false, palm, seconds);
+      expect(spot.asked).toBe(false);
     }
   });
 });

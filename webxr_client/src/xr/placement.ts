@@ -1,6 +1,5 @@
-/** Places of panels in the room: before the eyes, beside the timeline, or where a ray carries them. */
+/** Places of panels in the room: low before the eyes, or where a ray carries them. */
 import { type Object3D, Vector3 } from 'three';
-import type { Way } from '../tools/ways';
 import { faceEyes, type Facing } from './facing';
 import type { Panel } from './panel';
 import type { Rig } from './rig';
@@ -12,18 +11,17 @@ const DEGREE = Math.PI / 180;
 export const PLACEMENT = {
   /** From the eyes to a panel's middle: what is farther grows. */
   away: 0.85,
-  /** The timeline's middle below the eyes' height. */
-  below: 28 * DEGREE,
-  /** The same where it must not hide what stands ahead. */
-  low: 55 * DEGREE,
-  /** The same of a question: above, where it hides nothing that is to be mended. */
+  /** The lower edge of a panel that hangs, where its handle is, below the eyes' height … */
+  edge: 43 * DEGREE,
+  /** … and at least so far above the lower edge of the picture. */
+  inside: 2 * DEGREE,
+  /** The middle of a question below the eyes' height: above, where it hides nothing to be mended. */
   question: -12 * DEGREE,
-  /** To the side of straight ahead, and below the eyes' height, where a palette without a hand hangs. */
-  beside: 52 * DEGREE,
-  besideBelow: 22 * DEGREE,
-  /** The same of another panel: above a palette that hangs there. */
-  above: 40 * DEGREE,
-  aboveBelow: -8 * DEGREE,
+  /** To the left of straight ahead, where a palette without a hand hangs: its handle is beside the timeline's. */
+  beside: 13 * DEGREE,
+  /** To the side of straight ahead, and below the eyes' height, where another panel hangs. */
+  aside: 40 * DEGREE,
+  asideBelow: -8 * DEGREE,
   /** As near to the eyes, and as far from them, as a carried panel comes. */
   nearest: 0.45,
   farthest: 3,
@@ -52,18 +50,6 @@ function seenAt(
   );
 }
 
-/**
- * Return how far below the eyes the timeline hangs: lower while the recording is a model or larger
- * than life, and while a ray paints what stands ahead, or something is drawn before it.
- */
-export function timelineBelow(
-  scale: number,
-  { far, samples }: Pick<Way, 'far' | 'samples'>,
-): number {
-  const trueScale = Math.abs(scale - 1) < 1e-3;
-  return trueScale && !far && samples !== 'drawn' ? PLACEMENT.below : PLACEMENT.low;
-}
-
 export class Placement {
   /** Direction of the eyes when panels were last laid, in the headset's own space. */
   private yaw = 0;
@@ -84,15 +70,26 @@ export class Placement {
     this.hang(panel, 0, below, FACING);
   }
 
-  /** Hang the palette beside the timeline; `left`: on that side. */
-  hangBeside(panel: Object3D, left: boolean): void {
-    const side = left ? PLACEMENT.beside : -PLACEMENT.beside;
-    this.hang(panel, side, PLACEMENT.besideBelow, BESIDE);
+  /** Hang the timeline straight ahead, its handle low in the picture. */
+  hangTimeline({ mesh, size }: Panel): void {
+    const half = Math.atan2(size.height / 2, FACING.away);
+    this.hang(mesh, 0, this.lowest() - half, FACING);
   }
 
-  /** Hang another panel above the palette's place; `left`: on that side. */
-  hangAbove(panel: Object3D, left: boolean): void {
-    this.hang(panel, left ? PLACEMENT.above : -PLACEMENT.above, PLACEMENT.aboveBelow, FACING);
+  /** Hang the palette, its handle beside that of the timeline. */
+  hangPalette({ mesh, size }: Panel): void {
+    const half = Math.atan2(size.height / 2, BESIDE.away);
+    this.hang(mesh, PLACEMENT.beside, this.lowest() - half, BESIDE);
+  }
+
+  /** Return how far below the eyes' height a panel's lower edge hangs, in the picture of each eye. */
+  private lowest(): number {
+    return Math.min(PLACEMENT.edge, this.rig.sight.down - PLACEMENT.inside);
+  }
+
+  /** Hang another panel to the side; `left`: on that one. */
+  hangAside(panel: Object3D, left: boolean): void {
+    this.hang(panel, left ? PLACEMENT.aside : -PLACEMENT.aside, PLACEMENT.asideBelow, FACING);
   }
 
   private hang(panel: Object3D, left: number, down: number, facing: Facing): void {
@@ -124,7 +121,7 @@ export class Placement {
   }
 }
 
-/** The palette's place: over a hand, beside the timeline, or put away. */
+/** The palette's place: over a hand, beside the timeline's handle, or nowhere. */
 type Spot = 'hand' | 'beside' | 'away';
 
 /** Seconds out of sight after which a hand counts as missing. */
@@ -135,8 +132,8 @@ const [TURNED, TURNED_AWAY] = [0.75, 0.5];
 const ASKS = 0.4;
 
 export class PaletteSpot {
-  /** A person put it away: a palm turned to the eyes brings it back. */
-  putAway = false;
+  /** In this picture a palm turned to the eyes has asked for it. */
+  asked = false;
   private turned = false;
   private readonly turnedFor = new Float64Array(1);
   /** Seconds since a hand was there to hold it. */
@@ -151,14 +148,14 @@ export class PaletteSpot {
     const turned = there && palm > (this.turned ? TURNED_AWAY : TURNED);
     const before = this.turnedFor[0]!;
     this.turnedFor[0] = turned ? before + seconds[0]! : 0;
-    if (before < ASKS && this.turnedFor[0] >= ASKS) this.putAway = false;
+    this.asked = before < ASKS && this.turnedFor[0] >= ASKS;
     this.turned = turned;
-    if (painting || this.putAway) return 'away';
+    if (painting) return 'away';
     if (there) return 'hand';
     return this.handless ? 'beside' : 'away';
   }
 
-  /** No hand is there that could bring it back. */
+  /** No hand is there to hold it. */
   get handless(): boolean {
     return this.missing[0]! >= MISSING;
   }

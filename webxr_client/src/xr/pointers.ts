@@ -258,7 +258,7 @@ export class Pointers {
     const { tips } = peek(xrSettings);
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
-      body.tips.update(seconds, tips && !painting && body.on === null, this.rig.headInRig);
+      body.tips.update(seconds, tips && !painting && body.on === null, this.rig);
     }
   }
 
@@ -270,6 +270,15 @@ export class Pointers {
       body.point(this.carries(pointer) ? far : panels, pointer === this.brush ? painter : null);
     }
   }
+
+  /** The pointer that is on a panel; the hand that holds the palette rests, and means none unless it presses. */
+  readonly at = (panel: Panel): Pointer | null => {
+    for (let i = 0; i < this.bodies.length; i++) {
+      const { on, pointer } = this.bodies[i]!;
+      if (on === panel && (pointer.click.down || !this.carries(pointer))) return pointer;
+    }
+    return null;
+  };
 
   /** Whether it is the hand that the palette stands over. */
   private carries(pointer: Pointer): boolean {

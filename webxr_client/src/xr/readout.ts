@@ -4,6 +4,7 @@
  */
 import { BufferGeometry, CanvasTexture, DynamicDrawUsage, Float32BufferAttribute, Mesh, MeshBasicMaterial, SRGBColorSpace, type Object3D } from 'three'; // prettier-ignore
 import { state } from '../state';
+import type { SequenceInfo } from '../protocol/messages';
 import { FONT, INK } from './ui';
 
 const SIGNS = '0123456789/:.';
@@ -33,6 +34,8 @@ export class Readout {
   private readonly strong: Type;
   private readonly plain: Type;
   private count = 0;
+  /** Signs of the frame's number, which come first. */
+  private numbers = 0;
   /** Place of the next sign, pixels. */
   private readonly x = new Float64Array(1);
 
@@ -74,17 +77,23 @@ export class Readout {
     return { row, pitch };
   }
 
-  /** Lie on a panel with the left edge at `x` and the middle at `y`, metres. */
-  lieOn(panel: Object3D, x: number, y: number): void {
+  /** Lie on a panel. */
+  lieOn(panel: Object3D): void {
     panel.add(this.mesh);
-    this.mesh.position.set(x, y, 0.001);
   }
 
-  update(): void {
+  /** Begin at a place of the panel, metres; `brief`: the frame's number alone. */
+  update([x, y]: readonly [number, number], brief: boolean): void {
     const info = state.sequence.peek();
     const frame = state.frame.peek();
     this.mesh.visible = info !== null;
-    if (!info || (frame === this.frame && info.id === this.sequence)) return;
+    this.mesh.position.set(x, y, 0.001);
+    if (info) this.tell(info, frame);
+    this.mesh.geometry.setDrawRange(0, CORNERS.length * (brief ? this.numbers : this.count));
+  }
+
+  private tell(info: SequenceInfo, frame: number): void {
+    if (frame === this.frame && info.id === this.sequence) return;
     this.frame = frame;
     this.sequence = info.id;
     this.count = 0;
@@ -92,6 +101,7 @@ export class Readout {
     this.digits(this.strong, frame, 1);
     this.sign(this.strong, SLASH);
     this.digits(this.strong, info.frames - 1, 1);
+    this.numbers = this.count;
     this.x[0] = TIME_AT * this.em;
     const hundredths = Math.round((100 * frame) / Math.max(info.fps, 1e-3));
     this.digits(this.plain, Math.floor(hundredths / 6000), 1);
@@ -99,7 +109,6 @@ export class Readout {
     this.digits(this.plain, Math.floor(hundredths / 100) % 60, 2);
     this.sign(this.plain, POINT);
     this.digits(this.plain, hundredths % 100, 2);
-    this.mesh.geometry.setDrawRange(0, CORNERS.length * this.count);
     this.places.needsUpdate = this.parts.needsUpdate = true;
   }
 

@@ -1,6 +1,7 @@
 /** Pose of the headset's space in the scene: walking, teleporting and turning move it. */
 import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import type { Poses } from './poses';
+import { Sight } from './sight';
 import { turnBy } from './vectors';
 
 const UP = new Vector3(0, 1, 0);
@@ -18,6 +19,9 @@ export class Rig {
   readonly ahead = new Vector3(0, 0, -1);
   /** Count of moves and turns other than by walking: a stroke would be swept along with them. */
   jumps = 0;
+  /** From the headset's own space to the head's. */
+  readonly inHead = new Matrix4();
+  readonly sight = new Sight();
   private readonly pose = new Matrix4();
   private readonly scratch = new Vector3();
 
@@ -27,6 +31,7 @@ export class Rig {
     if (!poses.head(this.pose)) return false;
     this.headInRig.setFromMatrixPosition(this.pose);
     this.head.copy(this.headInRig).applyMatrix4(this.group.matrixWorld);
+    this.inHead.copy(this.pose).invert();
     this.turned.setFromRotationMatrix(this.pose).premultiply(this.group.quaternion);
     const { elements } = this.pose;
     // The third column of the rotation, reversed and laid level.

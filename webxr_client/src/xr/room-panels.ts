@@ -1,14 +1,12 @@
-/** The panels in the room: where each hangs, which are there, and which fade. */
-import { Vector3, type Group, type Matrix4, type Object3D } from 'three';
-import { state } from '../state';
-import { roomWay } from '../tools/ways';
-import { watch } from '../watch';
+/** The panels in the room: where each hangs, which is folded to its handle, and which fade. */
+import { Vector3, type Group, type Matrix4 } from 'three';
 import { faceEyes } from './facing';
 import type { WorldControls } from './pages/view';
 import { PalettePanel } from './palette-panel';
 import { palmFacing } from './palm';
-import { PaletteSpot, Placement, PLACEMENT, timelineBelow } from './placement';
+import { PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Panel } from './panel';
+import type { Pointer } from './pointer';
 import { QuestionPanel } from './question-panel';
 import type { Rig } from './rig';
 import { xrSettings, type Side } from './settings';
@@ -38,11 +36,14 @@ export interface Carrier {
   readonly direction: Vector3;
 }
 
+/** Cosines of the angle to the eyes' direction from which they call a handle that is held, and keep its panel. */
+const [CALLS, KEEPS] = [0.97, 0.96];
+
 export class RoomPanels {
   readonly palette: PalettePanel;
   readonly timeline = new TimelinePanel({
-    hide: () => this.showTimeline(false),
-    togglePalette: () => (this.spot.putAway = !this.spot.putAway),
+    hide: () => this.timeline.setFolded(true),
+    callPalette: () => this.callPalette(),
   });
   readonly question: QuestionPanel;
   readonly all: Panel[];
@@ -52,74 +53,57 @@ export class RoomPanels {
   added: Panel | null = null;
   private readonly placement: Placement;
   private readonly spot = new PaletteSpot();
-  /** The palette hangs beside the timeline: it stays where it is. */
+  /** The palette hangs beside the timeline's handle: it stays where it is. */
   private hangs = false;
-  /** Metres below the eyes at which the timeline was laid, until carried elsewhere; 0: not yet. */
-  private lies = 0;
-  private carried = false;
-  private readonly unwatch: () => void;
+  private readonly middle = new Vector3();
 
   constructor(
     private readonly rig: Rig,
     session: XRSession,
-    private readonly world: Object3D,
     controls: WorldControls,
   ) {
     this.placement = new Placement(rig);
     const panels = {
-      putAway: () => this.putPaletteAway(),
+      putAway: () => this.palette.setFolded(true),
       toggleTimeline: () => this.toggleTimeline(),
     };
     this.palette = new PalettePanel({ ...controls, ...panels }, session);
     this.question = new QuestionPanel(() => this.ask());
     this.all = [this.palette, this.timeline, this.question];
     this.far = [this.timeline, this.question];
-    const stops = [this.clearTheFloor(), watch([state.brush, xrSettings], () => this.giveWay())];
-    this.unwatch = () => {
-      for (const stop of stops) stop();
-    };
   }
 
   addTo(rig: Group): void {
     for (const { mesh } of this.all) rig.add(mesh);
   }
 
-  /** Take in another panel, which hangs above the palette's place. */
+  /** Take in another panel, which hangs to the side. */
   add(panel: Panel): void {
     this.added = panel;
     this.all.push(panel);
     this.far.push(panel);
   }
 
-  /** Lay the timeline before the person as they look now. */
+  /** Hang what hangs before the person as they look now. */
   settle(): void {
     this.placement.face();
-    this.carried = false;
-    this.lies = timelineBelow(this.world.scale.x, roomWay());
-    this.placement.layBefore(this.timeline.mesh, this.lies);
-    if (this.added) this.placement.hangAbove(this.added.mesh, xrSettings.peek().hand === 'right');
+    this.placement.hangTimeline(this.timeline);
+    if (this.added) this.placement.hangAside(this.added.mesh, xrSettings.peek().hand === 'right');
+    this.hangs = false;
   }
 
-  /** Another tool may need the view that the timeline is in, unless a person put it there. */
-  private giveWay(): void {
-    const low = timelineBelow(this.world.scale.x, roomWay()) !== this.lies;
-    if (this.lies > 0 && low && !this.carried) this.settle();
-  }
-
+  /** Unfold the timeline where one looks, or fold it. */
   toggleTimeline(): void {
-    this.showTimeline(!this.timeline.mesh.visible);
+    const { timeline, palette } = this;
+    if (timeline.folded) this.settle();
+    timeline.setFolded(!timeline.folded);
+    // One hangs where the other does.
+    if (this.spot.handless) palette.setFolded(true);
   }
 
-  private showTimeline(on: boolean): void {
-    this.timeline.mesh.visible = on;
-    if (on) this.settle();
-    // Something must be left to press.
-    else if (this.spot.handless) this.spot.putAway = false;
-  }
-
-  private putPaletteAway(): void {
-    this.spot.putAway = true;
-    if (this.spot.handless && !this.timeline.mesh.visible) this.showTimeline(true);
+  private callPalette(): void {
+    this.palette.setFolded(false);
+    if (this.spot.handless) this.timeline.setFolded(true);
   }
 
   private ask(): void {
@@ -129,45 +113,50 @@ export class RoomPanels {
 
   /** Hang the palette, and fade what lies before the points while one paints. */
   update(holder: Holder | null, painting: boolean, seconds: Float64Array): void {
-    const { mesh } = this.palette;
-    const { headInRig } = this.rig;
+    const { palette, timeline, rig } = this;
     const there = holder?.tracked === true;
     const free = there && !holder.pinching;
-    const palm = free ? palmFacing(holder.grip.matrix, holder.side, headInRig) : 0;
+    const palm = free ? palmFacing(holder.grip.matrix, holder.side, rig.headInRig) : 0;
     const spot = this.spot.update(there, painting, palm, seconds);
-    const was = mesh.visible;
-    mesh.visible = spot !== 'away';
+    if (this.spot.asked) palette.setFolded(false);
     if (spot === 'hand') {
-      faceEyes(mesh, holder!.grip.position, headInRig, HELD[holder!.side]);
-    } else if (spot === 'beside' && !(was && this.hangs)) {
-      this.placement.hangBeside(mesh, xrSettings.peek().hand === 'right');
+      faceEyes(palette.mesh, holder!.grip.position, rig.headInRig, HELD[holder!.side]);
+    } else if (spot === 'beside' && !this.hangs) {
+      this.placement.hangPalette(palette);
     }
+    if (spot === 'beside' && !this.hangs && !palette.folded) timeline.setFolded(true);
     this.hangs = spot === 'beside';
-    if (mesh.visible) mesh.updateMatrixWorld();
-    this.timeline.fade(painting);
+    // One of them has the room if both hang.
+    palette.mesh.visible = spot === 'hand' || (this.hangs && timeline.folded);
+    timeline.mesh.visible = !this.hangs || palette.folded || !timeline.folded;
+    if (palette.mesh.visible) palette.mesh.updateMatrixWorld();
+    timeline.fade(painting);
     this.question.fade(painting);
+  }
+
+  /** Fold and unfold; `by`: what points at a panel. */
+  fold(by: (panel: Panel) => Pointer | null, seconds: Float64Array): void {
+    const { palette, timeline } = this;
+    // Eyes on a panel that hangs may as well be on what is behind it.
+    const looked = !this.hangs && this.looked(palette, palette.folded ? CALLS : KEEPS);
+    palette.updateFold(by(palette), looked, seconds);
+    timeline.updateFold(by(timeline), false, seconds);
+  }
+
+  /** Whether the eyes are on a panel, to a cosine. */
+  private looked(panel: Panel, cosine: number): boolean {
+    const { headInRig, gaze } = this.rig;
+    if (!panel.mesh.visible) return false;
+    const middle = panel.middle(this.middle).sub(headInRig);
+    return middle.dot(gaze) > cosine * middle.length();
   }
 
   /** Let a panel follow what has its bar. */
   carry(panel: Panel, by: Carrier): void {
     this.placement.carry(panel, by);
-    this.carried ||= panel === this.timeline;
-  }
-
-  /** The timeline lies where one points at the floor: it makes way for that. */
-  private clearTheFloor(): () => void {
-    const { mesh } = this.timeline;
-    let away = false;
-    return watch([state.tool], () => {
-      const pointing = state.tool.peek() === 'floor';
-      if (pointing) away = mesh.visible;
-      if (pointing || away) mesh.visible = !pointing;
-      if (!pointing) away = false;
-    });
   }
 
   dispose(): void {
-    this.unwatch();
     for (const panel of this.all) panel.dispose();
   }
 }

@@ -76,7 +76,7 @@ beforeAll(async () => {
   const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
   const session = { isSystemKeyboardSupported: false } as unknown as XRSession;
   palette = new (await import('./palette-panel')).PalettePanel(controls, session);
-  const bar = { hide: nothing, togglePalette: nothing };
+  const bar = { hide: nothing, callPalette: nothing };
   timeline = new (await import('./timeline-panel')).TimelinePanel(bar);
   question = new (await import('./question-panel')).QuestionPanel(nothing);
 });
@@ -87,6 +87,18 @@ afterAll(() => {
 });
 
 describe('what answers on a panel', () => {
+  it('is its handle alone while it is folded, as large as anything', () => {
+    for (const panel of [palette, timeline]) {
+      expect(panel.folded).toBe(true);
+      expect([...sides(panel).values()]).toEqual([expect.any(Number)]);
+    }
+    expect(sides(palette).get('pin 0')).toBeGreaterThanOrEqual(LEAST_METRES);
+    expect(degrees(sides(timeline).get('frames')!)).toBeGreaterThanOrEqual(LEAST_DEGREES);
+    press(palette, 'pin 0');
+    press(timeline, 'frames');
+    expect([palette.folded, timeline.folded]).toEqual([false, false]);
+  });
+
   it.each([
     [['Labels']],
     [['Tools']],

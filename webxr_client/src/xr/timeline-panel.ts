@@ -6,17 +6,21 @@ import { frameRange } from '../panels/range';
 import { state } from '../state';
 import { DARK_INK, drawTimeline } from '../panels/timeline-draw';
 import { doubtfulFrames, frameToX, xToFrame, type Span } from '../panels/timeline-layout';
-import { Panel } from './panel';
+import { HANDLE_EMS, Panel } from './panel';
 import { Readout } from './readout';
 import { SIZES } from './sizes';
 import { drawTracking } from './timeline-tracking';
-import { FONT, INK, type Ui } from './ui';
+import { FONT, INK, type ButtonLook, type Ui } from './ui';
 import { watch } from '../watch';
 
 const SPEEDS = [0.25, 0.5, 1, 2];
 const LANES = 5;
 const GUTTER_EMS = 7.5;
 const READOUT_EMS = 14.6;
+/** To the right of the middle: a palette without a hand has its own to the left. */
+const HANDLE = { at: 0.619, wide: 8.4 } as const;
+/** Ems from the handle's left end to the number of the frame on it. */
+const NUMBER_AT = 2.3;
 /** Between two drawings for what may show later; a picture of its own is a costly one. */
 const SOON_MS = 100;
 const LAZY_MS = 1000;
@@ -26,8 +30,8 @@ const BAR_EMS = 1.8;
 
 export interface TimelineControls {
   hide(): void;
-  /** Show the palette, or put it away. */
-  togglePalette(): void;
+  /** Unfold the palette. */
+  callPalette(): void;
 }
 
 export class TimelinePanel extends Panel {
@@ -38,12 +42,24 @@ export class TimelinePanel extends Panel {
   private offered = -1;
   private strips = { x: 0, y: 0, w: 1, h: 1 };
   private readonly readout: Readout;
+  /** Its beginning, metres, and that on the handle. */
+  private readonly readoutAt: readonly [number, number];
+  private readonly numberAt: readonly [number, number];
   /** Something changed that may show a little later: what is loaded, how far a run is. */
   private stale = false;
   private drawnAt = -Infinity;
 
   constructor(private readonly controls: TimelineControls) {
-    super({ width: 1.06, height: 0.505, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 90);
+    super(
+      {
+        width: 1.06,
+        height: 0.505,
+        pixelsPerMetre: 1600,
+        em: SIZES.timeline.em,
+        handle: HANDLE,
+      },
+      90,
+    );
     const material = new MeshBasicMaterial({
       color: 0xffffff,
       depthWrite: false,
@@ -53,10 +69,12 @@ export class TimelinePanel extends Panel {
     this.head.renderOrder = 91;
     this.head.frustumCulled = false;
     this.mesh.add(this.head);
-    const { width, height, pixelsPerMetre } = this.size;
+    const { width, height, em, pixelsPerMetre } = this.size;
     this.readout = new Readout(this.ui.em, pixelsPerMetre, 91);
-    const left = (READOUT_EMS * this.ui.em) / pixelsPerMetre - width / 2;
-    this.readout.lieOn(this.mesh, left, height / 2 - (1.6 * this.ui.em) / pixelsPerMetre);
+    this.readout.lieOn(this.mesh);
+    this.readoutAt = [READOUT_EMS * em - width / 2, height / 2 - 1.6 * em];
+    const handle = (HANDLE.at - 0.5) * width - (HANDLE.wide / 2) * em;
+    this.numberAt = [handle + NUMBER_AT * em, (HANDLE_EMS / 2) * em - height / 2];
     const { sequence, playing, speed, loop, palette, timeline, loaded, activeLabel, jobs } = state;
     const soon = watch(
       [sequence, playing, speed, loop, palette, activeLabel, frameRange, halted, unsure, stretch],
@@ -91,7 +109,7 @@ export class TimelinePanel extends Panel {
       this.touch();
     }
     this.placeHead(frame);
-    this.readout.update();
+    this.readout.update(this.folded ? this.numberAt : this.readoutAt, this.folded);
     super.update(now);
   }
 
@@ -101,7 +119,12 @@ export class TimelinePanel extends Panel {
     const at = (x + frameToX(frame + 0.5, this.span, w)) / pixelsPerMetre;
     this.head.position.set(at - width / 2, height / 2 - (y + h / 2) / pixelsPerMetre, 0.001);
     this.head.scale.set(0.0025, h / pixelsPerMetre, 1);
-    this.head.visible = state.sequence.peek() !== null;
+    this.head.visible = !this.folded && state.sequence.peek() !== null;
+  }
+
+  /** The number of the frame lies beside the icon. */
+  protected override handleLook(): ButtonLook {
+    return { icon: 'frames', align: 'left' };
   }
 
   protected override draw(ui: Ui): void {
@@ -122,7 +145,7 @@ export class TimelinePanel extends Panel {
     const [y, h] = [height - (BAR_EMS + 0.2) * em, BAR_EMS * em];
     const side = 6.5 * em;
     const { controls } = this;
-    ui.button(em * 0.5, y, side, h, { text: 'Palette' }, () => controls.togglePalette());
+    ui.button(em * 0.5, y, side, h, { text: 'Palette' }, () => controls.callPalette());
     ui.button(width - side - em * 0.5, y, side, h, { icon: 'close', text: 'Hide' }, () =>
       controls.hide(),
     );

@@ -1,9 +1,10 @@
 /** Hints beside the controller for each button, until it has been used a few times. */
-import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, type BufferGeometry, type Vector3 } from 'three'; // prettier-ignore
+import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector3, type BufferGeometry } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import { faceEyes, type Facing } from './facing';
+import { faceEyes } from './facing';
 import { tipsFor, type Lessons, type Part, type Tip } from './lessons';
 import type { Pointer } from './pointer';
+import type { Rig } from './rig';
 import { SIZES } from './sizes';
 import { tint } from './tint';
 import { FONT, INK } from './ui';
@@ -15,13 +16,19 @@ const [PITCH, HEIGHT, PAD] = [1.95, 1.75, 0.6];
 /** Metres from the middle of the hand to the words. */
 const BESIDE = 0.035;
 const VERTICES = 4;
+/** Metres outside the picture at which a hand has no words. */
+const ASTRAY = 0.25;
+/** Moves that bring words inside, each by a share of what they lack: moved words are turned as well. */
+const [PASSES, GAIN] = [6, 0.5];
 
 /** All words of a hand on one plate: each line fades by its own vertices' opacity. */
 export class Tips {
   private tips: readonly Tip[] = [];
   private opacity = new Float64Array(0);
   private mesh: Mesh<BufferGeometry, MeshBasicMaterial> | null = null;
-  private facing: Facing = { right: 0, up: 0, away: SIZES.tips.away };
+  private readonly facing = { right: 0, up: 0, away: SIZES.tips.away };
+  private readonly shift = new Float64Array(2);
+  private readonly corner = new Vector3();
 
   constructor(
     private readonly lessons: Lessons,
@@ -38,14 +45,15 @@ export class Tips {
     hand.grip.parent?.add(this.mesh);
   }
 
-  /** Once per picture; `eyes` in the headset's own space. */
-  update(seconds: Float64Array, shown: boolean, eyes: Vector3): void {
+  /** Once per picture. */
+  update(seconds: Float64Array, shown: boolean, rig: Rig): void {
     const { mesh, hand, opacity } = this;
     if (!mesh) return;
+    const near = shown && this.nearPicture(rig);
     const step = Math.min(1, FADE_PER_SECOND * seconds[0]!);
     let brightest = 0;
     for (let i = 0; i < this.tips.length; i++) {
-      const goal = shown && !this.lessons.learnt(this.tips[i]!.lesson) ? 1 : 0;
+      const goal = near && !this.lessons.learnt(this.tips[i]!.lesson) ? 1 : 0;
       const before = opacity[i]!;
       const now = goal > before ? Math.min(goal, before + step) : Math.max(goal, before - step);
       brightest = Math.max(brightest, now);
@@ -54,7 +62,35 @@ export class Tips {
       this.fade(i);
     }
     mesh.visible = hand.grip.visible && brightest > 0.01;
-    if (mesh.visible) faceEyes(mesh, hand.grip.position, eyes, this.facing);
+    if (mesh.visible) this.keepInside(mesh, rig);
+  }
+
+  /** Whether the hand is in the picture, or near to it. */
+  private nearPicture({ inHead, sight }: Rig): boolean {
+    const { corner, shift } = this;
+    shift.fill(0);
+    corner.copy(this.hand.grip.position).applyMatrix4(inHead);
+    sight.lacks(corner, shift);
+    return corner.z < 0 && Math.hypot(shift[0]!, shift[1]!) < ASTRAY;
+  }
+
+  /** Place the words beside the hand, moved as far as keeps them in both eyes' pictures. */
+  private keepInside(mesh: Mesh, { headInRig, inHead, sight }: Rig): void {
+    const { facing, shift, corner } = this;
+    const { min, max } = mesh.geometry.boundingBox!;
+    facing.right = facing.up = 0;
+    for (let pass = 0; pass <= PASSES; pass++) {
+      faceEyes(mesh, this.hand.grip.position, headInRig, facing);
+      shift.fill(0);
+      for (let k = 0; k < VERTICES; k++) {
+        corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, 0);
+        sight.lacks(corner.applyMatrix4(mesh.matrix).applyMatrix4(inHead), shift);
+      }
+      const e = mesh.matrix.elements;
+      const grown = Math.sqrt(e[0] * e[0] + e[2] * e[2]);
+      facing.right += (GAIN * shift[0]!) / grown;
+      facing.up += (GAIN * shift[1]!) / grown;
+    }
   }
 
   private fade(line: number): void {
@@ -106,6 +142,7 @@ function plate(tips: readonly Tip[], side: number): Mesh<BufferGeometry, MeshBas
   });
   const geometry = mergeGeometries(lines);
   for (const part of lines) part.dispose();
+  geometry.computeBoundingBox();
   const map = new CanvasTexture(canvas);
   map.colorSpace = SRGBColorSpace;
   const material = new MeshBasicMaterial({

@@ -71,18 +71,19 @@ export class Ui {
     readonly em: number,
   ) {}
 
-  begin(): void {
+  /** Wipe it all, and lay a plate where something is to be drawn. */
+  begin(x = 0, y = 0, w = this.width, h = this.height): void {
     this.areas.length = 0;
-    const { pen, width, height, em } = this;
-    pen.clearRect(0, 0, width, height);
+    const { pen, em } = this;
+    pen.clearRect(0, 0, this.width, this.height);
     pen.fillStyle = INK.back;
     pen.beginPath();
-    pen.roundRect(0, 0, width, height, em * 0.7);
+    pen.roundRect(x, y, w, h, em * 0.7);
     pen.fill();
     // An edge: where one panel is seen before another, each must end somewhere.
     const edge = em * 0.08;
     pen.beginPath();
-    pen.roundRect(edge / 2, edge / 2, width - edge, height - edge, em * 0.7 - edge / 2);
+    pen.roundRect(x + edge / 2, y + edge / 2, w - edge, h - edge, em * 0.7 - edge / 2);
     pen.lineWidth = edge;
     pen.strokeStyle = INK.edge;
     pen.stroke();

@@ -1,0 +1,213 @@
+"""In the headset: panels take little room until they are asked for, whatever one points with."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+from playwright.sync_api import Browser
+
+from tests.e2e.conftest import DATA
+from tests.e2e.headset import QUEST, VIVE, Headset, wear
+from tests.e2e.inputs import Input, inject
+from tests.e2e.recording import PERSON, SEQUENCE
+from tests.e2e.server import LiveServer
+
+# A phone in portrait: one picture, 60° high and 38° wide.
+PHONE = "new IWER.XRDevice({ ...IWER.metaQuest3, name: 'Phone' }, { fovy: Math.PI / 3 })"
+LEFT, RIGHT = [-0.2, 1.25, -0.5], [0.26, 1.35, -0.45]
+OTHER_PERSON = 8
+MOST, LEAST_CAPITAL, LEAST_TARGET = 0.15, 1.0, 2.5
+
+# Panels, signs and hints alone are drawn, on a colour that nothing has.
+BARE = """(() => {
+  const { viewer } = pb.engine, { panels, pointers, hud, tipSign } = hs.headset.cockpit;
+  const words = [...panels.all.map(({ mesh }) => mesh), hud.group, tipSign.group,
+    ...pointers.bodies.map(({ tips }) => tips.mesh).filter(Boolean)];
+  viewer.scene.traverse((object) => object.layers.disableAll());
+  for (const word of words) word.traverse(({ layers }) => layers.enable(0));
+  viewer.renderer.setClearColor(0xff00ff, 1);
+})()"""
+WITHOUT_HINTS = """hs.headset.cockpit.pointers.bodies
+  .forEach(({ tips }) => tips.mesh?.layers.disableAll())"""
+# Places of the headset's space, as an eye sees them: 0..1 from the upper left.
+SEEN = """((eye, places) => {
+  const { rig } = hs.headset.cockpit;
+  const camera = pb.engine.viewer.renderer.xr.getCamera().cameras[eye];
+  return places.map((place) => {
+    const at = rig.head.clone().set(...place).applyMatrix4(rig.group.matrixWorld).project(camera);
+    return [(at.x + 1) / 2, (1 - at.y) / 2];
+  });
+})"""
+
+
+def hold(headset: Headset) -> None:
+    headset.move("left", LEFT)
+    headset.move("right", RIGHT, [0.5, 1.75, -1.5])
+
+
+def with_hands(headset: Headset) -> None:
+    headset.lay_down_controllers()
+    hold(headset)
+
+
+def with_nothing(headset: Headset) -> None:
+    """Only what comes to press, or looks, is there."""
+    inject(headset)
+    for hand in ("left", "right"):
+        headset.ask(f"(device.controllers.{hand}.connected = false)")
+    headset.until("hs.pointers().length === 0")
+
+
+Call = Callable[[Headset, str], None]
+
+
+def by_ray(headset: Headset, panel: str) -> None:
+    headset.call(panel)
+    hold(headset)
+
+
+def by_press(mode: str) -> Call:
+    def call(headset: Headset, panel: str) -> None:
+        source = Input(headset, mode, mode, "none" if mode == "screen" else "right")
+        source.call(panel)
+        source.go()
+
+    return call
+
+
+def by_gaze(headset: Headset, panel: str) -> None:
+    """Nothing is pressed: the head rests on the handle."""
+    gaze = Input(headset, "gaze", "gaze")
+    area = headset.ask(f"hs.areas('{panel}')[0]")
+    gaze.move(place(headset, panel, area, 0.5, 0.5))
+    headset.until(f"hs.open('{panel}')")
+    gaze.go()
+
+
+DEVICES = {
+    "quest": (QUEST, (960, 480), hold, by_ray),
+    "vive": (VIVE, (960, 480), hold, by_ray),
+    "hands": (QUEST, (960, 480), with_hands, by_ray),
+    "look and pinch": (QUEST, (960, 480), with_nothing, by_press("transient-pointer")),
+    "gaze": (QUEST, (960, 480), with_nothing, by_gaze),
+    "touch": (PHONE, (400, 640), with_nothing, by_press("screen")),
+}
+
+
+def place(
+    headset: Headset, panel: str, area: dict[str, float], across: float, down: float
+) -> list[float]:
+    """A place of an area of a panel, in the headset's space."""
+    u, v = area["x"] + area["w"] * across, area["y"] + area["h"] * down
+    at: list[float] = headset.ask(f"hs.onPanel('{panel}', {u}, {v})")["at"]
+    return at
+
+
+def covered(headset: Headset) -> list[NDArray[np.bool_]]:
+    """The pixels of each eye in which anything but the recording is seen."""
+    shot = Image.open(io.BytesIO(headset.page.screenshot())).convert("RGB")
+    other = np.abs(np.asarray(shot).astype(int) - (255, 0, 255)).max(axis=2) > 4
+    eyes = headset.ask("pb.engine.viewer.renderer.xr.getCamera().cameras.length")
+    return np.split(other, eyes, axis=1)
+
+
+def seen(headset: Headset, eye: int, places: list[list[float]]) -> NDArray[Any]:
+    return np.array(headset.ask(f"{SEEN}({eye}, {json.dumps(places)})"))
+
+
+def below_the_waist(headset: Headset) -> list[list[float]]:
+    """Points of both jugglers, in the headset's space."""
+    with np.load(DATA / "0000.npz") as arrays:
+        xyz, truth = arrays["xyz"], arrays["truth"]
+    places: list[list[float]] = []
+    for person in (PERSON, OTHER_PERSON):
+        mine = xyz[truth == person]
+        # The camera's y points down.
+        low = mine[mine[:, 1] > (mine[:, 1].min() + mine[:, 1].max()) / 2][::7]
+        places += headset.ask(f"{json.dumps(low.tolist())}.map((point) => hs.place(point))")
+    return places
+
+
+def angle(one: list[float], other: list[float], eyes: list[float]) -> float:
+    a, b = np.subtract(one, eyes), np.subtract(other, eyes)
+    return math.degrees(math.acos(a @ b / np.linalg.norm(a) / np.linalg.norm(b)))
+
+
+def check_hints(headset: Headset) -> None:
+    """Hints beside the hands are in both eyes' pictures."""
+    for side in ("left", "right"):
+        if not headset.ask(f"hs.pointers().length > 0 && hs.tips('{side}').length > 0"):
+            continue
+        corners = headset.ask(
+            f"""(() => {{
+              const {{ pointers, rig }} = hs.headset.cockpit;
+              const {{ mesh }} = pointers.bodyOf(pointers.of('{side}')).tips;
+              const {{ min, max }} = mesh.geometry.boundingBox;
+              return [min.x, max.x].flatMap((x) => [min.y, max.y].map((y) =>
+                rig.group.worldToLocal(mesh.localToWorld(min.clone().set(x, y, 0))).toArray()));
+            }})()"""
+        )
+        for eye in (0, 1):
+            at = seen(headset, eye, corners)
+            assert ((at > 0) & (at < 1)).all(), (side, eye, at)
+
+
+def check_handle(headset: Headset, panel: str) -> None:
+    """A panel's handle is in both eyes' pictures, can be met and be read."""
+    headset.until(f"hs.areas('{panel}').length === 1")
+    (area,) = headset.ask(f"hs.areas('{panel}')")
+    eyes = headset.ask("hs.headset.cockpit.rig.headInRig.toArray()")
+
+    def at(across: float, down: float) -> list[float]:
+        return place(headset, panel, area, across, down)
+
+    for ends in (((0.5, 0), (0.5, 1)), ((0, 0.5), (1, 0.5))):
+        assert angle(at(*ends[0]), at(*ends[1]), eyes) >= LEAST_TARGET
+    middle = area["x"] + area["w"] / 2, area["y"] + area["h"] / 2
+    assert headset.ask(f"hs.capital('{panel}', {middle[0]}, {middle[1]})") >= LEAST_CAPITAL
+    for eye in range(headset.ask("pb.engine.viewer.renderer.xr.getCamera().cameras.length")):
+        corners = seen(headset, eye, [at(u, v) for u in (0, 1) for v in (0, 1)])
+        assert ((corners > 0) & (corners < 1)).all(), (panel, eye, corners)
+
+
+@pytest.mark.parametrize("name", DEVICES)
+def test_panels_take_little_room_until_they_are_called(
+    browser: Browser, server: LiveServer, name: str
+) -> None:
+    device, size, begin, call = DEVICES[name]
+    server.create_label(SEQUENCE, "person", "#ff5d5d")
+    headset = wear(browser, server.page_url, device, size=size, drawn=True)
+    headset.ready()
+    headset.enter()
+    begin(headset)
+    low = below_the_waist(headset)
+    headset.ask(BARE)
+    headset.ask("pb.setDrawing(true)")
+    headset.frames(3)
+    for panel in ("palette", "timeline"):
+        check_handle(headset, panel)
+    check_hints(headset)
+    for hidden in covered(headset):
+        assert 0.001 < hidden.mean() <= MOST
+    # Hints go once they are learnt: panels alone never hide what is to be painted.
+    headset.ask(WITHOUT_HINTS)
+    headset.frames(2)
+    for eye, hidden in enumerate(covered(headset)):
+        x, y = (seen(headset, eye, low) * hidden.shape[::-1]).astype(int).T
+        inside = (x >= 0) & (x < hidden.shape[1]) & (y >= 0) & (y < hidden.shape[0])
+        assert hidden[y[inside], x[inside]].sum() <= 0.02 * len(low)
+    headset.ask("pb.setDrawing(false)")
+    call(headset, "timeline")
+    # Nothing points at it any more, and one looks ahead.
+    check_handle(headset, "timeline")
+    call(headset, "palette")
+    headset.context.close()
+    assert headset.complaints == []
