@@ -220,10 +220,12 @@ class JobBook:
         """Remove jobs that could not be begun."""
         with self._lock:
             dropped = set(self._dropped)
-        if dropped:
-            self._records.remove(dropped)
-            with self._lock:
-                self._dropped -= dropped
+        if not dropped:
+            return
+        # The same call may have come twice at once, and have begun the job the other time.
+        self._records.remove(dropped - {job.id for job in self._runner.jobs()})
+        with self._lock:
+            self._dropped -= dropped
 
     def _write(self) -> None:
         """Write down what changed, and that the rest still runs."""
