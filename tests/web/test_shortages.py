@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -44,3 +45,21 @@ def test_the_answer_says_what_is_short(
     monkeypatch.setattr(served.workspace, "palette", short)
     answer = httpx.get(f"{served.url}/api/v1/sequences/wall/labels", headers=served.headers)
     assert (answer.status_code, words in answer.json()["detail"]) == (status, True)
+
+
+def test_an_answer_that_runs_out_of_memory_breaks_off_with_a_line_in_the_log(
+    served: Served, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    points = served.workspace.points
+
+    def short(sequence: str, frame: int, names: tuple[str, ...] | None = None) -> Iterator[Any]:
+        if names == ("rgb",):
+            raise MemoryError
+        yield from points(sequence, frame, names)
+
+    monkeypatch.setattr(served.workspace, "points", short)
+    url = f"{served.url}/api/v1/sequences/wall/frames/0/points?format=npz"
+    with pytest.raises(httpx.RemoteProtocolError):
+        httpx.get(url, headers=served.headers)
+    assert [record.exc_info for record in caplog.records if record.exc_info] == []
+    assert "too little memory" in caplog.text

@@ -8,13 +8,14 @@ from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, select, update
 
 from pointbrush.errors import ConflictError
 from pointbrush.labels.database import Database
 from pointbrush.labels.guards import given_up, host
 from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.schema import jobs, works
+from pointbrush.labels.statements import insert
 
 STALE_SECONDS = 30.0
 """After how long a silence a job's server counts as gone."""
@@ -69,10 +70,12 @@ class JobRecords:
         """
 
         def make(connection: Connection) -> bool:
-            if connection.scalar(select(jobs.c.id).where(jobs.c.id == record.id)) is not None:
-                raise ConflictError(f"id: expected one of no job yet, got {record.id}")
             row = _row(record) | self._mine(self._database.now(connection))
-            connection.execute(insert(jobs), row)
+            # Another server may write the same call down at this moment: it is waited for.
+            new = insert(jobs, sqlite=self._database.sqlite).values(row).on_conflict_do_nothing()
+            counted = {"preserve_rowcount": True}
+            if connection.execute(new, execution_options=counted).rowcount == 0:
+                raise ConflictError(f"id: expected one of no job yet, got {record.id}")
             ended = (
                 select(jobs.c.id)
                 .where(jobs.c.state.not_in(UNDER_WAY))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
 import time
 from collections.abc import Mapping
@@ -19,10 +20,12 @@ from pointbrush.errors import (
 )
 from pointbrush.settings import Settings
 from pointbrush.streaming.metrics import Metrics
+from pointbrush.system import shortage
 from pointbrush.web.auth import Gate, bearer_of
 from pointbrush.web.clients import RateLimit
-from pointbrush.web.problems import problem_of
+from pointbrush.web.problems import LONGEST_PATH, problem_of
 
+log = logging.getLogger(__name__)
 PLAIN_HOST = re.compile(r"[\w.:\[\]-]+", re.ASCII)
 BODY_PAUSE = 30.0
 """Longest silence in the middle of a body, seconds: a slow-loris upload ends here."""
@@ -68,7 +71,13 @@ class Guard:
             await problem_of(error)(scope, receive, secured)
             return
         seconds = self.settings.upload_seconds if multipart else self.settings.body_seconds
-        await self.app(scope, _Limited(receive, limit, seconds), secured)
+        try:
+            await self.app(scope, _Limited(receive, limit, seconds), secured)
+        except Exception as error:  # in the middle of an answer: before it, it would be one
+            if (short := shortage(_first(error))) is None:
+                raise
+            path = scope["path"][:LONGEST_PATH]
+            log.warning("%s %s is broken off: %s", scope["method"], path, short)
 
     def _admit(self, scope: Scope, headers: Headers) -> None:
         connection = HTTPConnection(scope)
@@ -100,6 +109,13 @@ class Guard:
             await send(message)
 
         return with_headers
+
+
+def _first(error: BaseException) -> BaseException:
+    """Return the error that others were raised from."""
+    while error.__cause__ is not None:
+        error = error.__cause__
+    return error
 
 
 class _Limited:
