@@ -66,6 +66,24 @@ def test_what_was_handed_out_in_vain_is_not_heard(
     assert (job.state, seen.items) == ("done", [0, 1, 2])
 
 
+def test_a_worker_that_no_thread_can_listen_to_is_tried_again(
+    runner: JobRunner,
+    seen: Seen,  # noqa: F811
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    start, refusals = threading.Thread.start, iter([RuntimeError(NO_THREAD)])
+
+    def refused_once(thread: threading.Thread) -> None:
+        if thread.name.endswith("(_listen)"):
+            for refusal in refusals:
+                raise refusal
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", refused_once)
+    job = runner.wait(submit(runner, seen, Count(3)).id, PATIENCE)
+    assert (job.state, seen.items) == ("done", [0, 1, 2])
+
+
 def test_findings_that_there_is_no_memory_for_fail_the_job(
     runner: JobRunner,
     seen: Seen,  # noqa: F811

@@ -281,14 +281,21 @@ class JobRunner:
     def _accept(self) -> None:
         while not self._closed:
             try:
-                connection = self._listener.accept()
-                threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
+                self._hear(self._listener.accept())
             except (EOFError, multiprocessing.AuthenticationError):
                 continue
             except Exception as error:
-                # Of a shortage; the connection is closed, and its work is begun again.
+                # Of a shortage; its work is begun again.
                 logger.warning("a worker cannot be heard now: %s", shortage(error) or error)
                 time.sleep(SHORTAGE_SECONDS)
+
+    def _hear(self, connection: Connection[Any, Any]) -> None:
+        """Listen to a worker in a thread; one that cannot begin leaves it nobody to wait for."""
+        try:
+            threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
+        except BaseException:
+            connection.close()
+            raise
 
     def _listen(self, connection: Connection[Any, Any]) -> None:
         try:
