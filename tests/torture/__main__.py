@@ -14,7 +14,7 @@ import sys
 from tests.torture import scenarios
 from tests.torture.framework import HEAD, SCENARIOS, Row, run, shares
 
-SECONDS = 600.0
+SECONDS = 480.0
 """Time of all scenarios together, without what they take to start and to compare."""
 
 
