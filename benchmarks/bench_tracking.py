@@ -5,6 +5,7 @@
                                         [--kinds table-top,3-pins,6-pins,walking]
                                         [--seen colourless|turned|noisy|elsewhere|nowhere]
     python benchmarks/bench_tracking.py --kinds street,street-no-poses --frames 15 --methods auto
+    python benchmarks/bench_tracking.py --kinds crowd-5hz,crowd-15hz --frames 60 --methods auto
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
     python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
 
@@ -35,7 +36,19 @@ from functools import partial
 import numpy as np
 from tracking_ablation import IDEAS, without
 from tracking_peers import PEERS, Peer, peer, stay
-from tracking_recordings import KINDS, REAL, SCENES, SEEN, STREETS, Frame, generated, real, street
+from tracking_recordings import (
+    CROWDS,
+    KINDS,
+    REAL,
+    SCENES,
+    SEEN,
+    STREETS,
+    Frame,
+    crowd,
+    generated,
+    real,
+    street,
+)
 from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS
@@ -64,6 +77,8 @@ def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
     for seed in given.seeds.split(","):
         if kind in STREETS:
             yield street(kind, int(seed), given.frames)
+        elif kind in CROWDS:
+            yield crowd(kind, int(seed), given.frames)
         else:
             yield generated(kind, int(seed), given.frames, given.every, given.seen)
 

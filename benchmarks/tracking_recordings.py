@@ -1,8 +1,12 @@
-"""Recordings that tracking is measured on: generated ones, and real lidar beside the checkout."""
+"""Recordings that tracking is measured on: generated ones, and real lidar beside the checkout.
+
+Crowds are written to files and come in by the command line, as a person's recordings do.
+"""
 
 from __future__ import annotations
 
 import sys
+import tempfile
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +17,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from pointbrush.samples import generate
+from pointbrush.cli import main
+from pointbrush.samples import generate, write
+from pointbrush.sequences import StoredFrame, open_sequence
+from pointbrush.tracking.interface import PixelLattice
 
 REAL = Path(__file__).parent.parent.parent / "shared" / "realdata"
 SCENES = ("dgp_scene_01", "dgp_scene_02")
@@ -28,6 +35,9 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
 STREETS = ("street", "street-no-poses")
 """A 48-beam lidar on a car, from the ray-caster of the tests, with its poses and without."""
 
+CROWDS = {"crowd-5hz": 5.0, "crowd-15hz": 15.0}
+"""Kind of crowded room -> frames a second; three, four or five people, by the seed."""
+
 
 @dataclass(eq=False)
 class Frame:
@@ -39,7 +49,7 @@ class Frame:
     viewpoint: NDArray[np.float64] | None = None
     pose: NDArray[np.float64] | None = None
     intensity: NDArray[np.float32] | None = None
-    lattice: None = None
+    lattice: PixelLattice | None = None
 
     @cached_property
     def kdtree(self) -> cKDTree:
@@ -96,6 +106,30 @@ def street(kind: str, seed: int, count: int) -> list[Frame]:
             Frame(f.xyz, None, f.truth, f.viewpoint, f.pose if told else None)
             for f in scenes.street(seed, count)
         ]
+    )
+
+
+def crowd(kind: str, seed: int, count: int) -> list[Frame]:
+    """``count`` frames of a kind of CROWDS, as they are after ``pointbrush import``."""
+    recording = generate("crowd", seed, count, rate=CROWDS[kind], people=3 + seed % 3)
+    with tempfile.TemporaryDirectory() as folder:
+        files, workspace = Path(folder) / "crowd", Path(folder) / "workspace"
+        write(recording, files)
+        if main(["import", str(files), "--name", kind, "--workspace", str(workspace)]):
+            raise RuntimeError(f"{kind} {seed} cannot be imported")
+        stored = open_sequence(next((workspace / "sequences").iterdir()))
+        return _with_trees([_held(frame, recording.truth[i]) for i, frame in enumerate(stored)])
+
+
+def _held(frame: StoredFrame, truth: NDArray[np.uint16]) -> Frame:
+    """A stored frame in memory, which outlives its files."""
+    return Frame(
+        np.array(frame.xyz),
+        None if frame.rgb is None else np.array(frame.rgb),
+        truth[frame.source_index],
+        frame.viewpoint,
+        frame.pose,
+        lattice=frame.lattice,
     )
 
 

@@ -9,8 +9,9 @@ import pytest
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.samples import KINDS, Recording, generate
+from pointbrush.samples.generating import small_camera
 
-SMALL = {"juggling": 3, "tabletop": 3, "walking": 3}
+SMALL = {"crowd": 3, "juggling": 3, "tabletop": 3, "walking": 3}
 
 
 @pytest.fixture(scope="module", params=sorted(KINDS))
@@ -65,6 +66,16 @@ def test_every_point_has_a_truth_and_every_label_of_it_is_in_the_palette(
     assert all(recording.visible[0].get(label, 0) > 100 for label in ids)
 
 
+def test_a_crowd_has_somebody_at_the_edge_of_the_picture_and_some_leave_it() -> None:
+    recording = generate("crowd", seed=3, frames=30, rate=5.0, people=3)
+    recording.camera = small_camera(recording.camera, 4)
+    assert {1, 2, 3} - set(recording.visible[24])
+    pixel, width = recording.frame(0).pixel, recording.camera.width
+    edge = (pixel % width < 2) | (pixel % width >= width - 2)
+    edge |= pixel // width >= recording.camera.height - 2
+    assert np.isin(recording.truth[0][edge], (1, 2, 3)).any()
+
+
 def test_labels_have_names_categories_and_colours(recording: Recording) -> None:
     names = [label.name for label in recording.labels]
     assert len(set(names)) == len(names)
@@ -101,7 +112,7 @@ def test_a_recording_can_be_handed_to_another_process(recording: Recording) -> N
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"kind": "circus"}, "expected one of juggling, tabletop, walking, got 'circus'"),
+        ({"kind": "circus"}, "expected one of crowd, juggling, tabletop, walking, got 'circus'"),
         ({"frames": 0}, "expected 1 or more, got 0"),
         ({"seed": -1}, "seed: expected 0 or more"),
         ({"noise": -1.0}, "noise: expected 0 to 10"),
@@ -112,6 +123,8 @@ def test_a_recording_can_be_handed_to_another_process(recording: Recording) -> N
         ({"pattern": "7"}, "expected a siteswap of 6 pins, got 7"),
         ({"held": 9}, "held: expected 0 to 2"),
         ({"kind": "tabletop", "things": 0}, "things: expected 1 to 8"),
+        ({"kind": "crowd", "people": 2}, "people: expected 3 to 5"),
+        ({"rate": 60}, "rate: expected 1 to 30"),
         ({"kind": "walking", "people": 9}, "people: expected 1 to 4"),
         ({"kind": "walking", "pace": 9}, "pace: expected 0.3 to 2"),
     ],

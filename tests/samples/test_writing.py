@@ -14,6 +14,7 @@ from pointbrush.formats import read
 from pointbrush.frame import PointFrame
 from pointbrush.samples import generate, write
 from pointbrush.samples.__main__ import main
+from pointbrush.samples.crowd import CrowdOptions
 from pointbrush.samples.generating import decimate, picture
 from pointbrush.samples.jugglers import JugglingOptions
 from pointbrush.samples.tabletop import TabletopOptions
@@ -94,7 +95,9 @@ def test_a_picture_shows_the_colours_where_there_is_depth() -> None:
         picture(PointFrame(frame.xyz))
 
 
-@pytest.mark.parametrize("options", [JugglingOptions, TabletopOptions, WalkingOptions])
+@pytest.mark.parametrize(
+    "options", [CrowdOptions, JugglingOptions, TabletopOptions, WalkingOptions]
+)
 def test_every_option_is_documented(options: type) -> None:
     text = (DATA.parents[1] / "docs" / "samples.md").read_text()
     for option in dataclasses.fields(options):

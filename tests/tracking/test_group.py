@@ -51,8 +51,11 @@ def overlap(found: np.ndarray, truth: np.ndarray) -> float:
     return float((mask & truth).sum() / (mask | truth).sum())
 
 
-def crossing(stranger: bool, frames: int = 12) -> list[scenes.Frame]:
-    """1 and 2 cross, one behind the other, five frames a second; a third comes in later."""
+def crossing(stranger: bool, frames: int = 12, *, ball: bool = False) -> list[scenes.Frame]:
+    """1 and 2 cross, one behind the other, five frames a second; a third comes in later.
+
+    ``ball``: there is a ball on the floor too, 3.
+    """
     rng = np.random.default_rng(7)
     sensor = scenes.Sensor(192, 168, 130.0, origin=np.array([0.0, 1.3, 0.0]))
     camera = scenes.Camera(sensor, scenes.room())
@@ -65,6 +68,9 @@ def crossing(stranger: bool, frames: int = 12) -> list[scenes.Frame]:
         if stranger:
             three = np.array([3.2 - 1.4 * t, 0, 2.8])
             parts += scenes.person(3, three, -np.pi / 2, 8.0 * t + 2, (70, 160, 80))
+        if ball:
+            at = np.array([0.7, 0.08, 2.8])
+            parts.append(scenes.Part(3, (220, 190, 60), at, at + 1e-3, 0.08, 0.08))
         made.append(camera.shoot(parts, rng))
     return made
 
@@ -91,6 +97,19 @@ def test_people_who_cross_keep_their_labels_without_colour(
         ]
         assert len(shares) >= len(found) - 3
         assert np.mean(shares) > 0.85
+
+
+def test_people_are_followed_together_beside_a_small_thing() -> None:
+    frames = [replace(frame, rgb=None) for frame in crossing(stranger=False, ball=True)]
+    shares = {
+        label: [
+            overlap(result.assignments[label], frames[result.frame].truth == label)
+            for result in follow(frames)[1:]
+        ]
+        for label in (1, 2, 3)
+    }
+    assert np.mean(shares[1] + shares[2]) > 0.95
+    assert np.mean(shares[3]) > 0.9
 
 
 def test_no_label_goes_over_to_a_stranger(

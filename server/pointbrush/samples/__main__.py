@@ -11,6 +11,7 @@ from typing import Any
 from pointbrush.errors import PointbrushError
 from pointbrush.samples import KINDS, generate
 from pointbrush.samples.generating import write
+from pointbrush.samples.sensor import FPS
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -20,6 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--frames", type=int, default=90)
     parser.add_argument("--noise", type=float, default=1.0, help="multiplies the sensor's errors")
+    parser.add_argument("--rate", type=float, default=FPS, help="frames a second")
     parser.add_argument("--step", type=int, default=1, help="keep every so many rows and columns")
     parser.add_argument("--out", type=Path, required=True, help="folder for the .npz files")
     parser.add_argument(
@@ -33,7 +35,12 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     try:
         recording = generate(
-            chosen.kind, chosen.seed, chosen.frames, noise=chosen.noise, **dict(chosen.option)
+            chosen.kind,
+            chosen.seed,
+            chosen.frames,
+            noise=chosen.noise,
+            rate=chosen.rate,
+            **dict(chosen.option),
         )
         write(recording, chosen.out, step=chosen.step, progress=_show)
     except PointbrushError as error:

@@ -16,6 +16,7 @@ from PIL import Image
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera, PointFrame
+from pointbrush.samples.crowd import CrowdOptions, CrowdScene
 from pointbrush.samples.jugglers import JugglingOptions, JugglingScene
 from pointbrush.samples.recording import Recording, Scene
 from pointbrush.samples.sensor import FPS, Sensor
@@ -37,20 +38,32 @@ def _walking(seed: int, seconds: float, **options: Any) -> Scene:
     return WalkingScene(seed, seconds, WalkingOptions(**options))
 
 
+def _crowd(seed: int, seconds: float, **options: Any) -> Scene:
+    return CrowdScene(seed, seconds, CrowdOptions(**options))
+
+
 KINDS: dict[str, Callable[..., Scene]] = {
+    "crowd": _crowd,
     "juggling": _juggling,
     "tabletop": _tabletop,
     "walking": _walking,
 }
-"""Kind -> its scene; options are those of JugglingOptions, TabletopOptions, WalkingOptions."""
+"""Kind -> its scene; options are those of the kind, CrowdOptions for "crowd"."""
 
 
 def generate(
-    kind: str = "juggling", seed: int = 0, frames: int = 90, *, noise: float = 1.0, **options: Any
+    kind: str = "juggling",
+    seed: int = 0,
+    frames: int = 90,
+    *,
+    noise: float = 1.0,
+    rate: float = FPS,
+    **options: Any,
 ) -> Recording:
     """Prepare a recording; its frames are made when they are asked for.
 
-    ``noise`` multiplies the sensor's errors (0: none).  ``options`` are those of the kind.
+    ``noise`` multiplies the sensor's errors (0: none); ``rate`` frames a second.  ``options`` are
+    those of the kind.
     Raises BadInputError for an unknown kind or option and for values out of range.
     """
     if kind not in KINDS:
@@ -61,12 +74,14 @@ def generate(
         raise BadInputError(f"seed: expected 0 or more, got {seed}")
     if not 0 <= noise <= 10:
         raise BadInputError(f"noise: expected 0 to 10, got {noise}")
+    if not 1 <= rate <= FPS:
+        raise BadInputError(f"rate: expected 1 to {FPS:.0f}, got {rate}")
     try:
-        scene = KINDS[kind](seed, frames / FPS, **options)
+        scene = KINDS[kind](seed, frames / rate, **options)
     except TypeError as error:
         raise BadInputError(f"options of {kind}: {error}") from None
     name = kind.capitalize() + (f" {seed}" if seed else "")
-    return Recording(name, scene, frames, seed, sensor=Sensor(noise=noise))
+    return Recording(name, scene, frames, seed, rate, Sensor(noise=noise))
 
 
 def write(

@@ -30,38 +30,69 @@ class WalkingOptions:
     pace: float = 1.0
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Loop:
+    """Flat loop on the floor round (``x``, ``z``), walked at ``rate`` radians a second.
+
+    ``half`` its length and ``width`` its breadth from the middle, metres, breadth signed by the
+    sense; ``turn`` radians of its long way off the room's x.
+    """
+
+    x: float
+    z: float
+    half: float
+    width: float
+    turn: float
+    rate: float
+    phase: float
+    sway: Array
+
+    @staticmethod
+    def drawn(
+        x: float,
+        z: float,
+        half: float,
+        width: float,
+        turn: float,
+        pace: float,
+        rng: np.random.Generator,
+    ) -> Loop:
+        """Draw the sense, the rate and where it begins."""
+        sense = 1.0 if rng.random() < 0.5 else -1.0
+        rate = pace * rng.uniform(0.85, 1.1) / half
+        phase = rng.uniform(0, 2 * math.pi)
+        return Loop(x, z, half, width * sense, turn, rate, phase, rng.uniform(0, 2 * math.pi, 2))
+
+    def place(self, t: float) -> Array:
+        """(3,) where the person is on the floor."""
+        angle = self.phase + self.rate * t
+        along, across = self.half * math.sin(angle), self.width * math.cos(angle)
+        drift = 0.06 * wobble(t, self.sway, (4.1, 6.7))
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        return vec(
+            self.x + c * along + s * drift + s * across,
+            0,
+            self.z + c * drift - s * along + c * across,
+        )
+
+
 class Walk:
-    """One person's way: a long flat loop in a lane, strides counted along it.
+    """One person's way: a loop, strides counted along it.
 
     ``posture(t)`` -> the body at time ``t``.
     """
 
     def __init__(
-        self,
-        look: Look,
-        lane: tuple[float, float, float],
-        seconds: float,
-        pace: float,
-        rng: np.random.Generator,
+        self, look: Look, loop: Loop, seconds: float, pace: float, rng: np.random.Generator
     ) -> None:
-        self._look, self._size = look, look.height / 1.75
-        self._lane = lane
-        self._sense = 1.0 if rng.random() < 0.5 else -1.0
-        self._rate = pace * rng.uniform(0.85, 1.1) / lane[2]
-        self._phase = rng.uniform(0, 2 * math.pi)
-        self._sway = rng.uniform(0, 2 * math.pi, 4)
+        self.look, self._size = look, look.height / 1.75
+        self.place = loop.place
+        self._gaze = rng.uniform(0, 2 * math.pi, 2)
         self._stride = 1.28 * self._size * math.sqrt(pace)
         self._times = np.arange(-0.1, seconds + 0.2, 0.01)
         places = np.array([self.place(t) for t in self._times])
         steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
         self._walked = np.concatenate([[0.0], np.cumsum(steps)]) + rng.uniform(0, 2)
-
-    def place(self, t: float) -> Array:
-        """(3,) where the person is on the floor."""
-        z, x, half = self._lane
-        angle = self._phase + self._rate * t
-        drift = 0.06 * wobble(t, self._sway[:2], (4.1, 6.7))
-        return vec(x + half * math.sin(angle), 0, z + drift + 0.17 * self._sense * math.cos(angle))
 
     def posture(self, t: float) -> Posture:
         """Return the body in mid-stride."""
@@ -79,9 +110,9 @@ class Walk:
             self._foot(here, heading, cycle + 0.5, -1.0, speed),
         )
         hands = hanging_hands(
-            pelvis, heading, self._look.height, -0.8 * speed * math.cos(swing - 0.3)
+            pelvis, heading, self.look.height, -0.8 * speed * math.cos(swing - 0.3)
         )
-        gaze = here + yaw(heading + 0.4 * wobble(t, self._sway[2:], (2.9, 4.3))) @ vec(0, 1.5, 2)
+        gaze = here + yaw(heading + 0.4 * wobble(t, self._gaze, (2.9, 4.3))) @ vec(0, 1.5, 2)
         return Posture(
             pelvis,
             heading,
@@ -123,25 +154,25 @@ class WalkingScene(LivingRoom):
             raise BadInputError(f"pace: expected 0.3 to 2, got {options.pace}")
         rng = np.random.default_rng([seed, 11])
         super().__init__(seed, tripod(1.35, 5.0))
-        self._count = options.people
         order = rng.permutation(len(LOOKS))
-        self._looks = [LOOKS[int(order[p])] for p in range(options.people)]
-        self._walks = [
-            Walk(look, LANES[p], seconds, options.pace, rng) for p, look in enumerate(self._looks)
-        ]
+        self._walks = []
+        for k, (z, x, half) in zip(order[: options.people], LANES, strict=False):
+            loop = Loop.drawn(x, z, half, 0.17, 0.0, options.pace, rng)
+            self._walks.append(Walk(LOOKS[int(k)], loop, seconds, options.pace, rng))
 
     @property
     def labels(self) -> list[LabelInfo]:
         """See Scene."""
         return [
-            LabelInfo(p + 1, f"person {p + 1}", "person", COLORS[p]) for p in range(self._count)
+            LabelInfo(p + 1, f"person {p + 1}", "person", COLORS[p])
+            for p in range(len(self._walks))
         ]
 
     def at(self, t: float) -> Moment:
         """See Scene; people are not rigid, so there are no poses."""
         solids, balls = [], []
-        for p, (look, walk) in enumerate(zip(self._looks, self._walks, strict=True)):
+        for p, walk in enumerate(self._walks):
             posture = walk.posture(t)
-            solids += body(look, posture, p + 1)
+            solids += body(walk.look, posture, p + 1)
             balls += shadow_balls(posture)
         return Moment(solids, balls, {})

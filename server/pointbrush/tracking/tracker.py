@@ -173,6 +173,9 @@ class Run:
         tell_apart(self.tracks, view, self.tracks)
         self.scene.learn_first(survey=any(track.large for track in self.tracks.values()))
         self.people.gather(view, self.background, self.tracks)
+        view.people = self.people.labels
+        for track in (t for n, t in self.tracks.items() if view.people and n not in view.people):
+            set_other_movers_around(track, view, track.model.xyz)
         states = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, states)
 
@@ -207,6 +210,7 @@ class Run:
     def _observe(self, number: int, given: Mapping[int, I64]) -> FrameTask:
         """Read a frame, and find out which points are known and which may be taken."""
         view = self.scene.view(number)
+        view.people = self.people.labels
         rules = FrameRules(len(view.xyz), self.known(number), self.asked)
         fixed = {n: k for n in self.tracks if (k := rules.keyframe(n)) is not None}
         fixed |= self.companions.known(rules, view.xyz, self.tracks)

@@ -259,8 +259,8 @@ def outcome(
 class JointTracking:
     """The people among the ``tracks`` of a run, before a depth camera at rest or a charted scene.
 
-    No one is followed so where they hold what is tracked too: it and their hands are told apart by
-    one claim; nor where points too far apart to be limbs are a label.
+    What they hold or pass is followed by itself, and comes first; they share what it leaves.  No
+    one is followed so whose points are too far apart to be limbs.
     """
 
     def __init__(
@@ -270,25 +270,31 @@ class JointTracking:
         self._tracks, self._continue_lost, self.options = tracks, continue_lost, options
         self.group: Group | None = None
 
+    @property
+    def labels(self) -> set[int]:
+        """Labels that are followed together."""
+        return set() if self.group is None else self.group.labels
+
     def __contains__(self, label: int) -> bool:
         """Whether a label is followed together with others."""
-        return self.group is not None and label in self.group.labels
+        return label in self.labels
 
     def gather(self, view: View, background: Background, labels: Iterable[int]) -> None:
         """Begin with those of the ``labels`` of a frame that are people, where they can be."""
-        bodies = {n: self._tracks[n] for n in labels if self._tracks[n].body}
-        alone = all(
-            track.body and track.unit < self.options.body.limb_m for track in self._tracks.values()
-        )
-        if bodies and alone and isinstance(background, PictureBackground):
+        bodies = {n: self._tracks[n] for n in labels if self._one_of_them(self._tracks[n])}
+        if bodies and isinstance(background, PictureBackground):
             self.group = Group.of(view, bodies, background)
 
     def join(self, view: View, background: Background, label: int) -> None:
         """A person who was painted in the middle of a run is followed among the others."""
         if self.group is None:
             self.gather(view, background, [label])
-        elif self._tracks[label].body:
+        elif self._one_of_them(self._tracks[label]):
             self.group.put(view, label, self._tracks[label])
+
+    def _one_of_them(self, track: Track) -> bool:
+        """Whether a track is a person, whatever others are; points too far apart are no limbs."""
+        return track.body and track.unit < self.options.body.limb_m
 
     def step(
         self, view: View, background: Background, free: Mask, painted: Mapping[int, I64]

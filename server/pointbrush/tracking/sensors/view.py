@@ -6,6 +6,7 @@ stood still, what is hidden and what is seen through.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -46,6 +47,8 @@ class View:
     steady: bool = False
     """Whether the lens is that of a sensor at rest in the world, and not the frame's own."""
     labels: dict[int, I64] = field(default_factory=dict)
+    people: Collection[int] = ()
+    """Labels of those who are followed together."""
 
     @cached_property
     def xyz(self) -> F32:
@@ -131,11 +134,12 @@ class View:
         """(4, 4) from the world to what is across, down and along the image; needs a camera."""
         return self.camera.T_picture_frame @ self.T_lens_world
 
-    def labelled(self) -> Mask:
-        """(N,) points of any of the labels, a new array."""
+    def labelled(self, but: Collection[int] = ()) -> Mask:
+        """(N,) points of any of the labels ``but`` some, a new array."""
         mask = np.zeros(len(self.xyz), np.bool_)
-        for points in self.labels.values():
-            mask[points] = True
+        for label, points in self.labels.items():
+            if label not in but:
+                mask[points] = True
         return mask
 
     @cached_property

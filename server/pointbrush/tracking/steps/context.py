@@ -1,4 +1,6 @@
-"""Unlabelled surface beside a track, which contests its points."""
+"""Unlabelled surface beside a track, which contests its points, and people beside it: they are
+followed together in what it leaves, and would lose to it what they hold it with.
+"""
 
 from __future__ import annotations
 
@@ -97,7 +99,7 @@ def _box_around(world: F64, margin: float) -> tuple[F64, F64]:
 
 def _unlabelled(view: View, box: tuple[F64, F64]) -> I64:
     near = view.box(*box)
-    return near[~view.labelled()[near]]
+    return near[~view.labelled(but=view.people)[near]]
 
 
 def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> None:
@@ -116,7 +118,7 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
 
 def note_beside(tracks: Mapping[int, Track], view: View, fits: Mapping[int, Registration]) -> None:
     """Let what moves beside each object that was found, and is nothing's, be its other movers."""
-    taken = view.labelled()
+    taken = view.labelled(but=view.people)
     for label, fit in fits.items():
         before = taken[fit.neutral]
         taken[fit.neutral] = True

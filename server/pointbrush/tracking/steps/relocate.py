@@ -20,7 +20,7 @@ from pointbrush.tracking.steps.grow import own_points
 from pointbrush.tracking.steps.predict import Search, crop
 from pointbrush.tracking.steps.propose import alike, turned_at
 from pointbrush.tracking.steps.register import find
-from pointbrush.tracking.steps.verdict import judge
+from pointbrush.tracking.steps.verdict import judge, look
 
 
 def find_astray(tracks: Iterable[Track], astray: dict[int, int], findings: Findings) -> None:
@@ -53,6 +53,8 @@ def _is_astray(track: Track, astray: dict[int, int], findings: Findings) -> bool
     view, fit = findings.view, _own(track, findings)
     if view.lens is None or track.large or track.bends or track.lost:
         return False
+    if track.motion.rested is not None and _hidden_at_rest(track, view):
+        return False
     if fit is not None and fit.cost < options.doubt:
         astray.pop(track.label, None)
         return False
@@ -60,6 +62,18 @@ def _is_astray(track: Track, astray: dict[int, int], findings: Findings) -> bool
     return (
         count <= options.patient_frames or (view.number + track.label) % options.retry_frames == 0
     )
+
+
+def _hidden_at_rest(track: Track, view: View) -> bool:
+    """Whether the place where an object rested is hidden, or not measured: it is there, and not
+    where something looks like it."""
+    options = track.options
+    count = len(track.model.xyz)
+    some = np.arange(0, count, max(1, count // options.search.coarse_points))
+    at = look(track, view, some, track.motion.resting_pose[None])
+    cell, _ = view.project(at.world[0])
+    shown = at.seen[0] & np.isfinite(view.depth[cell])
+    return float(shown.mean()) < options.register.open_share * float(at.facing[0])
 
 
 def _own(track: Track, findings: Findings) -> Registration | None:

@@ -106,7 +106,7 @@ def settle(
     sighting = Sighting(view, fit, found, grown, verdict)
     points = together(found.indices, grown)
     features = evidence(track, sighting, points)
-    _trust(track, fit, features)
+    _trust(track, view, fit, features)
     track.last = LastSight(len(points), fit.vain, fit.cut_short, features)
     _move(track, fit, verdict)
     if fit.cost < options.motion_cost:
@@ -136,7 +136,7 @@ def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOption
     return TrackState(at, 0.0, verdict.inliers, 0.0, 0, state)
 
 
-def _trust(track: Track, fit: Registration, features: Evidence) -> None:
+def _trust(track: Track, view: View, fit: Registration, features: Evidence) -> None:
     """Trust an object as far as this fit and the frames before allow."""
     options = track.options
     here = likelihood(features, track.body, options=options.confidence)
@@ -145,16 +145,19 @@ def _trust(track: Track, fit: Registration, features: Evidence) -> None:
         cost += options.update.usual_cost_rate * (features.cost - cost)
         track.seen_alone = SeenAlone(track.seen_alone.frames + 1, cost)
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
-    track.astray = not fit.whole and (track.astray or _strays(track, fit))
+    track.astray = not fit.whole and (track.astray or _strays(track, view, fit))
     most = min(fit.most, options.update.astray_confidence) if track.astray else fit.most
     track.confidence = min(here, track.confidence + regain, most)
 
 
-def _strays(track: Track, fit: Registration) -> bool:
+def _strays(track: Track, view: View, fit: Registration) -> bool:
     """Whether what is in doubt, and has no colours to be known by, is found where no motion led.
 
-    What bends has no shape that would tell it from an arm.
+    What bends has no shape that would tell it from an arm.  What rested, or was among people,
+    and is found elsewhere when it is hidden may be something that looks like it.
     """
+    if fit.anew and (view.people or track.motion.rested is not None):
+        return True
     options = track.options.update
     if track.dyed or track.large or track.confidence > options.astray_confidence:
         return False
