@@ -9,14 +9,14 @@ the k closest.  Both use the frames' stored k-d trees.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.compute.rigid import IcpStep, Pair, icp, transform
+from pointbrush.tracking.compute.rigid import IcpStep, Pair, icp, inverse, transform
 from pointbrush.tracking.interface import (
     F64,
     I64,
@@ -28,6 +28,8 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
+from pointbrush.tracking.model.icp_confidence import IcpEvidence
+from pointbrush.tracking.options import IcpConfidenceOptions
 from pointbrush.tracking.permissions import FrameRules
 
 LONE, FINEST = 0.01, 1e-4
@@ -78,14 +80,29 @@ def spacing(xyz: F64, frame: TrackFrame) -> float:
     return max(float(np.median(distance[:, 1])), FINEST)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Painted:
+    """Some points of a label in the frame where a person painted it, to be found again.
+
+    ``T_frame_start`` is the object's pose there; ``count`` all of its points there.
+    """
+
+    xyz: F64
+    T_frame_start: F64
+    count: int
+
+
 @dataclass(slots=True)
 class _Object:
-    """A label on its way: its points where it was last found, and its pose ``T_frame_start``."""
+    """A label on its way: its points where it was last found, and its pose ``T_frame_start``;
+    how sure it was there, and what was painted."""
 
     xyz: F64
     colour: F64
     spacing: float
     pose: F64
+    painted: _Painted
+    confidence: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -93,11 +110,14 @@ class PaperTracker:
     """The paper's loop; ``k`` = 1 is ICP, more is colour ICP.
 
     A point of the next frame is near the moved object within ``reach`` times its spacing.
-    ``watch`` gets frame, label and each iteration of its registration.
+    ``watch`` gets frame, label and each iteration of its registration; ``learn`` gets frame, label
+    and what the step said about itself.
     """
 
     k: int = 1
     reach: float = 1.2
+    confidence: IcpConfidenceOptions = field(default_factory=IcpConfidenceOptions)
+    learn: Callable[[int, int, IcpEvidence], None] | None = None
     watch: Callable[[int, int, IcpStep], None] | None = None
 
     def track(
@@ -110,7 +130,7 @@ class PaperTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         start = frames(order[0])
-        objects = {seed.label: _cut(start, seed.indices, np.eye(4)) for seed in seeds}
+        objects = {seed.label: _begun(start, seed.indices, np.eye(4)) for seed in seeds}
         yield FrameResult(
             order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         )
@@ -125,16 +145,15 @@ class PaperTracker:
                 if certain is not None:
                     assignments[label] = certain
                     tracks[label] = _painted(len(certain), track.pose)
-                    objects[label] = _cut(frame, certain, track.pose)
+                    objects[label] = _begun(frame, certain, track.pose)
                     stopped.discard(label)
                 elif label not in stopped:
-                    watch = None if self.watch is None else partial(self.watch, number, label)
-                    found, tracks[label] = self._step(
-                        track, frame, rules, label, list(objects), watch
-                    )
+                    asked = (number, label)
+                    found, state = self._step(track, frame, rules, asked, list(objects))
+                    tracks[label] = state
                     if len(found):
                         assignments[label] = found
-                        objects[label] = _cut(frame, found, tracks[label].pose)
+                        objects[label] = _gone_on(track, frame, found, state)
                         rules.take(found)
                     elif not options.continue_lost:
                         stopped.add(label)
@@ -145,10 +164,10 @@ class PaperTracker:
         track: _Object,
         frame: TrackFrame,
         rules: FrameRules,
-        label: int,
+        asked: tuple[int, int],
         labels: list[int],
-        watch: Callable[[IcpStep], None] | None,
     ) -> tuple[I64, TrackState]:
+        """Find an object in a frame; ``asked`` are the numbers of the frame and of its label."""
         lost = TrackState(track.pose, 0.0, 0.0, 0.0, 0, "lost")
         if len(frame.xyz) == 0:
             return np.empty(0, np.int64), lost
@@ -157,6 +176,7 @@ class PaperTracker:
             pair = closest_point(frame)
         else:
             pair = most_similar_colour(frame, track.colour, self.k)
+        watch = None if self.watch is None else partial(self.watch, *asked)
         fit = icp(track.xyz, frame.xyz.astype(np.float64), pair, watch=watch)
         # 2. The label goes to the next frame's points near the moved object.
         moved = transform(fit.T_target_source, track.xyz)
@@ -164,20 +184,57 @@ class PaperTracker:
         near = [np.asarray(n, np.int64) for n in frame.kdtree.query_ball_point(moved, reach)]
         found = np.unique(np.concatenate(near))
         found = found[rules.free(labels)[found]]
-        found = np.union1d(found, rules.anchors(label))
+        found = np.union1d(found, rules.anchors(asked[1]))
         if len(found) == 0:
             return found, lost
-        # 3. How many of the object's points found one: the only confidence the paper has.
+        # 3. How sure that is.  The paper has no measure of it.
         inliers = float(np.mean([len(n) > 0 for n in near]))
         pose = fit.T_target_source @ track.pose
-        return found, TrackState(pose, fit.rmse, inliers, inliers, len(found), "tracked")
+        evidence = _evidence(track, frame, found, pose, options=self.confidence)
+        if self.learn is not None:
+            self.learn(*asked, evidence)
+        sure = min(evidence.likelihood(self.confidence), track.confidence + self.confidence.regain)
+        return found, TrackState(pose, fit.rmse, inliers, sure, len(found), "tracked")
 
 
-def _cut(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
+def _evidence(
+    track: _Object, frame: TrackFrame, found: I64, pose: F64, options: IcpConfidenceOptions
+) -> IcpEvidence:
+    """Compare what was ``found`` (M,) with what was painted, moved by all steps."""
+    painted = track.painted
+    there = transform(pose @ inverse(painted.T_frame_start), painted.xyz)
+    away, _ = nearest(frame.kdtree, there, 1)
+    return IcpEvidence(
+        kept=float((away < options.kept_spacings * track.spacing).mean()),
+        residual=float(np.median(away)) / track.spacing,
+        size=len(found) / painted.count,
+    )
+
+
+def _begun(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
+    """Begin with what a person painted."""
     xyz = frame.xyz[indices].astype(np.float64)
+    some = xyz[:: max(1, len(xyz) // SAMPLE)]
+    painted = _Painted(some, pose, max(len(xyz), 1))
+    return _Object(xyz, _colour(frame, indices), spacing(xyz, frame), pose, painted)
+
+
+def _gone_on(track: _Object, frame: TrackFrame, indices: I64, state: TrackState) -> _Object:
+    """Go on from what was found."""
+    xyz = frame.xyz[indices].astype(np.float64)
+    return replace(
+        track,
+        xyz=xyz,
+        colour=_colour(frame, indices),
+        spacing=spacing(xyz, frame),
+        pose=state.pose,
+        confidence=state.confidence,
+    )
+
+
+def _colour(frame: TrackFrame, indices: I64) -> F64:
     rgb = frame.rgb
-    colour = np.zeros_like(xyz) if rgb is None else rgb[indices].astype(np.float64)
-    return _Object(xyz, colour, spacing(xyz, frame), pose)
+    return np.zeros((len(indices), 3)) if rgb is None else rgb[indices].astype(np.float64)
 
 
 def _painted(points: int, pose: F64) -> TrackState:

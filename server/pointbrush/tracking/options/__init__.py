@@ -46,6 +46,7 @@ from pointbrush.tracking.options.steps import (
 from pointbrush.tracking.options.tracks import (
     AppearanceOptions,
     CompanionOptions,
+    IcpConfidenceOptions,
     IdentityOptions,
     JumpOptions,
     ObjectOptions,
@@ -70,6 +71,7 @@ __all__ = [
     "GroundContactOptions",
     "GroundOptions",
     "GrowthOptions",
+    "IcpConfidenceOptions",
     "IdentityOptions",
     "JumpOptions",
     "LensOptions",
