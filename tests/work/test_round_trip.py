@@ -1,4 +1,4 @@
-"""Whatever leaves comes in again with its labels, into a workspace that knows nothing of it."""
+"""Whatever leaves comes in again with its labels, into another workspace."""
 
 from __future__ import annotations
 
@@ -75,18 +75,25 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workspace
         yield workspace, {name: painted(workspace, name, scans) for name, scans in frames.items()}
 
 
+@pytest.fixture(scope="module")
+def again(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
+    """A workspace for what comes back; its worker process starts once."""
+    with closing(Workspace(Settings(workspace=tmp_path_factory.mktemp("again")))) as workspace:
+        yield workspace
+
+
 @pytest.mark.parametrize("kind", FORMATS)
 def test_points_colours_labels_palette_and_provenance_are_equal(
-    tmp_path: Path, kind: str, source: tuple[Workspace, dict[str, Made]]
+    tmp_path: Path, kind: str, source: tuple[Workspace, dict[str, Made]], again: Workspace
 ) -> None:
     workspace, recordings = source
-    with closing(Workspace(Settings(workspace=tmp_path / "again"))) as again:
-        for name, made in recordings.items():
-            workspace.export(name, kind, tmp_path / name)
-            job = again.import_paths([tmp_path / name], name=name, fps=10.0)
-            done = again.runner.wait(job.id, PATIENCE)
-            assert done.state == "done", done.error
-            came_back(again, name, made, kind)
+    for name, made in recordings.items():
+        workspace.export(name, kind, tmp_path / name)
+        job = again.import_paths([tmp_path / name], name=f"{name} {kind}", fps=10.0)
+        done = again.runner.wait(job.id, PATIENCE)
+        assert done.state == "done", done.error
+        assert done.result is not None
+        came_back(again, done.result["sequence"], made, kind)
 
 
 def came_back(again: Workspace, name: str, made: Made, kind: str) -> None:
