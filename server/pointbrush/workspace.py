@@ -31,7 +31,7 @@ from pointbrush.settings import Settings
 from pointbrush.system import require_room
 from pointbrush.work import exporting, listing, thumbnails
 from pointbrush.work.annotate import flooring
-from pointbrush.work.annotate.placing import Placement
+from pointbrush.work.annotate.overlays import Placement
 from pointbrush.work.annotate.splitting import Split
 from pointbrush.work.backup import (
     make_backup,

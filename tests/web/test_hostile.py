@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from pointbrush.web.patience import PatientProtocol
+from pointbrush.web.idle_timeout import IdleTimeoutProtocol
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
@@ -158,7 +158,7 @@ def trickle(raw: socket.socket) -> None:
 def test_headers_that_never_end_are_not_waited_for(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(PatientProtocol, "seconds", 0.3)
+    monkeypatch.setattr(IdleTimeoutProtocol, "seconds", 0.3)
     with ExitStack() as stack:
         viewer_socket = stack.enter_context(handshake(served))
         upload = stack.enter_context(socket.create_connection(address(served)))

@@ -184,7 +184,7 @@ def _arranged(
     if grid.lattice is not None:
         # Compiled loops, which only an import needs.
         from pointbrush.sequences.depth.images import encode_depth
-        from pointbrush.sequences.depth.placing import place
+        from pointbrush.sequences.depth.projection import place
 
         placed = place(grid.lattice, local, grid.step / 2)
         depth = None if placed is None else encode_depth(grid.lattice, placed, frame.rgb)

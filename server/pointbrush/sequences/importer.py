@@ -24,9 +24,9 @@ from pointbrush.sequences.octree.arrays import digest, file_digest, map_npy, rea
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.large import LargeFrame
-from pointbrush.sequences.other import write_other
 from pointbrush.sequences.pictures import write_pictures
 from pointbrush.sequences.record import FrameOrigin, Record, make_manifest, record
+from pointbrush.sequences.source_fields import write_source_fields
 
 if TYPE_CHECKING:
     from pointbrush.formats.pictures import PictureSource
@@ -212,7 +212,7 @@ def _store_all(
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
     if len(frame) > LARGE_POINTS:
-        beside = write_other(folder, index, replace(frame, other={}, header=None))
+        beside = write_source_fields(folder, index, replace(frame, other={}, header=None))
         stored = _store_large(split(frame), index, grid, folder, len(frame), _silent)
         return replace(stored, checksums=stored.checksums | beside)
     encoded = encode_frame(frame, grid)
@@ -222,7 +222,7 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     write_file(wire, encoded.wire)
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
-    named |= write_other(folder, index, frame)
+    named |= write_source_fields(folder, index, frame)
     return record(
         frame,
         encoded.arrays,
@@ -257,7 +257,7 @@ def _store_large(
     beside: dict[str, str] = {}
 
     def keep(part: PointFrame, number: int) -> None:
-        beside.update(write_other(folder, index, replace(part, rows=None), number))
+        beside.update(write_source_fields(folder, index, replace(part, rows=None), number))
 
     path = folder / FRAMES / f"{index:06d}"
     error = LargeFrame(path, progress, keep).write(watched(), grid, total)

@@ -15,9 +15,14 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.sequences.frame_files import FRAMES, CopiedFiles, MappedFiles, open_frame_files
-from pointbrush.sequences.other import FIELDS, read_other, read_rows, read_source_header
 from pointbrush.sequences.pictures import CAMERAS, Projection, find_picture, read_projections
 from pointbrush.sequences.recording_files import RecordingFiles, files_of
+from pointbrush.sequences.source_fields import (
+    FIELDS,
+    read_rows,
+    read_source_fields,
+    read_source_header,
+)
 from pointbrush.sequences.stored_frame import StoredFrame
 
 log = logging.getLogger(__name__)
@@ -68,7 +73,9 @@ class Sequence:
     def other_of(self, index: int, first: int, stop: int) -> dict[str, NDArray[Any]]:
         """The same of the points ``first`` to before ``stop`` of the source."""
         with self.files.hold(index, FIELDS):
-            return read_other(self.path, self._checksums, index, first, stop, self[index].count)
+            return read_source_fields(
+                self.path, self._checksums, index, first, stop, self[index].count
+            )
 
     def source_header(self, index: int) -> bytes | None:
         """The header of a frame's source as its format keeps it, or None."""

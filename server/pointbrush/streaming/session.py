@@ -26,7 +26,7 @@ from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
 from pointbrush.streaming.viewer import CREDITS, Send, SendEach, Viewer
-from pointbrush.work.annotate.placing import require_overlaid
+from pointbrush.work.annotate.overlays import require_overlaid
 
 HEARD_A_TURN = 8
 """Messages of one viewer that are heard in one turn of the event loop."""

@@ -20,11 +20,11 @@ from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.web.clients import is_loopback
+from pointbrush.web.idle_timeout import idle_timeout_protocol
 from pointbrush.web.log_limits import limit_lines
 from pointbrush.web.logs import FORMATS, log_events, write_json
-from pointbrush.web.patience import patient_protocol
 from pointbrush.web.tls import Certificate, certificate, fingerprint
-from pointbrush.web.uncopied import UncopiedProtocol
+from pointbrush.web.websocket_protocol import WebSocketProtocol
 from pointbrush.workspace import Event, Workspace
 
 DRAIN_SECONDS = 3
@@ -109,8 +109,8 @@ def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.
     """uvicorn's options, with the reasons in docs/streaming.md."""
     return uvicorn.Config(
         app,  # type: ignore[arg-type]
-        http=patient_protocol(settings.stall_seconds),
-        ws=UncopiedProtocol,
+        http=idle_timeout_protocol(settings.stall_seconds),
+        ws=WebSocketProtocol,
         ws_per_message_deflate=False,
         ws_max_size=settings.max_message,
         ws_ping_interval=20,

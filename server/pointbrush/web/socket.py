@@ -18,7 +18,7 @@ from pointbrush.web.admissions import Admissions
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
 from pointbrush.web.roles import PREFIX, ROUTES
-from pointbrush.web.uncopied import UncopiedProtocol, link_of
+from pointbrush.web.websocket_protocol import WebSocketProtocol, link_of
 
 log = logging.getLogger(__name__)
 router = APIRouter(prefix=PREFIX)
@@ -102,7 +102,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
         await socket.close(TRY_AGAIN_LATER, str(short)[:MOST_REASON])
 
 
-async def expel(socket: WebSocket, link: UncopiedProtocol) -> None:
+async def expel(socket: WebSocket, link: WebSocketProtocol) -> None:
     """Close the socket of a caller who is not admitted any more, though they read nothing."""
     link.loop.call_later(CLOSE_SECONDS, link.transport.abort)
     await socket.close(NOT_ADMITTED, "expected a token that is valid still, it is not")

@@ -21,7 +21,7 @@ from pointbrush.settings import Settings
 from pointbrush.work import exporting, palettes
 from pointbrush.work.annotate import accepting, copying, layers
 from pointbrush.work.annotate.accepting import Judgement
-from pointbrush.work.annotate.placing import Placement, placements, require_overlaid
+from pointbrush.work.annotate.overlays import Placement, placements, require_overlaid
 from pointbrush.work.annotate.splitting import Split, split_label
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
 from pointbrush.work.events import Event

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from pointbrush.labels import Label
-from pointbrush.work.reviewing.checks import counting, placing
+from pointbrush.work.reviewing.checks import counting, positions
 from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, grouped
-from pointbrush.work.reviewing.checks.placing import Sketch, sketch_frame
+from pointbrush.work.reviewing.checks.positions import Sketch, sketch_frame
 
 OPTIONS = CheckOptions()
 PIN = Label(1, "pin")
@@ -60,7 +60,7 @@ def test_points_far_from_their_object_and_their_place() -> None:
     xyz = np.vstack([ball((0, 0, 3)), slip])
     label = np.ones(len(xyz), np.uint16)
     found = sketch_frame(xyz, label, None, np.array([100.0, 0.0, 0.0]), OPTIONS)
-    (finding,) = placing.stray_points([PIN], {7: found})
+    (finding,) = positions.stray_points([PIN], {7: found})
     assert (finding.first, finding.labels) == (7, (1,))
     assert finding.text.startswith("12 points of “pin” 1.")
     assert finding.place == pytest.approx((100.0, 0.0, 4.5), abs=0.1)
@@ -82,9 +82,9 @@ def test_sparse_points_far_away_are_one_object() -> None:
 
 def test_a_track_that_jumps_and_one_that_flies() -> None:
     flight = [(0.15 * n, 0.0, 3.0) for n in range(FRAMES)]
-    assert list(placing.jumps([PIN], sketches(flight), OPTIONS)) == []
+    assert list(positions.jumps([PIN], sketches(flight), OPTIONS)) == []
     flight[6] = (0.9, 1.0, 3.0)
-    found = grouped(placing.jumps([PIN], sketches(flight), OPTIONS))
+    found = grouped(positions.jumps([PIN], sketches(flight), OPTIONS))
     assert [(each.first, each.last) for each in found] == [(6, 7)]
     assert found[0].place == pytest.approx((0.9, 1.0, 3.0), abs=0.05)
 
@@ -97,7 +97,7 @@ def test_what_stands_in_the_world_does_not_jump_when_the_sensor_does() -> None:
         return sketch_frame(xyz, np.ones(400, np.uint16), pose, np.zeros(3), OPTIONS)
 
     drive = {frame: seen(frame, 2.0 if frame >= 4 else 0.0) for frame in range(8)}
-    assert list(placing.jumps([PIN], drive, OPTIONS)) == []
+    assert list(positions.jumps([PIN], drive, OPTIONS)) == []
 
 
 def test_a_frame_without_labels_is_said_once() -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.depth.lattice import Lattice
-from pointbrush.sequences.depth.placing import find
+from pointbrush.sequences.depth.projection import find
 from pointbrush.tracking.interface import PositionsFrame
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import Lens, find_lens

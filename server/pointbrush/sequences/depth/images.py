@@ -26,7 +26,7 @@ from pointbrush.sequences.depth.codec import (
     varint,
 )
 from pointbrush.sequences.depth.lattice import FARTHEST, Lattice, Pixels
-from pointbrush.sequences.depth.placing import Placed, empty_image, visit
+from pointbrush.sequences.depth.projection import Placed, empty_image, visit
 
 QUALITIES = ((85, "4:2:0"), (87, "4:2:2"), (92, "4:2:2"), (97, "4:4:4"))
 """JPEG qualities and samplings of colour, tried until the colours are near enough."""

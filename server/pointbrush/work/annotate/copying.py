@@ -12,8 +12,8 @@ from pointbrush.labels.types import PAINTED
 from pointbrush.selection.points import near, reach_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.accepting import called, require
+from pointbrush.work.annotate.overlays import placements
 from pointbrush.work.annotate.painted_frame import frame_points
-from pointbrush.work.annotate.placing import placements
 
 SPACINGS = 1.5
 """Points belong to an object within this many times the spacing of its points."""

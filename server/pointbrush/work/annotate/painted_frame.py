@@ -13,7 +13,7 @@ from pointbrush.selection.points import Alive
 from pointbrush.selection.selecting import Layer
 from pointbrush.sequences import LARGE_POINTS, StoredFrame
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.annotate.placing import Placement
+from pointbrush.work.annotate.overlays import Placement
 
 LAYER_BLOCK = 65_536
 """Points whose values are looked up at once."""

@@ -15,8 +15,8 @@ from pointbrush.labels.types import PAINTED, Only
 from pointbrush.selection import Stroke
 from pointbrush.selection.selecting import OverlaySelector
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.annotate.overlays import placements, require_overlaid
 from pointbrush.work.annotate.painted_frame import PaintedFrame
-from pointbrush.work.annotate.placing import placements, require_overlaid
 
 
 def edit_id(given: object) -> str:

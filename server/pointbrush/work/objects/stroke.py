@@ -15,8 +15,8 @@ from pointbrush.selection import Stroke
 from pointbrush.selection.points import near, reach_of
 from pointbrush.selection.rigid import inverse, transformed
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.annotate.overlays import placements, require_overlaid
 from pointbrush.work.annotate.painted_frame import PaintedFrame
-from pointbrush.work.annotate.placing import placements, require_overlaid
 from pointbrush.work.annotate.strokes import write_of
 from pointbrush.work.objects.service import Level, Objects
 

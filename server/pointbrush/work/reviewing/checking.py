@@ -13,10 +13,10 @@ import numpy as np
 from pointbrush.errors import DamagedError
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.reviewing.checks import counting, placing
+from pointbrush.work.reviewing.checks import counting, positions
 from pointbrush.work.reviewing.checks.counting import Counts
 from pointbrush.work.reviewing.checks.finding import KINDS, CheckOptions, Finding, grouped
-from pointbrush.work.reviewing.checks.placing import Sketch, sketch_frame
+from pointbrush.work.reviewing.checks.positions import Sketch, sketch_frame
 
 REMEMBERED = 8
 """Recordings whose sketches are kept."""
@@ -53,8 +53,8 @@ class Checker:
             *counting.unlike_neighbours(
                 palette, counts, count, _excused(self._store.tracks(sequence)), self._options
             ),
-            *placing.stray_points(palette, sketches),
-            *placing.jumps(palette, sketches, self._options),
+            *positions.stray_points(palette, sketches),
+            *positions.jumps(palette, sketches, self._options),
         ]
         inside = [each for each in found if each.first is None or each.first in frames]
         placed = [_placed(each, sketches) for each in grouped(inside)]

@@ -28,7 +28,7 @@ _SKIPPED = "skipped"
 _DAMAGE = (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, DamagedError)
 
 
-def write_other(
+def write_source_fields(
     folder: Path, index: int, frame: PointFrame, first: int | None = None
 ) -> dict[str, str]:
     """Keep what a frame has of its source; of its points from ``first`` on, where it is a part.
@@ -55,7 +55,7 @@ def write_other(
     return {f"{FIELDS}/{name}": value for name, value in checksums.items()}
 
 
-def read_other(
+def read_source_fields(
     folder: Path, checksums: Mapping[str, str], index: int, first: int, stop: int, count: int
 ) -> Arrays:
     """Return the further fields of points ``first`` to before ``stop`` of ``count``; {} for none.

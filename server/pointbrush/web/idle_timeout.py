@@ -28,7 +28,7 @@ async def too_many_connections(scope: Scope, receive: Receive, send: Send) -> No
     await problem(503, detail, "Temporarily unavailable", headers)(scope, receive, send)
 
 
-class PatientProtocol(H11Protocol):
+class IdleTimeoutProtocol(H11Protocol):
     """Waits ``seconds`` for the headers of a request, however slowly their bytes come in."""
 
     seconds = 20.0
@@ -85,6 +85,6 @@ class PatientProtocol(H11Protocol):
             self._stall = None
 
 
-def patient_protocol(stall_seconds: float) -> type[PatientProtocol]:
+def idle_timeout_protocol(stall_seconds: float) -> type[IdleTimeoutProtocol]:
     """Return the protocol for uvicorn, which makes its connections by calling a class."""
-    return type("PatientProtocol", (PatientProtocol,), {"stall_seconds": stall_seconds})
+    return type("IdleTimeoutProtocol", (IdleTimeoutProtocol,), {"stall_seconds": stall_seconds})

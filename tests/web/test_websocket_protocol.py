@@ -18,7 +18,7 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 
 from pointbrush.web.server import listen
-from pointbrush.web.uncopied import AT_ONCE, BINARY, EXTENSION, UncopiedProtocol, header
+from pointbrush.web.websocket_protocol import AT_ONCE, BINARY, EXTENSION, WebSocketProtocol, header
 from tests.waiting import PATIENCE, comes_true
 
 HELLO = (
@@ -61,7 +61,7 @@ def connected(
     transport = MagicMock()
     transport.is_closing.return_value = False
     loop = asyncio.new_event_loop()
-    config = uvicorn.Config(app, ws=UncopiedProtocol, ws_ping_interval=None, **options)
+    config = uvicorn.Config(app, ws=WebSocketProtocol, ws_ping_interval=None, **options)
     config.load()
     state = ServerState()
 
@@ -72,7 +72,7 @@ def connected(
             await asyncio.sleep(0)
 
     try:
-        link = UncopiedProtocol(config, state, {}, loop)
+        link = WebSocketProtocol(config, state, {}, loop)
         link.connection_made(transport)
         loop.run_until_complete(feed(HELLO, len(HELLO)))
         yield lambda data, size: loop.run_until_complete(feed(data, size)), messages, transport
@@ -160,9 +160,9 @@ def test_many_messages_in_one_piece_are_not_heard_in_one_turn() -> None:
 @pytest.mark.parametrize("why", ["not read", "just heard", "gone"])
 def test_who_is_not_read_or_was_just_heard_is_not_taken_for_gone(why: str) -> None:
     loop = asyncio.new_event_loop()
-    config = uvicorn.Config(lambda: None, ws=UncopiedProtocol, ws_ping_timeout=20)  # type: ignore[arg-type]
+    config = uvicorn.Config(lambda: None, ws=WebSocketProtocol, ws_ping_timeout=20)  # type: ignore[arg-type]
     config.load()
-    link = UncopiedProtocol(config, ServerState(), {}, loop)
+    link = WebSocketProtocol(config, ServerState(), {}, loop)
     link.transport = transport = MagicMock()
     transport.is_closing.return_value = False
     link.read_paused = why == "not read"
@@ -187,7 +187,7 @@ def test_a_server_stops_in_peace_while_a_client_that_does_not_read_is_leaving() 
     async def scenario() -> None:
         listener = listen("127.0.0.1", 0)
         config = uvicorn.Config(
-            flood, ws=UncopiedProtocol, lifespan="off", timeout_graceful_shutdown=1
+            flood, ws=WebSocketProtocol, lifespan="off", timeout_graceful_shutdown=1
         )
         server = uvicorn.Server(config)
         serving = asyncio.create_task(server.serve([listener]))
@@ -199,7 +199,7 @@ def test_a_server_stops_in_peace_while_a_client_that_does_not_read_is_leaving() 
         await comes_true(
             lambda: (
                 not any(
-                    isinstance(c, UncopiedProtocol) and c.conn.state is State.OPEN
+                    isinstance(c, WebSocketProtocol) and c.conn.state is State.OPEN
                     for c in server.server_state.connections
                 )
             )

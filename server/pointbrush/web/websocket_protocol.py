@@ -31,7 +31,7 @@ AT_ONCE = 8
 EXTENSION = "pointbrush.link"
 
 
-class UncopiedProtocol(WebSocketsSansIOProtocol):
+class WebSocketProtocol(WebSocketsSansIOProtocol):
     """Whole messages of bytes go past uvicorn, in order; everything else is uvicorn's."""
 
     hear: Callable[[bytes], bool] | None = None
@@ -154,9 +154,9 @@ class UncopiedProtocol(WebSocketsSansIOProtocol):
         super().shutdown()
 
 
-def link_of(socket: WebSocket) -> UncopiedProtocol:
+def link_of(socket: WebSocket) -> WebSocketProtocol:
     """The connection of a socket that this module's protocol serves."""
-    link: UncopiedProtocol = socket.scope["extensions"][EXTENSION]["link"]
+    link: WebSocketProtocol = socket.scope["extensions"][EXTENSION]["link"]
     return link
 
 
