@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 
+from tests.ports import free_port, listening
 from tests.waiting import PATIENCE, eventually
-
-
-def free_port() -> int:
-    """Return a port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 class DaskCluster:
@@ -43,14 +36,10 @@ class DaskCluster:
         silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         self._running[part] = subprocess.Popen(command, **silent)
         if part == "scheduler":
-            eventually(self._listens)
+            eventually(lambda: listening(self._port))
 
     def kill(self, part: str) -> None:
         """End one of them without a word."""
         process = self._running.pop(part)
         process.kill()
         process.wait(PATIENCE)
-
-    def _listens(self) -> bool:
-        with socket.socket() as probe:
-            return probe.connect_ex(("127.0.0.1", self._port)) == 0

@@ -7,7 +7,6 @@ import os
 import pwd
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import uuid
@@ -19,6 +18,7 @@ from pathlib import Path
 import psycopg
 import pytest
 
+from tests.ports import free_port
 from tests.waiting import eventually
 
 SETTINGS = {
@@ -100,7 +100,7 @@ def postgres() -> Iterator[PostgresServer]:
         cwd=home,
         **_as_user(user),
     )
-    server = PostgresServer(binaries, data, _free_port(), user)
+    server = PostgresServer(binaries, data, free_port(), user)
     server.start()
     yield server
     server.stop()
@@ -139,9 +139,3 @@ def _as_user(user: str | None) -> dict[str, str | list[str]]:
 def _end_with_parent() -> None:
     """The server must not outlive a test run that is killed."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGQUIT)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import socket
 import sys
 import time
 from collections.abc import Callable
@@ -25,6 +24,7 @@ from pointbrush.settings import Settings
 from pointbrush.web import server as web_server
 from pointbrush.work.objects.preparing import StateFiles, prepare_file
 from pointbrush.workspace import Workspace
+from tests.ports import free_port
 from tests.waiting import PATIENCE
 
 TOKEN = "end-to-end-token-of-the-owner"
@@ -36,13 +36,6 @@ FORKSERVER.set_forkserver_preload(
         *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
     ]
 )
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def serve(workspace: Path, port: int, log: Path, token: str) -> None:

@@ -15,9 +15,9 @@ import pytest
 from waiting import eventually
 
 from tests.faults.server import ServerProcess, running
+from tests.ports import free_port, listening
 from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 from tests.serving import add_sequence, settings_in
-from tests.test_jobs_again import free_port, listening
 
 ROOT = "/sequences/ball"
 FRAMES = 6

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import urllib.request
 from contextlib import closing
 from pathlib import Path
@@ -14,16 +13,10 @@ from pointbrush.labels import Label
 from pointbrush.review.drawing import blend, lookup
 from pointbrush.review.panel import ReviewPanel, doubtful_frames
 from pointbrush.workspace import Workspace
+from tests.ports import free_port
 from tests.waiting import PATIENCE
 
 REST = {"pose": np.eye(4).ravel().tolist(), "rmse": 0.0, "inliers": 1.0, "points": 0}
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def test_doubts_are_lost_occluded_or_unsure_frames() -> None:

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
-from pointbrush.sequences.manifest import FILE, _checksum
+from pointbrush.sequences.manifest import FILE, checksum
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -132,5 +132,5 @@ def test_an_import_of_before_this_goes_back_to_where_it_stood(workspace: Workspa
     path = workspace.library.folder / "hall" / FILE
     content = json.loads(path.read_text())
     del content["found_room"], content["checksum"]
-    path.write_text(json.dumps(content | {"checksum": _checksum(content)}))
+    path.write_text(json.dumps(content | {"checksum": checksum(content)}))
     assert workspace.recording("hall").manifest.found_room == content["room"]
