@@ -112,9 +112,10 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 	@$(NPM) run --silent lint
 	@$(NPM) run --silent test
 
+# Modules in the order of their names: by their number of tests the longest one, of one test, is last.
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@echo "== pytest: Python and services, on two cores"
-	@$(PYTEST) --dist loadfile --ignore tests/e2e
+	@$(PYTEST) --dist loadfile --no-loadscope-reorder --ignore tests/e2e
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
