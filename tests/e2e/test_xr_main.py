@@ -131,12 +131,14 @@ def test_eraser_undo_and_redo_are_buttons(
     headset.settled()
     assert painted(server, 0, 1) == 0
     # What was used three times is learnt: its explanation has faded, the others have not.
-    assert "A: eraser" in headset.ask("hs.tips('right')")
+    for hand, side in (("left", -0.15), ("right", 0.15)):  # where hints show: in the picture
+        headset.move(hand, [side, 1.4, -0.5])
+    headset.until("hs.tips('right').includes('A: eraser')")
     headset.button("a-button")
     headset.button("a-button")
     headset.until("!hs.tips('right').includes('A: eraser')")
-    assert "Stick pressed: play" in headset.ask("hs.tips('right')")
-    assert "Stick ↑: go there" in headset.ask("hs.tips('left')")
+    headset.until("hs.tips('right').includes('Stick pressed: play')")
+    headset.until("hs.tips('left').includes('Stick ↑: go there')")
 
 
 # ── time ─────────────────────────────────────────────────────────────────────────────────────
