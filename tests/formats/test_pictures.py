@@ -425,20 +425,32 @@ def test_a_sensor_that_moves_on_tf_has_no_place(tmp_path: Path) -> None:
     assert found.camera.T_camera_frame is None
 
 
-def test_pictures_of_an_unknown_encoding_are_told(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    taken = image_message(101.5, bytes(72), compressed=False).replace(b"bgr8", b"rgbe")
-    path = tmp_path / "drive.bag"
+def bag_beside_a_cloud(folder: Path, topic: str, encoding: bytes) -> Path:
+    """Write a bag of a cloud and a raw image in an encoding."""
+    taken = image_message(101.5, bytes(72), compressed=False).replace(b"bgr8", encoding)
+    path = folder / "drive.bag"
     path.write_bytes(
         rosbag1(
             ("/points", "sensor_msgs/PointCloud2", 101.5, message(1, cdr=False)),
-            ("/cam/image_raw", "sensor_msgs/Image", 101.5, taken),
+            (topic, "sensor_msgs/Image", 101.5, taken),
         )
     )
-    assert pictures_of(path) == []
+    return path
+
+
+def test_pictures_of_an_unknown_encoding_are_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert pictures_of(bag_beside_a_cloud(tmp_path, "/cam/image_raw", b"rgbe")) == []
     assert "expected pictures of mono8, " in caplog.text
     assert "got 'rgbe'" in caplog.text
+
+
+def test_depth_images_beside_clouds_are_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert pictures_of(bag_beside_a_cloud(tmp_path, "/camera/depth/image_raw", b"16UC1")) == []
+    assert "/camera/depth/image_raw are left out: turn depth images into points" in caplog.text
 
 
 def test_a_bag_of_depth_images_alone_says_what_to_do(tmp_path: Path) -> None:
@@ -447,18 +459,3 @@ def test_a_bag_of_depth_images_alone_says_what_to_do(tmp_path: Path) -> None:
     path.write_bytes(rosbag1(("/camera/depth/image_raw", "sensor_msgs/Image", 101.5, taken)))
     with pytest.raises(BadInputError, match=r"image_raw .*turn depth images into points"):
         pictures_of(path)
-
-
-def test_depth_images_beside_clouds_are_told(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    taken = image_message(101.5, bytes(72), compressed=False).replace(b"bgr8", b"16UC1")
-    path = tmp_path / "drive.bag"
-    path.write_bytes(
-        rosbag1(
-            ("/points", "sensor_msgs/PointCloud2", 101.5, message(1, cdr=False)),
-            ("/camera/depth/image_raw", "sensor_msgs/Image", 101.5, taken),
-        )
-    )
-    assert pictures_of(path) == []
-    assert "/camera/depth/image_raw are left out: turn depth images into points" in caplog.text

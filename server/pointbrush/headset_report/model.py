@@ -16,7 +16,6 @@ Verdict = Literal["works", "fails", "unknown"]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=0)]
 
-FORMAT = "pointbrush headset report"
 LARGEST = 1 << 20
 """Bytes of a file; a report has a few thousand."""
 

@@ -152,6 +152,13 @@ def default_color(label_id: int) -> str:
     return f"#{round(red * 255):02x}{round(green * 255):02x}{round(blue * 255):02x}"
 
 
+LABEL_EDITS = edit_labels.join(
+    edits,
+    (edits.c.sequence == edit_labels.c.sequence) & (edits.c.revision == edit_labels.c.revision),
+)
+"""Changes of labels, each with its edit."""
+
+
 def require(palette: Mapping[int, Label], label_id: int) -> Label:
     """The label with this id; raises NotFoundError."""
     if label_id not in palette:
@@ -166,15 +173,11 @@ def fields_of(label: Label) -> dict[str, Any]:
 
 
 def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[int, Label | None]:
-    """Return what the edits in force make of each label; None: it does not exist."""
+    """Fold the changes of each label by edits in force; None: it does not exist."""
     wanted = list(label_ids)
     rows = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields)
-        .join(
-            edits,
-            (edits.c.sequence == edit_labels.c.sequence)
-            & (edits.c.revision == edit_labels.c.revision),
-        )
+        .select_from(LABEL_EDITS)
         .where(edit_labels.c.sequence == number, edit_labels.c.label.in_(wanted))
         .where(edits.c.state.in_(IN_FORCE))
         .order_by(edit_labels.c.revision)
@@ -188,18 +191,14 @@ def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[
 def as_last_made(
     connection: Connection, number: int, label_id: int, until: int | None = None
 ) -> Label | None:
-    """Return what the edits in force make of a label if its last creation is one of them.
+    """Fold the changes of a label by edits in force, and its last creation in any case.
 
     None: it was deleted since.  ``until``: the last edit that counts.
     """
     last = edit_labels.c.revision <= until if until is not None else true()
     rows = connection.execute(
         select(edit_labels.c.fields, edits.c.state)
-        .join(
-            edits,
-            (edits.c.sequence == edit_labels.c.sequence)
-            & (edits.c.revision == edit_labels.c.revision),
-        )
+        .select_from(LABEL_EDITS)
         .where(edit_labels.c.sequence == number, edit_labels.c.label == label_id, last)
         .order_by(edit_labels.c.revision)
     )

@@ -22,8 +22,10 @@ from pointbrush.samples.tabletop import Thing
 from pointbrush.samples.textures import Material, cloth, linear, striped
 from pointbrush.samples.walkers import COLORS, Loop, Walk
 
-HEIGHT, PITCH = 1.9, 14.0
-"""Metres and degrees of the camera: near people are seen from the head down, as far as they fit."""
+HEIGHT = 1.9
+"""Metres of the camera above the floor."""
+PITCH = 14.0
+"""Degrees that it looks down: near people are seen from the head down, as far as they fit."""
 WAYS = (
     (0.0, -2.0, 1.9, 0.12, 0.0),
     (0.4, -1.4, 1.9, 0.3, 80.0),
@@ -36,15 +38,22 @@ CROWD_LOOKS = (
     *LOOKS,
     Look("#c9a227", "#5a4a2a", "stripes", "#3c4a3a", "#b07c5c", "#1b1714", "#5a3b2a", 1.73, 1.04),
 )
-BALL_RADIUS, BALL_Z = 0.06, -2.375
+BALL_RADIUS = 0.06
+"""Metres."""
+BALL_Z = -2.375
 BALL_XS = (-0.9, -0.7, -0.5, -0.3, 0.95)
 """Metres; places of the ball that lie between the loops."""
 TRIES = 300
 """Timetables that are tried, for people to show at first and to keep out of each other's way."""
-EYE_LEVEL, BAG_LEVEL = 1.5, 0.5
-"""Metres above the floor; who is in the picture at the one shows at least head and shoulders."""
-EDGE_TAN, RIM = 0.68, 0.12
-"""Tangent of the picture's side edges, and how near to one somebody is who comes in or goes."""
+EYE_LEVEL = 1.5
+"""Metres above the floor; who is in the picture there shows at least head and shoulders."""
+BAG_LEVEL = 0.5
+"""Metres above the floor at which a bag is carried."""
+EDGE_TAN = 0.68
+LOWER_EDGE_TAN = 0.58
+"""Tangents of the picture's side edges and its lower one, from its middle."""
+RIM = 0.12
+"""Distance from an edge, as a tangent, of somebody who comes in or goes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +63,7 @@ class CrowdOptions:
     people: int = 4
     """Number of them, 3 to 5; one is at the edge of the picture at first."""
     things: bool = True
-    """Whether a bag, which somebody carries, and a ball on the floor are labels too."""
+    """A bag, which somebody carries, and a ball on the floor are labels too."""
 
 
 class CrowdScene(LivingRoom):
@@ -133,7 +142,7 @@ def _inside(place: Array, level: float) -> float:
     if depth < 0.5:
         return -1.0
     down = -away[1] * math.cos(pitch) + away[2] * math.sin(pitch)
-    return float(min(EDGE_TAN - abs(away[0]) / depth, 0.58 - down / depth))
+    return float(min(EDGE_TAN - abs(away[0]) / depth, LOWER_EDGE_TAN - down / depth))
 
 
 def _clearance(loops: Sequence[Loop], times: Array) -> float:

@@ -28,7 +28,7 @@ class IcpEvidence:
     size: float
 
     def features(self, options: IcpConfidenceOptions) -> list[float]:
-        """Return what the log odds are made of."""
+        """Compute the features in the order of their weights."""
         return [
             self.kept,
             log_ratio(self.residual, options.max_log_residual),

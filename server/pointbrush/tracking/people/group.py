@@ -293,7 +293,7 @@ class JointTracking:
             self.group.put(view, label, self._tracks[label])
 
     def _one_of_them(self, track: Track) -> bool:
-        """Whether a track is a person, whatever others are; points too far apart are no limbs."""
+        """Tell a person from other tracks; points too far apart are no limbs."""
         return track.body and track.unit < self.options.body.limb_m
 
     def step(

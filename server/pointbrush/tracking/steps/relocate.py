@@ -65,8 +65,10 @@ def _is_astray(track: Track, astray: dict[int, int], findings: Findings) -> bool
 
 
 def _hidden_at_rest(track: Track, view: View) -> bool:
-    """Whether the place where an object rested is hidden, or not measured: it is there, and not
-    where something looks like it."""
+    """Tell that the place where an object rested is hidden, or not measured.
+
+    It is there then, and not where something looks like it.
+    """
     options = track.options
     count = len(track.model.xyz)
     some = np.arange(0, count, max(1, count // options.search.coarse_points))
