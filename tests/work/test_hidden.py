@@ -183,6 +183,20 @@ def test_what_is_hidden_counts_when_the_stroke_ends(workspace: Workspace) -> Non
         workspace.update_label("two", "ben", HIDDEN_HERE, visible=True)
 
 
+@pytest.mark.parametrize("place", [[0, 0, 0], [900, 0, 0]])
+def test_a_label_hidden_before_the_stroke_ends_is_refused(
+    workspace: Workspace, place: list[float]
+) -> None:
+    live = workspace.begin_stroke("two", CLOUD_FRAME, {"shape": "sphere", "label": PLAIN})
+    live.add([{"origin": place}])
+    workspace.update_label("two", "ben", PLAIN, visible=False)
+    try:
+        with pytest.raises(HiddenLabelError, match="is hidden; show it"):
+            live.commit("ada")
+    finally:
+        workspace.update_label("two", "ben", PLAIN, visible=True)
+
+
 @pytest.mark.parametrize("hidden", [3, [70_000], [-1], [True], ["1"], [[1]], [1.5], [1] * 65_536])
 def test_labels_that_a_viewer_hides_are_checked(workspace: Workspace, hidden: Any) -> None:
     with pytest.raises(BadInputError, match="hidden"):

@@ -123,14 +123,17 @@ class LiveStroke:
             edit_id=self.id,
             author=author,
             kind=self._brush.tool,
-            writes=(
-                (one.frame, write_of(self._brush, numbers))
-                for one in self._painted
-                for numbers in one.taken.parts()
-            ),
+            writes=self._writes(),
             summary=self._told,
             identity=self._recording.identity,
         )
+
+    def _writes(self) -> Iterator[tuple[int, Write]]:
+        # One of no points, too, so that a label is refused whatever the stroke touched.
+        yield self.frame, write_of(self._brush, np.empty(0, np.int64))
+        for one in self._painted:
+            for numbers in one.taken.parts():
+                yield one.frame, write_of(self._brush, numbers)
 
     def _told(self, points: int, frames: int) -> str:
         label = self._view.palette().get(self._brush.label)
