@@ -8,6 +8,8 @@ import pytest
 from httpx._config import DEFAULT_TIMEOUT_CONFIG
 from hypothesis import HealthCheck, settings
 
+from pointbrush import worker
+from tests.forked import FORKSERVER
 from tests.waiting import PATIENCE
 
 # A busy machine must fail no test: how long something takes is the benchmarks' concern.
@@ -18,6 +20,9 @@ settings.load_profile("any machine")
 # A call without a timeout of its own would give the server up after 5 s.
 for phase in ("connect", "read", "write", "pool"):
     setattr(DEFAULT_TIMEOUT_CONFIG, phase, PATIENCE)
+
+# Workers of this process are forked, too; those of servers in processes of their own are spawned.
+worker.START_METHOD = FORKSERVER.get_start_method()
 
 TESTS = Path(__file__).parent
 SHARED = TESTS.parent.parent / "shared"

@@ -27,6 +27,7 @@ from pointbrush.client import Client
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests import forked
 from tests.serving import TOKEN, serving, surface
 
 ROOT = Path(__file__).parent.parent
@@ -45,6 +46,8 @@ PARSED: dict[str, Callable[[str], object]] = {
 }
 SHOWN = ("text", "http")
 SERVERS = ("demo", "serve")
+SHELL = frozenset("&|;<>*?$`")
+"""Signs of a line that is for a shell."""
 POINTS = 400
 
 
@@ -139,6 +142,10 @@ class Place:
                 continue
             if words[0] == "pointbrush" and words[1] in SERVERS:
                 self._server([word for word in words[1:] if word != "&"])
+                continue
+            if words[0] == "pointbrush" and not SHELL.intersection(" ".join(words)):
+                done = forked.run(*words[1:], environment=self._environment, cwd=self.folder)
+                assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
                 continue
             done = subprocess.run(
                 ["bash", "-ec", line],

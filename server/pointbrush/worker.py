@@ -29,6 +29,8 @@ logger = logging.getLogger(__name__)
 
 NICENESS = 5
 """By how much workers give way to the server: a stroke that waits is felt, a longer run is not."""
+START_METHOD = "spawn"
+"""Not fork: the server's threads and locks must not be copied half-way into a worker."""
 T = TypeVar("T")
 CONNECT_SECONDS = 10
 
@@ -69,8 +71,7 @@ def local_processes(workers: int) -> ProcessPoolExecutor:
     """So many worker processes of this machine."""
     # The workers share the cores: threads of BLAS in each of them would wait for one another.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Not fork: the server's threads and locks must not be copied half-way into a worker.
-    context = multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context(START_METHOD)
     return ProcessPoolExecutor(max_workers=workers, mp_context=context, initializer=_begin_worker)
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
-import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -18,36 +16,24 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.cli import main
 from pointbrush.selection.selectors import BUILT_IN, make_selector
 from pointbrush.settings import Settings
 from pointbrush.web import server as web_server
 from pointbrush.work.objects.preparing import StateFiles, prepare_file
 from pointbrush.workspace import Workspace
+from tests.forked import FORKSERVER, run_here
 from tests.ports import free_port
 from tests.waiting import PATIENCE
 
 TOKEN = "end-to-end-token-of-the-owner"
-# Servers are forked from a process that has imported everything: that is most of their start.
-FORKSERVER = multiprocessing.get_context("forkserver")
-FORKSERVER.set_forkserver_preload(
-    [
-        *("pointbrush.cli", "pointbrush.web.server", "pointbrush.labels.schema", "alembic.command"),
-        *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
-    ]
-)
 
 
 def serve(workspace: Path, port: int, log: Path, token: str) -> None:
-    """Run the command as from a terminal of its own, with ``log`` for a screen."""
-    os.setsid()
-    with log.open("ab") as screen:
-        for stream in (1, 2):
-            os.dup2(screen.fileno(), stream)
-    os.environ["POINTBRUSH_TOKEN"] = token
+    """Run the command with ``log`` for a screen."""
     # Few of these tests track: a worker that is made ready costs as much as all else of a server.
     web_server.expect_tracking = lambda _: None
-    sys.exit(main(["serve", "--workspace", str(workspace), "--port", str(port)]))
+    arguments = ["serve", "--workspace", str(workspace), "--port", str(port)]
+    run_here(arguments, os.environ | {"POINTBRUSH_TOKEN": token}, workspace.parent, log, log)
 
 
 def complete(workspace: Path) -> None:

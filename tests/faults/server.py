@@ -13,7 +13,8 @@ from pathlib import Path
 
 import httpx
 
-from tests.waiting import PATIENCE
+from tests.forked import ForkedCommand
+from tests.waiting import PATIENCE, eventually
 
 TOKEN = "test-token-of-the-owner"
 PLENTY = {"POINTBRUSH_REQUESTS_PER_SECOND": "100000", "POINTBRUSH_WORKERS": "1"}
@@ -35,24 +36,33 @@ class ServerProcess:
         ``port``: 0 for a free one.
         """
         self.workspace = workspace
-        self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 – closed with the process
-        self.process = subprocess.Popen(
-            [*prefix, sys.executable, "-m", "pointbrush.cli", "serve", "--port", str(port)],
-            stdout=subprocess.PIPE,
-            stderr=self._stderr,
-            text=True,
-            env={
-                **os.environ,
-                **PLENTY,
-                "POINTBRUSH_WORKSPACE": str(workspace),
-                "POINTBRUSH_TOKEN": TOKEN,
-                **environment,
-            },
-        )
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
+        self._printed = tempfile.TemporaryDirectory()
+        self._kept: str | None = None
+        stdout, stderr = self._out("stdout"), self._out("stderr")
+        arguments = ("serve", "--port", str(port))
+        environment = {
+            **os.environ,
+            **PLENTY,
+            "POINTBRUSH_WORKSPACE": str(workspace),
+            "POINTBRUSH_TOKEN": TOKEN,
+            **environment,
+        }
+        self.process: ForkedCommand | subprocess.Popen[bytes]
+        if prefix:
+            command = [*prefix, sys.executable, "-m", "pointbrush.cli", *arguments]
+            with stdout.open("ab") as out, stderr.open("ab") as err:
+                self.process = subprocess.Popen(command, stdout=out, stderr=err, env=environment)
+        else:
+            self.process = ForkedCommand(arguments, environment, stdout, stderr)
+        eventually(lambda: "\n" in stdout.read_text() or self.process.poll() is not None)
+        line = stdout.read_text()
         assert line.startswith("pointbrush ready at "), self.stderr
         self.url = line.split()[-1].split("/?token=")[0]
+
+    def _out(self, stream: str) -> Path:
+        path = Path(self._printed.name) / stream
+        path.touch()
+        return path
 
     @property
     def port(self) -> int:
@@ -61,10 +71,10 @@ class ServerProcess:
 
     @property
     def stderr(self) -> str:
-        if not self._stderr.closed:
-            self._stderr.seek(0)
-            self._said = self._stderr.read().decode(errors="replace")
-        return self._said
+        """What it has said so far; all of it once it has ended."""
+        if self._kept is not None:
+            return self._kept
+        return (Path(self._printed.name) / "stderr").read_text(errors="replace")
 
     def api(self, token: str = TOKEN, timeout: float = PATIENCE) -> httpx.Client:
         headers = {"Authorization": f"Bearer {token}"}
@@ -85,13 +95,11 @@ class ServerProcess:
         return code
 
     def _close(self) -> None:
-        assert self.process.stdout is not None
-        if self.process.stdout.closed:
-            return
-        self.process.stdout.close()
-        if self.stderr:
-            print(self.stderr, file=sys.stderr)
-        self._stderr.close()
+        if self._kept is None:
+            self._kept = self.stderr
+            self._printed.cleanup()
+            if self._kept:
+                print(self._kept, file=sys.stderr)
 
 
 @contextmanager

@@ -7,7 +7,6 @@ import json
 import os
 import sqlite3
 import subprocess
-import sys
 import uuid
 import zipfile
 from collections.abc import Callable, Iterator
@@ -22,6 +21,7 @@ import pytest
 from pointbrush.sequences import importer
 from tests.faults.clients import ENDED, SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
+from tests.forked import run
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE, eventually
 
@@ -238,12 +238,8 @@ def test_an_export_of_a_damaged_frame_is_refused_before_it_begins(
         whole = api.get(f"{path}&frames=0:{BAD}").raise_for_status()
         assert zipfile.ZipFile(io.BytesIO(whole.content)).testzip() is None
     out = tmp_path / "out"
-    said = subprocess.run(
-        [sys.executable, "-m", "pointbrush.cli", "export", SEQUENCE, "--format", form]
-        + ["--workspace", str(workspace), "--out", str(out)],
-        capture_output=True,
-        text=True,
-    )
+    where = ("--workspace", str(workspace), "--out", str(out))
+    said = run("export", SEQUENCE, "--format", form, *where)
     assert said.returncode == 1
     assert f"frame {BAD} is damaged" in said.stderr
     assert said.stderr.count("\n") <= 2
@@ -274,8 +270,7 @@ def test_a_frame_damaged_while_it_is_exported_is_a_named_gap(tmp_path: Path) -> 
 
 
 def run_check(workspace: Path, *flags: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "pointbrush.cli", "check", *flags]
-    return subprocess.run([*command, "--workspace", str(workspace)], capture_output=True, text=True)
+    return run("check", *flags, "--workspace", str(workspace))
 
 
 def test_check_tells_what_is_wrong_and_repairs_what_it_can(server: ServerProcess) -> None:

@@ -16,6 +16,7 @@ from waiting import eventually
 
 from tests.faults.clients import ENDED
 from tests.faults.server import TOKEN, ServerProcess, running
+from tests.forked import run
 from tests.serving import add_sequence, settings_in, surface
 from tests.web.test_ending import children
 
@@ -67,8 +68,8 @@ def test_files_are_their_owners_alone(tmp_path: Path) -> None:
             environment = os.environ | {"POINTBRUSH_PORT": port}
             assert subprocess.run(check, env=environment).returncode == 0
         assert subprocess.run(check, env=environment).returncode == 1
-        copy = [sys.executable, "-m", "pointbrush.cli", "backup", str(tmp_path / "copy")]
-        subprocess.run([*copy, "--workspace", str(settings.workspace)], check=True)
+        copy = run("backup", str(tmp_path / "copy"), "--workspace", str(settings.workspace))
+        assert copy.returncode == 0
         assert readable_by_others(tmp_path / "copy") == []
     finally:
         os.umask(before)
@@ -124,9 +125,8 @@ def test_a_database_that_cannot_be_used_is_named_without_its_password(
     tmp_path: Path, place: str
 ) -> None:
     url = f"postgresql://ann:{SECRET}@{place}"
-    command = [sys.executable, "-m", "pointbrush.cli", "info", "--workspace", str(tmp_path)]
     environment = os.environ | {"POINTBRUSH_DATABASE": url}
-    found = subprocess.run(command, env=environment, capture_output=True, text=True)
+    found = run("info", "--workspace", str(tmp_path), environment=environment)
     assert found.returncode == 1
     assert found.stderr.startswith("pointbrush: ")
     assert SECRET not in found.stderr + found.stdout

@@ -16,6 +16,7 @@ from waiting import PATIENCE, eventually
 from tests.faults.clients import SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.serving import add_sequence, settings_in
+from tests.web.test_ending import children
 
 SAMPLES = [{"origin": [0.6 * (-1) ** i, 0.02 * i - 0.4, 3.0]} for i in range(40)]
 """A stroke to and fro."""
@@ -92,16 +93,9 @@ def test_a_killed_server_leaves_no_worker_behind(server: ServerProcess) -> None:
     with server.api() as api:
         api.post("/sequences/ball/frames/0/strokes", json=stroke(samples=SAMPLES[:1]))
         api.post("/sequences/ball/tracking", json={"start": 0, "stop": 1, "method": "icp"})
-        workers = eventually(lambda: spawned(server.process.pid))
+        workers = eventually(lambda: children(server.process.pid))
     server.kill()
     eventually(lambda: not any(alive(worker) for worker in workers))
-
-
-def spawned(process: int) -> list[int]:
-    """The process's worker processes."""
-    tasks = Path(f"/proc/{process}/task").iterdir()
-    children = [int(child) for task in tasks for child in (task / "children").read_text().split()]
-    return [c for c in children if b"spawn_main" in Path(f"/proc/{c}/cmdline").read_bytes()]
 
 
 def alive(process: int) -> bool:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import random
-import subprocess
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -19,6 +17,7 @@ from pointbrush.sequences import import_frames
 from tests.faults.clients import FRAMES, SEQUENCE, Person
 from tests.faults.replay import Replay
 from tests.faults.server import ServerProcess
+from tests.forked import run
 
 NAMES = ["ann", "bob", "cat", "dan"]
 
@@ -98,8 +97,7 @@ def edit_and_kill(server: ServerProcess, people: list[Person], seconds: float) -
 
 def check(workspace: Path) -> None:
     """`pointbrush check` says sound."""
-    command = [sys.executable, "-m", "pointbrush.cli", "check", "--workspace", str(workspace)]
-    said = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    said = run("check", "--workspace", str(workspace))
     assert said.returncode == 0, said.stdout + said.stderr
     assert "sound" in said.stdout
 

@@ -17,15 +17,15 @@ DATA = Path(__file__).parents[2] / "data" / "juggling"
 
 
 def children(pid: int) -> set[int]:
-    """Processes that ``pid`` started and that still run."""
-    found = set()
+    """Processes that ``pid`` and its children started and that still run."""
+    found: set[int] = set()
     for entry in Path("/proc").glob("[0-9]*"):
         try:
             fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
         except OSError:
             continue
         if int(fields[1]) == pid and fields[0] != "Z":
-            found.add(int(entry.name))
+            found |= {int(entry.name)} | children(int(entry.name))
     return found
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -13,21 +12,11 @@ import httpx
 
 from tests.faults.clients import SEQUENCE
 from tests.faults.server import ServerProcess, running
+from tests.forked import run
 from tests.torture.authors import Authors, quiet
 from tests.torture.framework import Arena, Tally, scenario
 
-COMMAND_SECONDS = 120
 REFUSED = 1
-
-
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run a command of pointbrush."""
-    return subprocess.run(
-        [sys.executable, "-m", "pointbrush.cli", *arguments],
-        capture_output=True,
-        text=True,
-        timeout=COMMAND_SECONDS,
-    )
 
 
 def _require(tally: Tally, done: subprocess.CompletedProcess[str]) -> bool:
@@ -35,7 +24,7 @@ def _require(tally: Tally, done: subprocess.CompletedProcess[str]) -> bool:
     if done.returncode == 0:
         tally.answered += 1
     else:
-        tally.count("differs", f"{done.args[3:]}: {done.stdout[-500:]} {done.stderr[-1500:]}")
+        tally.count("differs", f"{done.args}: {done.stdout[-500:]} {done.stderr[-1500:]}")
     return done.returncode == 0
 
 
@@ -50,11 +39,11 @@ def backup_while_editing(arena: Arena) -> None:
         at = ("--workspace", str(workspace))
         with authors.editing(lambda: [server.url]):
             time.sleep(arena.rng.uniform(0.1, 0.5))
-            _require(tally, command("check", *at))
-            if _require(tally, command("backup", str(target), *at)):
+            _require(tally, run("check", *at))
+            if _require(tally, run("backup", str(target), *at)):
                 restored = ("restore", str(target), "--workspace", str(other))
-                if _require(tally, command(*restored)):
-                    _require(tally, command("check", "--workspace", str(other)))
+                if _require(tally, run(*restored)):
+                    _require(tally, run("check", "--workspace", str(other)))
         authors.settle(server, tally)
         if other.exists():
             _compare(server, other, tally)
@@ -116,7 +105,7 @@ def _moved(
     try:
         with authors.editing(lambda: [server.url]):
             time.sleep(0.5)
-            done = command(*move)
+            done = run(*move)
         authors.settle(server, tally)
         quiet(server, tally)
         server.stop()
@@ -124,7 +113,7 @@ def _moved(
         server.kill()
     if done.returncode == REFUSED:
         tally.refused += 1
-        done = command(*move)
+        done = run(*move)
     _require(tally, done)
     with running(workspace, **after) as moved:
         authors.replay.database = after.get("POINTBRUSH_DATABASE", "") or _sqlite(workspace)
@@ -145,11 +134,11 @@ def repair_while_editing(arena: Arena) -> None:
     for _ in arena.rounds():
         with authors.editing(lambda: [server.url]):
             time.sleep(arena.rng.uniform(0.1, 0.5))
-            done = command("check", "--repair", "--workspace", str(workspace))
+            done = run("check", "--repair", "--workspace", str(workspace))
         if done.returncode == REFUSED:
             tally.refused += 1
         else:
             _require(tally, done)
         authors.settle(server, tally)
-        _require(tally, command("check", "--workspace", str(workspace)))
+        _require(tally, run("check", "--workspace", str(workspace)))
     quiet(server, tally)

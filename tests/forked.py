@@ -1,0 +1,95 @@
+"""The command ``pointbrush`` in processes forked from one that has imported everything.
+
+Imports are most of the start of a server, and tests start hundreds.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pointbrush.cli import main
+from tests.waiting import PATIENCE
+
+FORKSERVER = multiprocessing.get_context("forkserver")
+FORKSERVER.set_forkserver_preload(
+    [
+        *("pointbrush.cli", "pointbrush.web.server", "pointbrush.labels.schema", "alembic.command"),
+        *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
+        *("pointbrush.work.tracking.runs", "pointbrush.tracking.tracker"),
+    ]
+)
+
+
+class ForkedCommand:
+    """A running command, with the methods of ``subprocess.Popen`` that tests use."""
+
+    def __init__(
+        self,
+        arguments: Sequence[str],
+        environment: Mapping[str, str],
+        stdout: Path,
+        stderr: Path,
+        cwd: Path | None = None,
+    ) -> None:
+        """``environment``: all of it; what is printed is added to the files."""
+        given = (
+            tuple(arguments),
+            dict(environment),
+            Path.cwd() if cwd is None else cwd,
+            stdout,
+            stderr,
+        )
+        self._process = FORKSERVER.Process(target=run_here, args=given)
+        self._process.start()
+        assert self._process.pid is not None
+        self.pid = self._process.pid
+
+    def poll(self) -> int | None:
+        return self._process.exitcode
+
+    def wait(self, timeout: float) -> int:
+        self._process.join(timeout)
+        code = self.poll()
+        if code is None:
+            raise subprocess.TimeoutExpired("pointbrush", timeout)
+        return code
+
+    def send_signal(self, number: signal.Signals) -> None:
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+
+def run(
+    *arguments: str, environment: Mapping[str, str] | None = None, cwd: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end."""
+    with tempfile.TemporaryDirectory() as folder:
+        stdout, stderr = Path(folder) / "stdout", Path(folder) / "stderr"
+        command = ForkedCommand(arguments, environment or os.environ, stdout, stderr, cwd)
+        code = command.wait(PATIENCE)
+        return subprocess.CompletedProcess(arguments, code, stdout.read_text(), stderr.read_text())
+
+
+def run_here(
+    arguments: Sequence[str],
+    environment: Mapping[str, str],
+    cwd: Path,
+    stdout: Path,
+    stderr: Path,
+) -> None:
+    """Be the command, as from a terminal of its own."""
+    os.setsid()
+    os.chdir(cwd)
+    for number, path in ((1, stdout), (2, stderr)):
+        with path.open("ab") as file:
+            os.dup2(file.fileno(), number)
+    os.environ.clear()
+    os.environ.update(environment)
+    sys.exit(main(list(arguments)))
