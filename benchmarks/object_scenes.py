@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.samples import generate
 from pointbrush.samples.contacts import contact_view
-from pointbrush.samples.scanning import Labelled, room_scan, room_view
+from pointbrush.samples.scanning import Labelled, home_scan, room_scan, room_view
 from pointbrush.samples.street import street
 from pointbrush.selection.objects import ObjectFrame, SensorKind
 
@@ -60,12 +60,10 @@ GENERATED: dict[str, Callable[[int], Scene]] = {
     "contacts": _labelled("contacts", contact_view, "camera"),
     "view": _labelled("view", room_view, "camera"),
     "scan": _labelled("scan", room_scan, "room"),
+    "home": _labelled("home", home_scan, "room"),
     "street": _labelled("street", street, "lidar"),
 }
 """Kind of scene -> seed -> one frame of it."""
-
-SENSOR: dict[str, SensorKind] = {"scan": "room", "street": "lidar"}
-"""Sensors of the kinds; the others are of a depth camera."""
 
 
 def recorded() -> Iterator[Scene]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -14,6 +14,10 @@ from pointbrush.samples.render import Solid, block, disc, egg, rod
 from pointbrush.samples.textures import Material, books, cloth, linear, matte, poster, wood
 
 Rng = np.random.Generator
+ODD_PART = 0.15
+"""Share of parts that are painted by themselves."""
+WHITE = "#e4e2dd"
+"""Paint and ceramics."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,6 +32,22 @@ class Furniture:
     def placed(self, T_room_furniture: Array, label: int) -> list[Solid]:
         """Return its solids in the room."""
         return [replace(s, pose=T_room_furniture @ s.pose, label=label) for s in self.solids]
+
+    def repainted(self, palette: Sequence[Material], share: float, rng: Rng) -> Furniture:
+        """Return it with a share of its materials, and now and then a part, from a palette."""
+
+        def other(stuff: Material) -> Material:
+            return palette[int(rng.integers(len(palette)))] if rng.random() < share else stuff
+
+        painted: dict[int, Material] = {}
+        solids = []
+        for solid in self.solids:
+            key = id(solid.material)
+            if key not in painted:
+                painted[key] = other(solid.material)
+            stuff = other(painted[key]) if rng.random() < ODD_PART else painted[key]
+            solids.append(replace(solid, material=stuff))
+        return replace(self, solids=tuple(solids))
 
 
 def colour(rng: Rng) -> str:
@@ -46,6 +66,11 @@ def material(rng: Rng) -> Material:
     if kind == 1:
         return Material(partial(cloth, color=linear(colour(rng)), fold=0.25), 0.5)
     return matte(colour(rng))
+
+
+def fabric(rng: Rng) -> Material:
+    """Return cloth of random colour."""
+    return Material(partial(cloth, color=linear(colour(rng)), fold=rng.uniform(0.1, 0.35)), 0.5)
 
 
 def _legs(rng: Rng, w: float, d: float, height: float, stuff: Material) -> list[Solid]:
@@ -265,6 +290,7 @@ def clutter(rng: Rng) -> Furniture:
     return Furniture((disc((0, 0, 0), r, h, stuff),), 2 * r, 2 * r)
 
 
-STANDING: tuple[Callable[[Rng], Furniture], ...] = (chair, carton, bin_, plant, lamp, sofa, table)
-AT_WALLS: tuple[Callable[[Rng], Furniture], ...] = (cabinet, shelf, sofa, bed, cabinet, table)
+Makers = tuple[Callable[[Rng], Furniture], ...]
+STANDING: Makers = (chair, carton, bin_, plant, lamp, sofa, table)
+AT_WALLS: Makers = (cabinet, shelf, sofa, bed, cabinet, table)
 """Makers of what stands about, and of what has its back at a wall."""

@@ -1,0 +1,52 @@
+"""Rooms and homes from many views: what their scans hold, and what fusing does to them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pointbrush.errors import BadInputError
+from pointbrush.samples.interior import HOME, Interior
+from pointbrush.samples.scanning import FUSED, Labelled, home_scan
+
+SMALL = replace(FUSED, points=30_000, views=6)
+
+
+@pytest.fixture(scope="module")
+def home() -> Labelled:
+    return home_scan(3, SMALL)
+
+
+def test_a_home_holds_many_things_and_each_has_its_instance(home: Labelled) -> None:
+    assert len(home.frame.xyz) == len(home.instance) <= SMALL.points
+    numbers = np.unique(home.instance[home.instance > 0])
+    assert len(numbers) > 15
+    assert set(numbers) <= {s.label for s in Interior(3, HOME).solids}
+
+
+def test_the_same_seed_gives_the_same_home(home: Labelled) -> None:
+    again = home_scan(3, SMALL)
+    assert (again.frame.xyz == home.frame.xyz).all()
+    assert (again.instance == home.instance).all()
+
+
+def roughness(made: Labelled) -> float:
+    """Median distance of a floor's points from its plane, metres."""
+    xyz = np.asarray(made.frame.xyz, float)
+    floor = xyz[(made.instance == 0) & (np.abs(xyz[:, 1]) < 0.1)]
+    near = floor[np.linalg.norm(floor - np.median(floor, axis=0), axis=1) < 0.4]
+    apart = near - near.mean(axis=0)
+    return float(np.median(np.abs(apart @ np.linalg.svd(apart, full_matrices=False)[2][2])))
+
+
+def test_a_fused_surface_is_smoother_than_its_points() -> None:
+    plain = replace(SMALL, fused=0, bumps=0.0)
+    assert roughness(home_scan(3, replace(SMALL, bumps=0.0))) < 0.7 * roughness(home_scan(3, plain))
+
+
+@pytest.mark.parametrize("wrong", [{"views": 0}, {"drift": -1.0}, {"bump_width": 0.0}])
+def test_bad_options_are_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(BadInputError, match="expected"):
+        home_scan(3, replace(SMALL, **wrong))  # type: ignore[arg-type]
