@@ -17,10 +17,10 @@ from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.steps import relocate as relocation
-from pointbrush.tracking.steps.claim import Findings
+from pointbrush.tracking.steps.claim import Associations
 from pointbrush.tracking.steps.predict import Search, crop
 from pointbrush.tracking.steps.register import find
-from pointbrush.tracking.steps.relocate import placed
+from pointbrush.tracking.steps.relocate import register_and_claim
 from pointbrush.tracking.tracker import Run
 
 OPTIONS = TrackerOptions()
@@ -53,17 +53,17 @@ def shot(count: int, bat: Callable[[int], np.ndarray | None]) -> list[scenes.Fra
 
 
 @contextmanager
-def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Track, Findings]]:
+def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Track, Associations]]:
     """Thing 1 of the first of two frames, and where it was found in the second."""
     seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
     run = Run(frames.__getitem__, [0, 1], seeds, lambda _: None, TrackOptions())
     run.start(seeds)
     view, track = run.scene.view(1), run.tracks[1]
-    findings = Findings(view, run.background, np.ones(len(view.xyz), np.bool_))
-    search = crop(track, view, findings.background, findings.free)
+    associations = Associations(view, run.background, np.ones(len(view.xyz), np.bool_))
+    search = crop(track, view, associations.background, associations.free)
     assert search is not None
-    findings.put(1, *placed(track, view, search))
-    yield track, findings
+    associations.put(1, *register_and_claim(track, view, search))
+    yield track, associations
 
 
 def ious(frames: list[scenes.Frame]) -> list[float]:
@@ -135,14 +135,14 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
     other = scenes.Part(0, BLUE, at + [0.12, 0, 0], at + [0.12, 0.03, 0], 0.04, 0.04)
     rng = np.random.default_rng(3)
     frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
-    with found_again(frames) as (track, findings):
+    with found_again(frames) as (track, associations):
         astray: dict[int, int] = {}
         before = dict(vars(track))
         for cost in (0.3, 0.6):
-            findings.note(1, cost=cost)
-            place = findings.fits[1]
-            relocation.find_astray([track], astray, findings)
-            assert (findings.fits[1] is place) == (cost < 0.4)
+            associations.note(1, cost=cost)
+            place = associations.fits[1]
+            relocation.find_astray([track], astray, associations)
+            assert (associations.fits[1] is place) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})
             assert vars(track) == before
 
@@ -158,13 +158,13 @@ def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing
         ]
         frames.append(camera.shoot(bat, rng))
     truth = frames[1].truth == 1
-    with found_again(frames) as (track, findings):
-        place, claim = findings.fits[1], findings.claims[1]
+    with found_again(frames) as (track, associations):
+        place, claim = associations.fits[1], associations.claims[1]
         place.pose[0, 3] += 0.6
         for share in (0.6, 0.2):
             some = claim.pick(np.arange(len(claim.indices)) < share * track.size)
-            findings.put(1, place, some)
-            relocation.find_astray([track], {}, findings)
-            assert (findings.fits[1] is place) == (share > 0.5)
-        assert truth[findings.claims[1].indices].mean() > 0.9
-        assert len(findings.claims[1].indices) > 0.8 * np.count_nonzero(truth)
+            associations.put(1, place, some)
+            relocation.find_astray([track], {}, associations)
+            assert (associations.fits[1] is place) == (share > 0.5)
+        assert truth[associations.claims[1].indices].mean() > 0.9
+        assert len(associations.claims[1].indices) > 0.8 * np.count_nonzero(truth)

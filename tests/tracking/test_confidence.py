@@ -28,7 +28,7 @@ GOOD = Evidence(
     size=0.95,
     change=1.0,
     grown=0.0,
-    whole=False,
+    isolated=False,
     share=0.4,
     appearance=0.0,
     usual=1.2,
@@ -132,10 +132,10 @@ def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air
         before = track.seen_alone.cost
         found = settle(track, *rest)
         place = rest[1]
-        learnt.append((place is not None and place.whole, track.seen_alone.cost != before))
+        learnt.append((place is not None and place.isolated, track.seen_alone.cost != before))
         return found
 
     monkeypatch.setattr(auto, "settle", noted)
     follow(scenes.juggling(5, 8))
     assert any(changed for _, changed in learnt)
-    assert all(whole for whole, changed in learnt if changed)
+    assert all(isolated for isolated, changed in learnt if changed)

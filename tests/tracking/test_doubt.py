@@ -28,7 +28,7 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     points = np.flatnonzero(frame.truth == 1)
     none = OtherMovers.none()
     track = begin(view, 2, points, 0.002, none)
-    track.last = replace(track.last, vain=True)
+    track.last = replace(track.last, alternatives_failed=True)
     for _ in range(4):
         pose = track.motion.poses[-1].copy()
         pose[0, 3] += 0.1 if moves else 0.0

@@ -15,7 +15,7 @@ from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Findings, claim, flying
+from pointbrush.tracking.steps.claim import Associations, claim, flying
 from pointbrush.tracking.steps.grow import grow
 
 OPTIONS = TrackerOptions()
@@ -77,5 +77,5 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
         OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    grown, _ = grow({1: track}, Findings(view, still, free, places, claims))
+    grown, _ = grow({1: track}, Associations(view, still, free, places, claims))
     assert np.isin(beside, grown[1]).mean() > 0.8 if taken else not len(grown[1])

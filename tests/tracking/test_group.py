@@ -20,7 +20,7 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import come_back, exchange, exchanged, mistakable
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.people.group import Group, astray, cell_size, outcome
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person, PersonEvidence
 from pointbrush.tracking.people.stature import across, upright
 from pointbrush.tracking.scene.depth import ImageBackground
@@ -174,9 +174,9 @@ def test_a_flying_pixel_between_two_people_is_one_of_theirs() -> None:
     left, right = np.array_split(np.flatnonzero(frame.truth == 1), 2)
     both = np.flatnonzero((view.around(left) & view.around(right))[view.cells[0]])
     cells = Foreground.of(view, np.setdiff1d(np.concatenate([left, right]), both), 0.1)
-    sight = Observation(view, cells, np.eye(3)[:, [0, 2]], UP, both)
-    assert np.array_equal(sight.take_flying(left), both)
-    assert not len(sight.take_flying(right))
+    observation = PersonObservation(view, cells, np.eye(3)[:, [0, 2]], UP, both)
+    assert np.array_equal(observation.take_flying(left), both)
+    assert not len(observation.take_flying(right))
 
 
 def test_what_touches_agrees_unless_it_costs_too_much() -> None:
@@ -252,13 +252,13 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     cells = SimpleNamespace(solid=np.ones(10, np.bool_), middle=middle, colour=middle, size=0.05)
     flat = np.eye(3)[:, [0, 2]]
     owner = np.ones(10, np.int64)
-    sight = SimpleNamespace(
+    observation = SimpleNamespace(
         options=OPTIONS, owner=owner, cells=cells, ground=middle @ flat, flat=flat
     )
-    sight.cells_of, sight.area = lambda _: np.arange(10), len
+    observation.cells_of, observation.area = lambda _: np.arange(10), len
     person = Person.met(OPTIONS, 1, middle, middle.astype(np.float32), 0)
     person.frames_unseen = 1
-    person.follow(cast(Observation, sight), np.zeros(3), 1)
+    person.follow(cast(PersonObservation, observation), np.zeros(3), 1)
     assert len(person.xyz) == 5
 
 
@@ -273,7 +273,7 @@ def body(right: float, colour: np.ndarray, tall: float = 0.0) -> tuple[np.ndarra
     return middle, np.tile(colour, (30, 1))
 
 
-def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Observation:
+def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> PersonObservation:
     """The bodies, five points in each cell."""
     middle, colour = (np.vstack(each) for each in zip(*bodies, strict=True))
     many = np.full(len(middle), 5)
@@ -288,7 +288,7 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Obs
         project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
         hides=lambda xyz, _: np.zeros(len(xyz), np.bool_),
     )
-    return Observation(cast(View, view), cells, np.eye(3)[:, [0, 2]], UP, cell[:0])
+    return PersonObservation(cast(View, view), cells, np.eye(3)[:, [0, 2]], UP, cell[:0])
 
 
 def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
@@ -302,18 +302,18 @@ def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
 
 def test_who_was_not_met_where_he_was_expected_is_missing_in_the_same_frame() -> None:
     near, gone = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, RED, well=2)
-    sight = staged(body(0.1, RED))
-    come_back(sight, [near, gone], 30, now=10)
-    assert np.all(sight.owner == 1)
+    observation = staged(body(0.1, RED))
+    come_back(observation, [near, gone], 30, now=10)
+    assert np.all(observation.owner == 1)
 
 
 def test_who_is_missing_is_looked_for_in_what_another_has_by_clothes() -> None:
     both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, BLUE, well=5)
-    sight = staged(body(0.0, RED), body(0.3, BLUE))
-    sight.owner[:] = 1
-    come_back(sight, [both, gone], 30, now=10)
-    assert np.mean(sight.owner[:30] == 1) > 0.6
-    assert np.all(sight.owner[33:] == 2)
+    observation = staged(body(0.0, RED), body(0.3, BLUE))
+    observation.owner[:] = 1
+    come_back(observation, [both, gone], 30, now=10)
+    assert np.mean(observation.owner[:30] == 1) > 0.6
+    assert np.all(observation.owner[33:] == 2)
 
 
 @pytest.mark.parametrize(("wear", "doubted"), [(RED, True), (BLUE, False)])
@@ -322,17 +322,17 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
 ) -> None:
     found, gone = somebody(1, 0.0, RED, well=5), somebody(2, 0.2, wear, well=5)
     found.frames_unseen = gone.frames_unseen = 4
-    sight = staged(body(0.1, RED))
-    sight.owner[:] = 1
-    assert (mistakable(sight, [found, gone], found, 10) == [gone]) == doubted
-    group = Group(OPTIONS, [found, gone], 0.1, 0.01, sight.flat, UP, 30.0, 10)
-    group.doubt(sight, found, SURE)
+    observation = staged(body(0.1, RED))
+    observation.owner[:] = 1
+    assert (mistakable(observation, [found, gone], found, 10) == [gone]) == doubted
+    group = Group(OPTIONS, [found, gone], 0.1, 0.01, observation.flat, UP, 30.0, 10)
+    group.doubt(observation, found, SURE)
     assert found.identity.doubts == ({2} if doubted else set())
     assert gone.identity.doubts == ({1} if doubted else set())
     # The other is found elsewhere: in clothes that both wear, either may still be either.
     found.frames_unseen, gone.well = 0, 10
-    sight.owner[15:] = 2
-    group.doubt(sight, found, SURE)
+    observation.owner[15:] = 2
+    group.doubt(observation, found, SURE)
     assert bool(found.identity.doubts) == doubted
     # Painted anew, or looked for no more, the other is not he.
     group.drop(2)
@@ -342,11 +342,11 @@ def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
 def test_doubts_end_when_clothes_tell() -> None:
     one, two = somebody(1, 0.0, RED, well=10), somebody(2, 1.0, BLUE, well=10)
     one.doubt(two)
-    sight = staged(body(0.0, RED), body(1.0, RED))
-    sight.owner[:] = np.repeat([1, 2], 30)
-    group = Group(OPTIONS, [one, two], 0.1, 0.01, sight.flat, UP, 30.0, 10)
-    group.doubt(sight, one, SURE)
-    group.doubt(sight, two, replace(SURE, like=-2.0))
+    observation = staged(body(0.0, RED), body(1.0, RED))
+    observation.owner[:] = np.repeat([1, 2], 30)
+    group = Group(OPTIONS, [one, two], 0.1, 0.01, observation.flat, UP, 30.0, 10)
+    group.doubt(observation, one, SURE)
+    group.doubt(observation, two, replace(SURE, like=-2.0))
     assert (one.identity.doubts, two.identity.doubts) == (set(), {1})
 
 
@@ -361,11 +361,11 @@ def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is
     person.identity.colours, person.identity.shown = legs[1], 30 * 5 * 9.0
     if doubted:
         person.doubt(somebody(2, 1.0, RED, well=5))
-    sight = staged(legs, shirt)
-    sight.owner[:] = 1
+    observation = staged(legs, shirt)
+    observation.owner[:] = 1
     assert person.likeness(shirt[1]) < -OPTIONS.body.unlike_log
-    group = Group(OPTIONS, [person], 0.1, 0.01, sight.flat, UP, 30.0, 10)
-    group.doubt(sight, person, replace(SURE, touching=touching))
+    group = Group(OPTIONS, [person], 0.1, 0.01, observation.flat, UP, 30.0, 10)
+    group.doubt(observation, person, replace(SURE, touching=touching))
     assert (person.likeness(shirt[1]) > -0.3) == told
     assert person.likeness(legs[1]) > -0.3
 
@@ -373,36 +373,40 @@ def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
     group = Group(OPTIONS, [both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
-    sight = staged(body(0.0, RED), body(0.3, RED))
-    sight.owner[:30] = 1
-    group.doubt(sight, both, replace(SURE, size=1.0))
+    observation = staged(body(0.0, RED), body(0.3, RED))
+    observation.owner[:30] = 1
+    group.doubt(observation, both, replace(SURE, size=1.0))
     assert not both.identity.doubts
-    sight.owner[:] = 1
-    group.doubt(sight, both, replace(SURE, size=2.0))
+    observation.owner[:] = 1
+    group.doubt(observation, both, replace(SURE, size=2.0))
     assert both.identity.doubts
     assert gone.identity.doubts
 
 
 def test_cells_that_touch_anothers_are_counted() -> None:
-    sight = staged(body(0.0, RED), body(0.3, RED))
-    sight.owner[:] = np.repeat([1, 2], 30)
-    assert sight.touching_others(sight.cells_of(1), 1) == pytest.approx(1 / 3)
-    sight.owner[30:] = 0
-    assert sight.touching_others(sight.cells_of(1), 1) == 0.0
+    observation = staged(body(0.0, RED), body(0.3, RED))
+    observation.owner[:] = np.repeat([1, 2], 30)
+    assert observation.touching_others(observation.cells_of(1), 1) == pytest.approx(1 / 3)
+    observation.owner[30:] = 0
+    assert observation.touching_others(observation.cells_of(1), 1) == 0.0
 
 
 def test_who_has_two_bodies_is_spread_wider_than_one() -> None:
-    sight = staged(body(0.0, RED), body(0.9, RED))
-    assert sight.spread(np.arange(30)) < OPTIONS.body.spread_m < sight.spread(np.arange(60))
+    observation = staged(body(0.0, RED), body(0.9, RED))
+    assert (
+        observation.spread(np.arange(30))
+        < OPTIONS.body.spread_m
+        < observation.spread(np.arange(60))
+    )
 
 
 def test_who_is_where_another_was_expected_is_astray() -> None:
-    sight = staged(body(0.0, RED))
+    observation = staged(body(0.0, RED))
     here, beside = np.array([0.1, 3.0]), np.array([0.6, 3.0])
     cells = np.arange(30)
-    assert astray(sight, 1, cells, {1: here, 2: beside}) < -1
-    assert astray(sight, 1, cells, {1: beside, 2: here}) > 1
-    assert astray(sight, 1, cells, {1: here}) < -2
+    assert astray(observation, 1, cells, {1: here, 2: beside}) < -1
+    assert astray(observation, 1, cells, {1: beside, 2: here}) > 1
+    assert astray(observation, 1, cells, {1: here}) < -2
 
 
 @pytest.mark.parametrize(("noise", "size"), [(0.002, 0.04), (0.01, 0.045), (0.05, 0.09)])
@@ -417,39 +421,39 @@ def test_cells_are_as_large_as_noise_asks_but_no_larger_than_limbs(
 
 
 def test_somebody_has_gone_where_he_is_elsewhere_along_the_ground() -> None:
-    sight = staged(body(0.0, RED))
+    observation = staged(body(0.0, RED))
     person = somebody(1, 0.0, RED, 0)
-    sight.owner[:] = 1
-    stride = 0.2 * sight.flat[:, 0]
+    observation.owner[:] = 1
+    stride = 0.2 * observation.flat[:, 0]
     for now in range(3):
-        person.follow(sight, sight.up, now)
+        person.follow(observation, observation.up, now)
     assert person.gone() is None
     for now in range(3, 6):
-        person.follow(sight, stride, now)
+        person.follow(observation, stride, now)
     assert person.gone() == (3, pytest.approx(0.6))
 
 
 def test_what_somebody_leaves_behind_is_made_scenery() -> None:
-    sight = staged(body(0.0, RED))
+    observation = staged(body(0.0, RED))
     told: list[tuple[int, int, float]] = []
     background = SimpleNamespace(left_behind=lambda *what: told.append(what))
     people = [somebody(label, 0.0, RED, 0) for label in (1, 2, -1)]
     for person, stride in zip(people, (0.3, 0.1, 0.3), strict=True):
         person.ways.extend(np.array([stride * i, 0.0]) for i in range(4))
-    group = Group(OPTIONS, people, 0.1, 0.01, sight.flat, sight.up, 30.0)
+    group = Group(OPTIONS, people, 0.1, 0.01, observation.flat, observation.up, 30.0)
     group.leave_behind(cast(ImageBackground, background))
     assert told == [(1, 2, pytest.approx(0.6))]
 
 
 def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
     person = somebody(1, 0.0, RED, well=9)
-    sight = staged(body(0.0, RED))
-    sight.owner[:2] = 1
-    person.follow(sight, np.zeros(3), 10)
+    observation = staged(body(0.0, RED))
+    observation.owner[:2] = 1
+    person.follow(observation, np.zeros(3), 10)
     assert person.frames_unseen == 1
-    track, points = outcome(sight, person, None)
+    track, points = outcome(observation, person, None)
     assert track.state == "occluded"
-    assert np.all(sight.owner[sight.cells.cell[points]] == 1)
+    assert np.all(observation.owner[observation.cells.cell[points]] == 1)
     assert len(points) > 0
 
 
@@ -470,14 +474,14 @@ def test_who_shows_scraps_alone_in_the_second_frame_may_be_elsewhere() -> None:
 
 def test_scraps_are_not_where_somebody_was_well_seen() -> None:
     person = somebody(1, 0.0, RED, well=4)
-    sight = staged(body(2.0, RED), body(0.2, RED))
+    observation = staged(body(2.0, RED), body(0.2, RED))
     # One point in a cell, of a few that lie elsewhere, is hardly anything of him.
-    sight.cells.count[:30] = 1
-    sight.owner[:10] = 1
-    person.follow(sight, np.array([2.0, 0.0, 0.0]), 9)
+    observation.cells.count[:30] = 1
+    observation.owner[:10] = 1
+    person.follow(observation, np.array([2.0, 0.0, 0.0]), 9)
     assert person.well == 4
-    come_back(sight, [person], 30, now=10)
-    assert np.all(sight.owner[30:] == 1)
+    come_back(observation, [person], 30, now=10)
+    assert np.all(observation.owner[30:] == 1)
 
 
 @pytest.mark.parametrize(("wear", "told"), [(BLUE, True), (RED, False)])
@@ -486,14 +490,14 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
 ) -> None:
     one, two = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, wear, well=9)
     one.went = np.array([0.5, 0.0, 0.0])
-    sight = staged(body(0.0, wear), body(1.0, RED))
-    sight.owner[:] = np.repeat([1, 2], 30)
+    observation = staged(body(0.0, wear), body(1.0, RED))
+    observation.owner[:] = np.repeat([1, 2], 30)
     for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
-        assert sight.owner[0] == 1
+        assert observation.owner[0] == 1
         assert bool(one.identity.doubts) == (told and now > 10)
         one.well = two.well = now - 1
-        exchange(sight, [one, two], now)
-    assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
+        exchange(observation, [one, two], now)
+    assert observation.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
     assert one.label == (2 if told else 1)
     him = two if told else one
     np.testing.assert_allclose(him.went, [1.5 if told else 0.5, 0.0, 0.0], atol=1e-9)
@@ -510,10 +514,10 @@ def test_who_changed_places_are_changed_back_when_their_statures_tell(
     other: float, told: bool
 ) -> None:
     one, two = as_tall(1, 0.0, 0.0), as_tall(2, 1.0, other)
-    sight = staged(body(0.0, RED, other), body(1.0, RED, 0.0), coloured=False)
-    sight.owner[:] = np.repeat([1, 2], 30)
-    exchange(sight, [one, two], 10)
-    assert sight.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
+    observation = staged(body(0.0, RED, other), body(1.0, RED, 0.0), coloured=False)
+    observation.owner[:] = np.repeat([1, 2], 30)
+    exchange(observation, [one, two], 10)
+    assert observation.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
     assert one.identity.stature.tops[0] == (other if told else 0.0)
 
 
@@ -522,30 +526,30 @@ def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubte
     one, stranger = as_tall(1, 0.0, 0.3), somebody(-1, 1.0, RED, well=9)
     one.identity.doubts = {2} if doubted else set()
     one.identity.sure, stranger.since = 4, 6
-    sight = staged(body(0.0, RED, 0.0), body(1.0, RED, 0.3), coloured=False)
-    sight.owner[:] = np.repeat([1, -1], 30)
+    observation = staged(body(0.0, RED, 0.0), body(1.0, RED, 0.3), coloured=False)
+    observation.owner[:] = np.repeat([1, -1], 30)
     for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
         one.well = stranger.well = now
-        exchange(sight, [one, stranger], now)
-    assert sight.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
+        exchange(observation, [one, stranger], now)
+    assert observation.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
     # Who was there while he was surely himself is not he.
     one.identity.sure = 8
-    assert not list(exchanged(sight, [one, stranger], 10))
+    assert not list(exchanged(observation, [one, stranger], 10))
 
 
 def test_who_is_as_tall_as_another_is_doubted_until_he_is_as_tall_as_himself() -> None:
     one, two = as_tall(1, 0.0, 0.0), as_tall(2, 1.0, 0.2)
     group = Group(OPTIONS, [one, two], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
     for tall, doubts in ((0.2, {2}), (0.0, set())):
-        sight = staged(body(0.0, RED, tall), coloured=False)
-        sight.owner[:] = 1
-        group.doubt(sight, one, SURE)
+        observation = staged(body(0.0, RED, tall), coloured=False)
+        observation.owner[:] = 1
+        group.doubt(observation, one, SURE)
         assert one.identity.doubts == doubts
     # While something hides his head, the top of what shows is not his.
-    sight = staged(body(0.0, RED, 0.2), coloured=False)
-    sight.owner[:] = 1
-    sight.view.depth[:] = 2.0
-    group.doubt(sight, one, SURE)
+    observation = staged(body(0.0, RED, 0.2), coloured=False)
+    observation.owner[:] = 1
+    observation.view.depth[:] = 2.0
+    group.doubt(observation, one, SURE)
     assert not one.identity.doubts
 
 
@@ -553,9 +557,9 @@ def test_of_two_who_are_missing_the_one_who_is_as_tall_has_come_back() -> None:
     gone = [as_tall(1, 0.05, 0.0), as_tall(2, 0.1, 0.2)]
     for person in gone:
         person.well = 5
-    sight = staged(body(0.0, RED, 0.2), coloured=False)
-    come_back(sight, gone, 30, now=10)
-    assert np.all(sight.owner == 2)
+    observation = staged(body(0.0, RED, 0.2), coloured=False)
+    come_back(observation, gone, 30, now=10)
+    assert np.all(observation.owner == 2)
 
 
 @pytest.mark.parametrize("touching", [False, True])
@@ -564,10 +568,10 @@ def test_of_two_bodies_that_one_has_each_is_whose_stature_it_has(touching: bool)
     gone.well = 5
     hands = np.stack([np.linspace(0.3, 0.5, 3), np.full(3, 0.5), np.full(3, 3.0)], axis=1)
     between = [(hands, np.tile(RED, (3, 1)))] if touching else []
-    sight = staged(body(0.0, RED, 0.2), body(0.6, RED), *between, coloured=False)
-    sight.owner[:] = 1
-    come_back(sight, [both, gone], 30, now=10)
-    assert sight.owner[[0, 30]].tolist() == [2, 1]
+    observation = staged(body(0.0, RED, 0.2), body(0.6, RED), *between, coloured=False)
+    observation.owner[:] = 1
+    come_back(observation, [both, gone], 30, now=10)
+    assert observation.owner[[0, 30]].tolist() == [2, 1]
     assert both.identity.doubts == {2}
     assert gone.identity.doubts == {1}
 
@@ -576,10 +580,10 @@ def test_a_raised_arm_is_nobody_elses() -> None:
     both, gone = as_tall(1, 0.0, 0.0), as_tall(2, 0.0, 0.2)
     gone.well = 5
     arm = np.stack([np.linspace(0.3, 0.7, 5), np.linspace(0.3, -0.1, 5), np.full(5, 3.0)], axis=1)
-    sight = staged(body(0.0, RED), (arm, np.tile(RED, (5, 1))), coloured=False)
-    sight.owner[:] = 1
-    come_back(sight, [both, gone], 30, now=10)
-    assert np.all(sight.owner == 1)
+    observation = staged(body(0.0, RED), (arm, np.tile(RED, (5, 1))), coloured=False)
+    observation.owner[:] = 1
+    come_back(observation, [both, gone], 30, now=10)
+    assert np.all(observation.owner == 1)
 
 
 def test_the_floor_tells_the_way_up() -> None:

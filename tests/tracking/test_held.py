@@ -15,7 +15,7 @@ from pointbrush.tracking.scene.pixels import LastSeen
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.predict import search_among
-from pointbrush.tracking.steps.relocate import placed
+from pointbrush.tracking.steps.relocate import register_and_claim
 
 OPTIONS = TrackerOptions()
 
@@ -129,5 +129,5 @@ def test_nobody_jumps_from_behind_another_to_somebody_in_like_clothes(hidden: bo
     now = recording(1, before | {3: (0.9, 3.3, 0.0)})[0]
     view = View(1, now, find_lens(now, options=OPTIONS), options=OPTIONS)
     search = search_among(track, view, np.flatnonzero(now.truth == 3))
-    _, claim = placed(track, view, search)
+    _, claim = register_and_claim(track, view, search)
     assert len(claim.indices) < 5 if hidden else len(claim.indices) > 300

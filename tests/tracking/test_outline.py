@@ -13,7 +13,7 @@ from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
-from pointbrush.tracking.steps.claim import Findings, claim, outline
+from pointbrush.tracking.steps.claim import Associations, claim, outline
 from pointbrush.tracking.steps.grow import grow
 
 OPTIONS = TrackerOptions()
@@ -65,12 +65,12 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
         OPTIONS, DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    findings = Findings(view, background, free, {1: place}, claims)
-    grown, _ = grow({1: track}, findings)
+    associations = Associations(view, background, free, {1: place}, claims)
+    grown, _ = grow({1: track}, associations)
     learnt = np.concatenate([claims[1].indices, grown[1]])
     assert np.isin(top, found.indices).mean() > 0.8
     assert np.isin(top, learnt).mean() < 0.5
-    has = np.isin(top, np.concatenate([learnt, findings.fits[1].rim])).mean()
+    has = np.isin(top, np.concatenate([learnt, associations.fits[1].rim])).mean()
     assert has > 0.8 if painted else has < 0.5
 
 

@@ -29,7 +29,7 @@ def box(x: float, colour: bool) -> View:
 
 
 @pytest.mark.parametrize(
-    ("colour", "aside", "whole", "trusted"),
+    ("colour", "aside", "isolated", "trusted"),
     [
         (False, 0.2, False, False),
         (False, 0.2, True, True),
@@ -38,7 +38,7 @@ def box(x: float, colour: bool) -> View:
     ],
 )
 def test_what_has_no_colours_and_is_found_elsewhere_is_doubted_until_it_is_alone(
-    colour: bool, aside: float, whole: bool, trusted: bool
+    colour: bool, aside: float, isolated: bool, trusted: bool
 ) -> None:
     first, now = box(0.0, colour), box(aside, colour)
     track = begin(first, 1, np.flatnonzero(first.frame.truth == 1), 0.004, OtherMovers.none())
@@ -51,7 +51,7 @@ def test_what_has_no_colours_and_is_found_elsewhere_is_doubted_until_it_is_alone
         world = transform(pose, model.xyz)
         found = claim(now, own, world, model.colour, track.weight, 3 * track.reach)
         place = Registration(
-            pose, world, (world.min(0), world.max(0)), own, own, own, 0.02, whole=whole
+            pose, world, (world.min(0), world.max(0)), own, own, own, 0.02, isolated=isolated
         )
         state, _ = settle(track, now, place, found, own[:0], TrackOptions())
     assert (state.confidence > 0.5) == trusted

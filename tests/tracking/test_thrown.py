@@ -18,7 +18,7 @@ from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise, measure_noise
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Findings, claim
+from pointbrush.tracking.steps.claim import Associations, claim
 from pointbrush.tracking.steps.grow import grow, own_points
 from pointbrush.tracking.steps.settle import hides
 
@@ -119,7 +119,7 @@ class Flight:
     def grown(self) -> np.ndarray:
         """New surface of the club in the second frame."""
         free = np.ones(len(self.view.xyz), np.bool_)
-        found = Findings(self.view, self.background, free, {1: self.fit}, {1: self.core})
+        found = Associations(self.view, self.background, free, {1: self.fit}, {1: self.core})
         new = grow({1: self.track}, found)[0][1]
         self.fit = found.fits[1]
         return new
@@ -131,13 +131,13 @@ def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
     truth = flight.view.frame.truth == 1
     track.size = 0.3 * float(truth.sum())
     flight.grown()
-    assert not flight.fit.whole  # what was not beside it may be another
+    assert not flight.fit.isolated  # what was not beside it may be another
     missed = np.setdiff1d(flight.mine, flight.painted)
     track.other_movers = OtherMovers(
         first.xyz[missed].astype(np.float64), first.colour(missed), track.weight
     )
     grown = flight.grown()
-    assert flight.fit.whole
+    assert flight.fit.isolated
     assert truth[grown].mean() > 0.95
     assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
 
@@ -150,7 +150,7 @@ def rivals_of(flight: Flight, view: View, points: np.ndarray, *, beside: bool) -
 
 
 @pytest.mark.parametrize(
-    ("dyed", "beside", "whole"),
+    ("has_colour_key", "beside", "isolated"),
     [
         (False, True, False),
         (False, False, True),  # most of it was not there, though it was looked for
@@ -158,17 +158,17 @@ def rivals_of(flight: Flight, view: View, points: np.ndarray, *, beside: bool) -
     ],
 )
 def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_has_no_colours(
-    dyed: bool, beside: bool, whole: bool
+    has_colour_key: bool, beside: bool, isolated: bool
 ) -> None:
     flight = Flight(upper=True)
     track, view = flight.track, flight.view
     track.size = float((view.frame.truth == 1).sum())
-    track.weight *= dyed
+    track.weight *= has_colour_key
     rest = np.setdiff1d(np.flatnonzero(view.frame.truth == 1), flight.core.indices)
     near = rest[view.xyz[rest, 1] > np.quantile(view.xyz[rest, 1], 0.6)]
     track.other_movers = rivals_of(flight, view, near, beside=beside)
     flight.grown()
-    assert flight.fit.whole == whole
+    assert flight.fit.isolated == isolated
 
 
 @pytest.mark.parametrize("pliant", [True, False])
@@ -180,17 +180,17 @@ def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> N
     missed = np.setdiff1d(flight.mine, flight.painted)
     flight.track.other_movers = rivals_of(flight, flight.first, missed, beside=False)
     flight.grown()
-    assert flight.fit.whole != pliant
+    assert flight.fit.isolated != pliant
 
 
 def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
-    for seen_alone, whole in ((0, True), (OPTIONS.growth.known_frames, False)):
+    for seen_alone, isolated in ((0, True), (OPTIONS.growth.known_frames, False)):
         flight = Flight(upper=True)
         flight.track.size = float((flight.view.frame.truth == 1).sum())
         flight.track.unit = 0.006  # over 20 steps to its other end
         flight.track.seen_alone = SeenAlone(seen_alone, OPTIONS.confidence.usual_cost)
         flight.grown()
-        assert flight.fit.whole == whole
+        assert flight.fit.isolated == isolated
 
 
 @pytest.mark.parametrize("held", [False, True])
@@ -210,11 +210,11 @@ def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_al
         xyz = view.xyz[missed].astype(np.float64)
         track.other_movers = OtherMovers(xyz, view.colour(missed), track.weight)
     flight.grown()
-    assert not flight.fit.whole
-    assert flight.fit.cut_short == (seen_alone == 0 and not held)
-    track.last = replace(track.last, cut_short=flight.fit.cut_short)
+    assert not flight.fit.isolated
+    assert flight.fit.growth_refused == (seen_alone == 0 and not held)
+    track.last = replace(track.last, growth_refused=flight.fit.growth_refused)
     flight.grown()
-    assert flight.fit.whole == flight.fit.cut_short
+    assert flight.fit.isolated == flight.fit.growth_refused
 
 
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
@@ -242,7 +242,7 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
     track = begin(view, 1, painted, 0.004, none)
     both = begin(view, 1, np.concatenate([painted, turned]), 0.004, none).model
 
-    def taken_for_another(points: np.ndarray, whole: bool = False) -> bool:
+    def taken_for_another(points: np.ndarray, isolated: bool = False) -> bool:
         xyz, colour = view.xyz[points].astype(float), view.colour(points)
         found = claim(view, points, xyz, colour, track.weight, 0.1)
         place = Registration(
@@ -253,13 +253,13 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
             points,
             points,
             cost=0.3,
-            whole=whole,
+            isolated=isolated,
         )
         return hides(track, view, place, found)
 
     assert taken_for_another(turned)
     assert taken_for_another(skin)
-    assert not taken_for_another(turned, whole=True)  # alone in the air
+    assert not taken_for_another(turned, isolated=True)  # alone in the air
     track.model = both
     both.hits[:] = OPTIONS.surface.sure_hits
     assert not taken_for_another(turned)

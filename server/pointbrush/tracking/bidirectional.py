@@ -44,8 +44,7 @@ class _Task:
         return FrameRules(len(self.frames(number).xyz), self.known(number), self.options)
 
     def known_with(self, at: int, found: Mapping[int, Found]) -> Known:
-        """Return what is known, and in the frame at a position also what the run ``found``
-        there."""
+        """Add the labels ``found`` at a position of the order to the knowledge of that frame."""
         number = self.order[at]
 
         def known(asked: int) -> FrameKnowledge | None:

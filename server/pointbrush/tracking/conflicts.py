@@ -11,75 +11,76 @@ from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Findings, decide, without
+from pointbrush.tracking.steps.claim import Associations, decide, without
 from pointbrush.tracking.steps.predict import crop
-from pointbrush.tracking.steps.relocate import placed
+from pointbrush.tracking.steps.relocate import register_and_claim
 from pointbrush.tracking.steps.verdict import judge
 
 
-def settle_conflicts(tracks: Mapping[int, Track], findings: Findings) -> None:
+def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) -> None:
     """Let claims share no point; an object that lost most of its is looked for in what is left."""
-    view, fits = findings.view, findings.fits
+    view, fits = associations.view, associations.fits
     before, claims = (
-        findings.claims,
-        undisputed(findings.claims, tracks, options=findings.view.options.body),
+        associations.claims,
+        undisputed(associations.claims, tracks, options=associations.view.options.body),
     )
     decided = decide(len(view.xyz), claims)
     for label in sorted(fits, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)):
-        if len(decided[label].indices) >= findings.view.options.relocate.kept_share * len(
+        if len(decided[label].indices) >= associations.view.options.relocate.kept_share * len(
             before[label].indices
         ):
             continue
         others = [found for other, found in decided.items() if other != label]
-        left = without(findings.free, others)
-        search = crop(tracks[label], view, findings.background, left)
+        left = without(associations.free, others)
+        search = crop(tracks[label], view, associations.background, left)
         if search is None:
             continue
-        fit, claim = placed(tracks[label], view, search)
+        fit, claim = register_and_claim(tracks[label], view, search)
         again = {**claims, label: claim}
         better = decide(len(view.xyz), again)
-        had, has = len(decided[label].indices), len(better[label].indices)
+        points_before, points_after = len(decided[label].indices), len(better[label].indices)
         # Where nearly all is another's, the other is, and not the object.
         anothers = (
-            had < findings.view.options.relocate.others_share * len(before[label].indices)
+            points_before
+            < associations.view.options.relocate.others_share * len(before[label].indices)
             and fit.cost < fits[label].cost
         )
         if (
-            has
+            points_after
             > (
-                findings.view.options.relocate.others_share
+                associations.view.options.relocate.others_share
                 if anothers
-                else findings.view.options.relocate.gain
+                else associations.view.options.relocate.gain
             )
-            * had
+            * points_before
         ):
             decided, claims, fits[label] = better, again, fit
     for label in fits:
         share = len(decided[label].indices) / max(len(claims[label].indices), 1)
-        findings.note(label, undisputed=share)
-    findings.claims = decided
+        associations.note(label, undisputed=share)
+    associations.claims = decided
 
 
 def look_for(
-    absent: Iterable[Track], tracks: Mapping[int, Track], findings: Findings
+    absent: Iterable[Track], tracks: Mapping[int, Track], associations: Associations
 ) -> dict[int, I64]:
     """Find large objects that were hidden in what the claims of the others leave.
 
-    ``findings`` take in those that were found; given are the points where the others may be.
+    ``associations`` take in those that were found; label → points (M,) where the others may be.
     """
-    view, background = findings.view, findings.background
+    view, background = associations.view, associations.background
     loose: dict[int, I64] = {}
-    free = findings.unclaimed()
+    free = associations.unclaimed()
     for track in absent:
         search = None if track.lost else crop(track, view, background, free)
         if search is None:
             continue
-        fit, found = placed(track, view, search)
+        fit, found = register_and_claim(track, view, search)
         seen = judge(track, view, fit.pose, fit.world, found).found
         if view.lens is not None and len(found.indices):
             seen = seen and _surely(track.label, tracks, background, view, found.indices)
         if seen:
-            findings.put(track.label, fit, found)
+            associations.put(track.label, fit, found)
             free[found.indices] = False
         else:
             loose[track.label] = search.moving
@@ -101,7 +102,7 @@ def _surely(
 def bodies_left(
     loose: Mapping[int, I64],
     tracks: Mapping[int, Track],
-    findings: Findings,
+    associations: Associations,
     grown: Mapping[int, I64],
 ) -> dict[int, I64]:
     """The bodies no one has of objects so changed that they have to be learnt anew.
@@ -110,10 +111,10 @@ def bodies_left(
     """
     if not loose:
         return {}
-    view = findings.view
+    view = associations.view
     moving = np.unique(np.concatenate(list(loose.values())))
-    left = without(np.ones(len(view.xyz), np.bool_), findings.claims.values())
+    left = without(np.ones(len(view.xyz), np.bool_), associations.claims.values())
     for points in grown.values():
         left[points] = False
-    moving = moving[left[moving] & findings.background.certain(view, moving)]
+    moving = moving[left[moving] & associations.background.certain(view, moving)]
     return reclaim(view, {label: tracks[label] for label in loose}, moving)

@@ -38,10 +38,10 @@ REMEMBERED = 16
 @dataclass(frozen=True, slots=True, eq=False)
 class Copies:
     """The copies in a frame of N points: ``first`` (M,) sorted indices of the distinct points,
-    ``place`` (N,) position of each point's distinct point in ``first``."""
+    ``position`` (N,) of each point's distinct point in ``first``."""
 
     first: I64
-    place: I64
+    position: I64
 
     @staticmethod
     def of(xyz: F32) -> Copies | None:
@@ -139,10 +139,10 @@ class DistinctRun:
         copies = self.frames.copies(start)
         if copies is None:
             return list(seeds)
-        return [Seed(seed.label, np.unique(copies.place[seed.indices])) for seed in seeds]
+        return [Seed(seed.label, np.unique(copies.position[seed.indices])) for seed in seeds]
 
     def known(self, number: int) -> FrameKnowledge | None:
-        """Return what is known of the distinct points of a frame.
+        """Return the knowledge of the distinct points of a frame.
 
         Of several copies the painted one counts, else a labelled one; deleted are those of which
         no copy is left.
@@ -151,8 +151,8 @@ class DistinctRun:
         if know is None or copies is None:
             return know
         rank = np.where(know.deleted, 0, 1 + (know.label > 0) + 2 * (know.provenance == PAINTED))
-        order = np.lexsort((-rank, copies.place))
-        _, at = np.unique(copies.place[order], return_index=True)
+        order = np.lexsort((-rank, copies.position))
+        _, at = np.unique(copies.position[order], return_index=True)
         chosen = order[at]
         return FrameKnowledge(know.label[chosen], know.provenance[chosen], know.deleted[chosen])
 
@@ -162,13 +162,13 @@ class DistinctRun:
         if copies is None:
             return result
         know = self.whole(result.frame)
-        free = FrameRules(len(copies.place), know, self.options).free(labels)
+        free = FrameRules(len(copies.position), know, self.options).free(labels)
         assignments, tracks = {}, dict(result.tracks)
         for label, distinct in result.assignments.items():
             has = np.zeros(len(copies.first), np.bool_)
             has[distinct] = True
             may = free if know is None else free | ((know.label == label) & ~know.deleted)
-            assignments[label] = np.flatnonzero(has[copies.place] & may)
+            assignments[label] = np.flatnonzero(has[copies.position] & may)
             if label in tracks:
                 tracks[label] = replace(tracks[label], points=len(assignments[label]))
         return FrameResult(result.frame, assignments, tracks)

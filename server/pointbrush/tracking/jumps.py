@@ -114,8 +114,8 @@ def _jump_between(
 
 
 def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | None:
-    """Return where the surfaces of a frame lie in another (4, 4); None where they are where they
-    were, or are not found."""
+    """Find the motion (4, 4) of a frame's surfaces into another; None where they have not moved, or
+    are not found."""
     before = in_place(one, other.tree, np.eye(4), options=options.scan_odometry)
     best, share = np.eye(4), before
     for shift in _likely(one, other, options.jumps):
@@ -268,7 +268,7 @@ class AcrossJumps:
         known: Known,
         options: TrackOptions,
     ) -> FrameResult:
-        """Return what was found last, in the frame behind a jump; labels that are not found are
+        """Carry the labels found last into the frame behind a jump; labels that are not found are
         absent."""
         before, after = order[jump.at - 1], order[jump.at]
 
@@ -298,9 +298,9 @@ def _pose_of(result: FrameResult, label: int) -> F64:
 def _composed(result: FrameResult, poses: Mapping[int, F64]) -> FrameResult:
     """A result of a run whose labels had ``poses`` in its first frame."""
 
-    def whole(label: int, track: TrackState) -> TrackState:
+    def from_start(label: int, track: TrackState) -> TrackState:
         first = poses.get(label)
         return track if first is None else replace(track, pose=track.pose @ first)
 
-    tracks = {label: whole(label, track) for label, track in result.tracks.items()}
+    tracks = {label: from_start(label, track) for label, track in result.tracks.items()}
     return replace(result, tracks=tracks)

@@ -40,13 +40,13 @@ from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Findings, together
+from pointbrush.tracking.steps.claim import Associations, together
 from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.identity import Swaps
 from pointbrush.tracking.steps.pieces import with_ground
 from pointbrush.tracking.steps.predict import Search, crop, share_out
-from pointbrush.tracking.steps.relocate import find_astray, placed
+from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
 from pointbrush.tracking.steps.settle import settle
 from pointbrush.tracking.steps.smooth import Held, Smoother
 from pointbrush.tracking.steps.update import begin_anew, begin_label, corrected, withheld
@@ -154,7 +154,7 @@ class Run:
 
     @property
     def background(self) -> Background:
-        """Return what is known of the scene that stands still."""
+        """Background model of the scene at rest."""
         return self.scene.background
 
     def _reach(self, world: F32) -> F32:
@@ -200,12 +200,12 @@ class Run:
         """Track everything into the next frame; ``given`` labels' points are known."""
         frame = self._observe(number, given or {})
         searches = self._predict(frame)
-        findings = self._register(frame, searches)
-        hidden = self._associate(frame, findings)
-        claims = self._label(findings, hidden)
-        outcomes = self._judge(frame, findings, claims)
-        states = self._manage(frame, findings, outcomes)
-        return self._learn(frame, findings, states)
+        associations = self._register(frame, searches)
+        hidden = self._associate(frame, associations)
+        claims = self._label(associations, hidden)
+        outcomes = self._judge(frame, associations, claims)
+        states = self._manage(frame, associations, outcomes)
+        return self._learn(frame, associations, states)
 
     def _observe(self, number: int, given: Mapping[int, I64]) -> FrameTask:
         """Read a frame, and find out which points are known and which may be taken."""
@@ -230,35 +230,37 @@ class Run:
         share_out(list(searches.values()), options=self.options.search)
         return searches
 
-    def _register(self, frame: FrameTask, searches: Mapping[int, Search]) -> Findings:
+    def _register(self, frame: FrameTask, searches: Mapping[int, Search]) -> Associations:
         """Register each track to its part of the frame, and claim points for it."""
-        findings = Findings(frame.view, self.background, frame.free)
+        associations = Associations(frame.view, self.background, frame.free)
         for label, search in searches.items():
-            findings.put(label, *placed(self.tracks[label], frame.view, search))
-        return findings
+            associations.put(label, *register_and_claim(self.tracks[label], frame.view, search))
+        return associations
 
-    def _associate(self, frame: FrameTask, findings: Findings) -> dict[int, I64]:
+    def _associate(self, frame: FrameTask, associations: Associations) -> dict[int, I64]:
         """Settle what several tracks claim, search elsewhere for those that lost it, and for large
         ones that were hidden; label → moving points of those that are not found."""
-        settle_conflicts(self.tracks, findings)
-        find_astray(frame.sought, self.astray, findings)
-        for label, most in self.swaps.meet(self.tracks, findings.fits).items():
-            findings.note(label, most=most)
-        return look_for([t for t in frame.sought if t.absent], self.tracks, findings)
+        settle_conflicts(self.tracks, associations)
+        find_astray(frame.sought, self.astray, associations)
+        for label, cap in self.swaps.meet(self.tracks, associations.fits).items():
+            associations.note(label, confidence_cap=cap)
+        return look_for([t for t in frame.sought if t.absent], self.tracks, associations)
 
-    def _label(self, findings: Findings, hidden: Mapping[int, I64]) -> FrameClaims:
-        """Decide which points each track has beside the claimed ones."""
-        grown, taken = grow(self.tracks, findings)
-        grown |= hang_together(self.tracks, findings, taken)
-        return FrameClaims(grown, bodies_left(hidden, self.tracks, findings, grown))
+    def _label(self, associations: Associations, hidden: Mapping[int, I64]) -> FrameClaims:
+        """Add points to each track's claim."""
+        grown, taken = grow(self.tracks, associations)
+        grown |= hang_together(self.tracks, associations, taken)
+        return FrameClaims(grown, bodies_left(hidden, self.tracks, associations, grown))
 
-    def _judge(self, frame: FrameTask, findings: Findings, claims: FrameClaims) -> FrameOutcomes:
+    def _judge(
+        self, frame: FrameTask, associations: Associations, claims: FrameClaims
+    ) -> FrameOutcomes:
         """Judge and update each track; people are followed together in what the others leave."""
         outcomes = {}
         for track in frame.sought:
             n = track.label
             if not (track.lost or n in claims.emerged):
-                fit, claim = findings.fits.get(n), findings.claims.get(n)
+                fit, claim = associations.fits.get(n), associations.claims.get(n)
                 new = claims.grown.get(n, _EMPTY)
                 outcomes[n] = settle(track, frame.view, fit, claim, new, self.asked)
         left = frame.free.copy()
@@ -268,7 +270,7 @@ class Run:
         return FrameOutcomes(outcomes, claims.emerged)
 
     def _manage(
-        self, frame: FrameTask, findings: Findings, outcomes: FrameOutcomes
+        self, frame: FrameTask, associations: Associations, outcomes: FrameOutcomes
     ) -> dict[int, TrackState]:
         """Conclude how each track fared, and begin those that a person has painted here."""
         view = frame.view
@@ -282,20 +284,22 @@ class Run:
         if self._watch is not None:
             for label in self.labels:
                 if label in states:
-                    fit, state = findings.fits.get(label), states[label]
+                    fit, state = associations.fits.get(label), states[label]
                     self._watch(explain(view, self.background, self.tracks[label], fit, state))
         return states
 
-    def _learn(self, frame: FrameTask, findings: Findings, states: dict[int, TrackState]) -> Held:
+    def _learn(
+        self, frame: FrameTask, associations: Associations, states: dict[int, TrackState]
+    ) -> Held:
         """Learn the background and what is beside each track; the result of the frame."""
-        view, fits = frame.view, findings.fits
+        view, fits = frame.view, associations.fits
         note_beside(self.tracks, view, fits)
         self.background.learn(view, keep=withheld(self.tracks, fits, view))
         found = with_ground(view, self.tracks, fits, frame.free)
         found = {n: points for n, points in found.items() if n in states}
         states |= {n: replace(states[n], points=len(points)) for n, points in found.items()}
-        most = {n: fit.most for n, fit in fits.items()}
-        return Held(view, frame.free, FrameResult(view.number, found, states), most)
+        caps = {n: fit.confidence_cap for n, fit in fits.items()}
+        return Held(view, frame.free, FrameResult(view.number, found, states), caps)
 
     def _set_aside(self, view: View, rules: FrameRules, fixed: dict[int, I64]) -> dict[int, I64]:
         """Labels that are not asked for, and whose stored points are far from what is: they have
@@ -308,7 +312,7 @@ class Run:
                 continue
             step = max(1, len(points) // self._near.sampled_points)
             some = view.xyz[points[::step]].astype(np.float64)
-            if any(_meets(some, fits, margin) for fits, margin in regions):
+            if any(_meets(some, expected, margin) for expected, margin in regions):
                 if label in self.aside:
                     fixed[label] = points
                 continue
@@ -323,9 +327,9 @@ class Run:
         """Points (M, 3) of where a label is expected, and metres around them that it may take."""
         near = self._near
         xyz = track.model.xyz[:: max(1, len(track.model.xyz) // near.sampled_points)]
-        fits = transform_each(track.motion.predictions(), xyz).reshape(-1, 3)
+        expected = transform_each(track.motion.predictions(), xyz).reshape(-1, 3)
         margin = near.near_radii * track.span + near.near_units * track.unit
-        return fits, margin + near.near_steps * track.motion.speed * track.motion.gap
+        return expected, margin + near.near_steps * track.motion.speed * track.motion.gap
 
     def _conclude(
         self,
@@ -334,7 +338,7 @@ class Run:
         fixed: Mapping[int, I64],
         outcomes: FrameOutcomes,
     ) -> dict[int, TrackState]:
-        """Return how each object fared; its points go to ``view.labels``."""
+        """Conclude the state of each track; its points go to ``view.labels``."""
         states: dict[int, TrackState] = {}
         for label, track in self.tracks.items():
             if label in fixed:
@@ -371,8 +375,8 @@ class Run:
         """Learn a large object anew from what came out of hiding; the rest may follow."""
         options = self.options.track
         state = self._begin_anew(track, view, points)
-        anew = self.tracks[track.label]
-        anew.extent, anew.size, anew.confidence, anew.appearance = (
+        renewed = self.tracks[track.label]
+        renewed.extent, renewed.size, renewed.confidence, renewed.appearance = (
             track.span,
             track.size,
             options.emerged_confidence,
@@ -381,13 +385,13 @@ class Run:
         return replace(state, confidence=options.emerged_confidence, state="tracked")
 
 
-def _meets(some: F64, fits: F64, margin: float) -> bool:
+def _meets(some: F64, expected: F64, margin: float) -> bool:
     """Return whether some of the points (N, 3) lie within ``margin`` metres of others."""
-    lo, hi = fits.min(axis=0) - margin, fits.max(axis=0) + margin
+    lo, hi = expected.min(axis=0) - margin, expected.max(axis=0) + margin
     some = some[within(some, lo, hi)]
     if not len(some):
         return False
-    away = ((some[:, None] - fits) ** 2).sum(axis=2)
+    away = ((some[:, None] - expected) ** 2).sum(axis=2)
     return bool(away.min() <= margin**2)
 
 

@@ -48,7 +48,7 @@ class Columns(NamedTuple):
 
 @innermost
 def _slot(at: float, count: int) -> int:
-    """Return which of ``count`` slots holds ``at``; the first or the last for what lies outside.
+    """Return the slot, of ``count``, that holds ``at``; the first or the last for values outside.
 
     Compiled loops do not check what they index with: what is no number goes to the first.
     """
@@ -88,18 +88,18 @@ def columns(xyz: F64, tint: F32, weight: float) -> Columns:
     free = start[:-1].copy()
     order = np.empty(count, np.int64)
     coloured = weight != 0.0
-    placed, tinted = np.empty((count, 3)), np.empty((count if coloured else 0, 3))
+    sorted_xyz, tinted = np.empty((count, 3)), np.empty((count if coloured else 0, 3))
     for i in range(count):
         at = free[cell[i]]
         free[cell[i]] += 1
         order[at] = i
         for a in range(3):
-            placed[at, a] = xyz[i, a]
+            sorted_xyz[at, a] = xyz[i, a]
             if coloured:
                 tinted[at, a] = weight * tint[i, a]
     lows = (low[one], low[other])
     axes = (one, other)
-    return Columns(placed, tinted, weight, order, start, axes, lows, size, along, across)
+    return Columns(sorted_xyz, tinted, weight, order, start, axes, lows, size, along, across)
 
 
 @compiled
@@ -144,9 +144,9 @@ def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) 
 
 
 @innermost
-def _square(grid: Columns, at: int, place: Triple, tint: Triple) -> float:
+def _square(grid: Columns, at: int, point: Triple, tint: Triple) -> float:
     """Square of the distance to the point that is sorted ``at``."""
-    (x, y, z), (r, g, b) = place, tint
+    (x, y, z), (r, g, b) = point, tint
     dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
     square = float(dx * dx + dy * dy + dz * dz)
     if len(grid.tint):
@@ -158,7 +158,7 @@ def _square(grid: Columns, at: int, place: Triple, tint: Triple) -> float:
 @innermost
 def nearest_one(
     grid: Columns,
-    place: Triple,
+    point: Triple,
     tint: Triple,
     most: float,
     room: I64,
@@ -166,16 +166,16 @@ def nearest_one(
 ) -> tuple[float, int]:
     """Square of the distance to the nearest point, and where it is sorted; -1 for none.
 
-    ``place`` and ``tint`` in metres; nearer than ``most`` metres; ``room`` as of ``spans``;
+    ``point`` and ``tint`` in metres; nearer than ``most`` metres; ``room`` as of ``spans``;
     ``likely`` where a point is sorted beyond which there is nothing to look for.
     """
-    x, y, z = place
+    x, y, z = point
     r, g, b = tint
     coloured = len(grid.tint) > 0
-    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    u, v = point[grid.axes[0]] - grid.low[0], point[grid.axes[1]] - grid.low[1]
     best, nearest_at, ring = most * most, -1, 0
     if likely >= 0:
-        square = _square(grid, likely, place, tint)
+        square = _square(grid, likely, point, tint)
         if square < best:
             best, nearest_at = square, likely
     while True:
@@ -213,20 +213,20 @@ def nearest(grid: Columns, xyz: F64, colour: F32, most: float) -> tuple[F64, I64
     count, room = len(xyz), spans(grid)
     distance, index = np.full(count, most), np.full(count, -1)
     for i in range(count):
-        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
-        square, at = nearest_one(grid, place, toned(grid, colour, i), most, room)
+        point = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        square, at = nearest_one(grid, point, toned(grid, colour, i), most, room)
         if at >= 0:
             distance[i], index[i] = np.sqrt(square), grid.order[at]
     return distance, index
 
 
 @innermost
-def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
+def any_near(grid: Columns, point: Triple, tint: Triple, most: float) -> bool:
     """Whether a point is less than ``most`` metres away; see ``nearest_one``."""
-    x, y, z = place
+    x, y, z = point
     r, g, b = tint
     size, along, across = grid.size, grid.along, grid.across
-    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    u, v = point[grid.axes[0]] - grid.low[0], point[grid.axes[1]] - grid.low[1]
     left, right = _slot((v - most) / size, across), _slot((v + most) / size, across)
     for row in range(_slot((u - most) / size, along), _slot((u + most) / size, along) + 1):
         for at in range(grid.start[row * across + left], grid.start[row * across + right + 1]):
@@ -242,23 +242,21 @@ def any_near(grid: Columns, place: Triple, tint: Triple, most: float) -> bool:
 
 @compiled
 def any_near_each(grid: Columns, xyz: F64, colour: F32, most: float) -> Mask:
-    """Return which of the points (M, 3) have one less than ``most`` metres away; see
-    ``nearest``."""
+    """Mark the points (M, 3) with one less than ``most`` metres away; see ``nearest``."""
     found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
-        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
-        found[i] = any_near(grid, place, toned(grid, colour, i), most)
+        point = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        found[i] = any_near(grid, point, toned(grid, colour, i), most)
     return found
 
 
 @compiled
 def nearer_than(grid: Columns, xyz: F64, colour: F32, most: F64) -> Mask:
-    """Return which of the points (M, 3) have one less than ``most`` (M,) metres away; see
-    ``nearest``."""
+    """Mark the points (M, 3) with one less than ``most`` (M,) metres away; see ``nearest``."""
     found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
-        place = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
-        found[i] = any_near(grid, place, toned(grid, colour, i), most[i])
+        point = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        found[i] = any_near(grid, point, toned(grid, colour, i), most[i])
     return found
 
 
@@ -271,20 +269,20 @@ def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
     distance, index = np.full((len(xyz), 3), np.inf), np.full((len(xyz), 3), -1)
     order, room = grid.order, spans(grid)
     for i in range(len(xyz)):
-        squares, places = _three(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), most, room)
+        squares, slots = _three(grid, (xyz[i, 0], xyz[i, 1], xyz[i, 2]), most, room)
         for k in range(3):
-            if places[k] >= 0:
-                distance[i, k], index[i, k] = np.sqrt(squares[k]), order[places[k]]
+            if slots[k] >= 0:
+                distance[i, k], index[i, k] = np.sqrt(squares[k]), order[slots[k]]
     return distance, index
 
 
 @innermost
 def _three(
-    grid: Columns, place: Triple, most: float, room: I64
+    grid: Columns, point: Triple, most: float, room: I64
 ) -> tuple[Triple, tuple[int, int, int]]:
     """Squares of the distances to the three nearest, and where they are sorted; -1 for none."""
-    x, y, z = place
-    u, v = place[grid.axes[0]] - grid.low[0], place[grid.axes[1]] - grid.low[1]
+    x, y, z = point
+    u, v = point[grid.axes[0]] - grid.low[0], point[grid.axes[1]] - grid.low[1]
     first, second, third = most * most, most * most, most * most
     one, two, three, ring = -1, -1, -1, 0
     while True:

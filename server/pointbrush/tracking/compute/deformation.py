@@ -33,18 +33,23 @@ class DeformationGraph(NamedTuple):
 
 
 def warp(
-    place: F64, colour: F32, target: Target, apart: float, scale: float, options: DeformationOptions
+    surface: F64,
+    colour: F32,
+    target: Target,
+    apart: float,
+    scale: float,
+    options: DeformationOptions,
 ) -> F64:
-    """Bend ``place`` (M, 3) onto the target: displacements (M, 3), smooth over the node graph.
+    """Bend ``surface`` (M, 3) onto the target: displacements (M, 3), smooth over the node graph.
 
     Nodes lie ``apart`` metres from each other; ``scale`` metres is the distance at which a pair
     weighs a quarter.  Each round pairs the points in place and colour, averages the displacements
     at the nodes, and smooths them over each node's neighbours.
     """
     return _pulled(
-        Source(place, colour),
+        Source(surface, colour),
         target.columns,
-        _graph_of(place, apart, options=options),
+        _graph_of(surface, apart, options=options),
         scale,
         options.rounds,
         options.previous_weight,
@@ -54,10 +59,10 @@ def warp(
     )
 
 
-def _graph_of(place: F64, apart: float, options: DeformationOptions) -> DeformationGraph:
+def _graph_of(surface: F64, apart: float, options: DeformationOptions) -> DeformationGraph:
     """Nodes ``apart`` metres from each other over the points (M, 3)."""
-    nodes = nodes_of(place, apart)
-    link, square = _nearest_nodes(place, nodes, min(options.nodes_per_point, len(nodes)))
+    nodes = nodes_of(surface, apart)
+    link, square = _nearest_nodes(surface, nodes, min(options.nodes_per_point, len(nodes)))
     share = np.exp(-square / apart**2) + 1e-9
     share /= share.sum(axis=1, keepdims=True)
     around, _ = _nearest_nodes(nodes, nodes, min(options.nodes_around, len(nodes)))
@@ -65,15 +70,15 @@ def _graph_of(place: F64, apart: float, options: DeformationOptions) -> Deformat
 
 
 @compiled
-def _nearest_nodes(place: F64, nodes: F64, count: int) -> tuple[I64, F64]:
+def _nearest_nodes(surface: F64, nodes: F64, count: int) -> tuple[I64, F64]:
     """(M, count) numbers of the nearest nodes of each place (M, 3), nearest first, and squares of
     their distances: nodes are few, so that all are asked."""
-    link, square = np.zeros((len(place), count), np.int64), np.full((len(place), count), np.inf)
-    for i in range(len(place)):
+    link, square = np.zeros((len(surface), count), np.int64), np.full((len(surface), count), np.inf)
+    for i in range(len(surface)):
         for node in range(len(nodes)):
             away = 0.0
             for a in range(3):
-                away += (nodes[node, a] - place[i, a]) ** 2
+                away += (nodes[node, a] - surface[i, a]) ** 2
             if away >= square[i, count - 1]:
                 continue
             at = count - 1
@@ -97,16 +102,16 @@ def _pulled(
     smooth_weight: float,
 ) -> F64:
     """See ``warp``: displacements (M, 3) of the points that the graph carries."""
-    place, colour = source
+    surface, colour = source
     link, share, around = graph
-    moved, offset = np.zeros((len(around), 3)), np.zeros_like(place)
+    moved, offset = np.zeros((len(around), 3)), np.zeros_like(surface)
     pulls, total = np.empty_like(moved), np.empty(len(around))
-    room, last = spans(grid), np.full(len(place), -1)
+    room, last = spans(grid), np.full(len(surface), -1)
     for turn in range(rounds):
         s = scale / (1 + round_shrink * turn)
         pulls[:], total[:] = previous_weight * moved, previous_weight
-        for i in range(len(place)):
-            x, y, z = place[i, 0], place[i, 1], place[i, 2]
+        for i in range(len(surface)):
+            x, y, z = surface[i, 0], surface[i, 1], surface[i, 2]
             at = (x + offset[i, 0], y + offset[i, 1], z + offset[i, 2])
             tint = toned(grid, colour, i)
             square, near = nearest_one(grid, at, tint, pair_scales * s, room, last[i])
@@ -119,7 +124,7 @@ def _pulled(
                 part = w * share[i, k]
                 total[node] += part
                 for a in range(3):
-                    pulls[node, a] += part * (grid.xyz[near, a] - place[i, a])
+                    pulls[node, a] += part * (grid.xyz[near, a] - surface[i, a])
         for node in range(len(moved)):
             for a in range(3):
                 pulls[node, a] /= total[node]
@@ -131,7 +136,7 @@ def _pulled(
                 moved[node, a] = (1 - smooth_weight) * pulls[
                     node, a
                 ] + smooth_weight * mean / around.shape[1]
-        for i in range(len(place)):
+        for i in range(len(surface)):
             for a in range(3):
                 offset[i, a] = 0.0
                 for k in range(link.shape[1]):

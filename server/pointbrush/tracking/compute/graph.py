@@ -93,9 +93,9 @@ def pieces(xyz: F64, unit: float, options: ComponentOptions) -> I64:
     """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
     cell = cells_of(xyz, options.cell_units * unit)
     middle = means_of(xyz, cell)
-    whole = np.ones(len(middle), np.bool_)
+    everywhere = np.ones(len(middle), np.bool_)
     return np.asarray(
-        parts(pairs(middle, options.touching_cells * options.cell_units * unit), whole)[cell]
+        parts(pairs(middle, options.touching_cells * options.cell_units * unit), everywhere)[cell]
     )
 
 
@@ -124,7 +124,8 @@ def parts(links: I64, some: Mask) -> I64:
 
 @innermost
 def root_of(root: I64, at: int) -> int:
-    """Return where the way ``root`` (N,) of unions ends from ``at``; made shorter on the way."""
+    """Return the root of the union-find tree ``root`` (N,) from ``at``, halving the path on the
+    way."""
     while root[at] != at:
         root[at] = root[root[at]]
         at = root[at]
@@ -132,7 +133,7 @@ def root_of(root: I64, at: int) -> int:
 
 
 def solid(xyz: F64, unit: float, options: ComponentOptions) -> Mask:
-    """Return which points (N, 3) of a label lie in pieces of some size; all where hardly any do.
+    """Mark the points (N, 3) of a label in connected pieces of some size; all where hardly any are.
 
     A person who paints an object paints the flying pixels of its outline too, which lie anywhere
     between it and the wall, and would make a pin as large as the way there.

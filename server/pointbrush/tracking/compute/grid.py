@@ -81,8 +81,8 @@ def means_of(values: NDArray[np.floating], cell: I64) -> F64:
 
 
 def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
-    """Return which points (N, 3) may lie within ``reach`` metres of ``some`` (M, 3); all that do
-    are."""
+    """Mark the points (N, 3) that may lie within ``reach`` metres of ``some`` (M, 3); all that do
+    are marked."""
     lo, hi = bounds(some)
     # Coarse enough for a grid that is kept whole; single precision must not decide at the border.
     size = max(1.001 * reach + 1e-6, float(np.cbrt(np.prod(hi - lo + 2 * reach) / MOST_NEAR)))
@@ -92,8 +92,7 @@ def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
 
 @compiled
 def _in_marked(xyz: F32, some: F32, size: float, low: F64, extent: I64) -> Mask:
-    """Return which points (N, 3) lie in a cell of ``size`` metres beside one that holds some (M,
-    3)."""
+    """Mark the points (N, 3) in a cell of ``size`` metres beside one that holds some (M, 3)."""
     marked = np.zeros((extent[0], extent[1], extent[2]), np.bool_)
     for i in range(len(some)):
         x = int((some[i, 0] - low[0]) / size)
@@ -131,8 +130,7 @@ def middle(points: NDArray[np.floating]) -> F64:
 
 
 def close_to(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> Mask:
-    """Return which of ``wanted`` (M, 3) are less than ``most`` metres from one of ``points`` (N,
-    3).
+    """Mark the points ``wanted`` (M, 3) less than ``most`` metres from one of ``points`` (N, 3).
 
     Or (M, 6) and (N, 6), with weighted colours.
     """
@@ -152,7 +150,7 @@ def _tints(points: NDArray[np.floating]) -> F32:
 
 @compiled
 def within(xyz: NDArray[np.floating], lo: F64, hi: F64) -> Mask:
-    """Return which points (N, 3) lie in a box."""
+    """Mark the points (N, 3) inside the box from ``lo`` to ``hi`` (3,)."""
     inside = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
         aside = (lo[0] <= xyz[i, 0]) & (xyz[i, 0] <= hi[0])

@@ -133,8 +133,8 @@ class Target:
     weight: float
 
     def around(self, xyz: F64, margin: float, options: RegistrationOptions) -> Target:
-        """Return what of it lies in a box around ``xyz`` (M, 3) and ``margin`` metres beside;
-        all of it where that is most."""
+        """Cut the target to the box around ``xyz`` (M, 3) and ``margin`` metres beside it; all of
+        it where that is most."""
         lo, hi = bounds(xyz)
         part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
         if len(part) > options.uncut_share * len(self.xyz) or not len(part):
@@ -227,11 +227,11 @@ def _robust_fits(
             for i in range(count):
                 if not seen[k, i]:
                     continue
-                place = carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2])
-                moved[pairs] = place
+                point = carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2])
+                moved[pairs] = point
                 tint = toned(grid, colour, i)
                 # What was the nearest before is so again, or nearly.
-                square, at = nearest_one(grid, place, tint, pair_scales * scale, room, last[i])
+                square, at = nearest_one(grid, point, tint, pair_scales * scale, room, last[i])
                 last[i] = at
                 which += 1
                 if at < 0:
@@ -286,7 +286,7 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
 
 
 def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> float:
-    """Return how much of the target lies just beside the ``moved`` source, 0 to EXCESS.
+    """Cost, 0 to ``excess_cost``, of target points just beside the ``moved`` source.
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """

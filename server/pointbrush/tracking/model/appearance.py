@@ -77,23 +77,23 @@ class ColourHistogram:
         return self.likeness(colour) < self.usual - self.options.appearance.rarer_log
 
     def rather(self, colour: F32) -> Mask:
-        """Return which of the colours (M, 3) are far commoner among those worn than among
-        themselves."""
+        """Mark the colours (M, 3) far commoner in the histogram than among themselves."""
         options = self.options.appearance
         at = _at(colour)
-        place = _flat(at // options.coarse_bins)
-        number = numbered(place)
+        cell = _flat(at // options.coarse_bins)
+        number = numbered(cell)
         return np.asarray(
             self.common[_flat(at)]
             > options.rather_ratio * np.bincount(number)[number] / len(colour)
         )
 
     def only(self, colour: F32) -> Mask:
-        """Return which of the colours (M, 3) are its alone."""
+        """Mark the colours (M, 3) that this histogram alone has."""
         return np.asarray(self.alone[_bins(colour)])
 
     def strange(self, colour: F32) -> Mask:
-        """Return which of the colours (M, 3) have no like here, be they brighter or darker."""
+        """Mark the colours (M, 3) without a similar hue in the histogram, be they brighter or
+        darker."""
         return np.asarray(
             self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.absent_share
         )

@@ -24,10 +24,10 @@ class Evidence:
     ``inliers`` share of the visible model matched; ``sure`` share of points on well confirmed
     surface; ``gap`` and ``cost`` mean distances to the model in place, and in place and colour, in
     reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over the
-    most and over the last; ``grown`` share of points that the model does not explain; ``whole``
-    whether the object moves alone; ``share`` of the moving points around; ``appearance`` how much
-    less like what it wore a large object looks, a mean logarithm, 0 or less; ``usual`` what
-    ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
+    most and over the last; ``grown`` share of points that the model does not explain;
+    ``isolated`` whether the object moves alone; ``share`` of the moving points around;
+    ``appearance`` how much less like what it wore a large object looks, a mean logarithm, 0 or
+    less; ``usual`` what ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
     whether the sensor has a pixel grid; ``scans`` whether it is a lidar; ``soft`` whether the
     object bends; ``left`` and ``others`` points that move beside it and are no track's, and
     another's, over its own; ``tall`` its height over its model's; ``bend`` share that one motion
@@ -43,7 +43,7 @@ class Evidence:
     size: float
     change: float
     grown: float
-    whole: bool
+    isolated: bool
     share: float
     appearance: float
     usual: float
@@ -79,7 +79,7 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
             abs(log_ratio(evidence.size, options.max_log_size)),
             abs(log_ratio(evidence.change, options.max_log_change)),
             evidence.grown,
-            float(evidence.whole),
+            float(evidence.isolated),
             evidence.share,
             max(evidence.appearance, options.min_log_clothes),
         ]

@@ -13,8 +13,7 @@ from pointbrush.tracking.interface import F64, I64
 class Registration:
     """Registered ``pose`` (4, 4) of a track, and its model's points ``world`` (M, 3).
 
-    A step that finds out more puts another value in its place (``Findings.note``).  Of the
-    frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
+    Of the frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
     have; ``moving``, before the background.  ``cost`` of the fit, 0 to 1.
     """
 
@@ -31,19 +30,19 @@ class Registration:
     """(H, 4, 4) poses that it was registered to, with ``costs``."""
     costs: F64 = field(default_factory=lambda: np.empty(0))
     """(H,) what each of them cost."""
-    whole: bool = False
+    isolated: bool = False
     """The moving points that hang together there are the object and nothing else."""
-    cut_short: bool = False
+    growth_refused: bool = False
     """The part that makes it much longer ends all round with it, and may be what holds it."""
-    vain: bool = False
+    alternatives_failed: bool = False
     """It was looked for elsewhere too, in this frame or before, and that was no better."""
-    anew: bool = False
+    restarts_motion: bool = False
     """It was found far from where it was predicted: its motion begins here."""
     faint: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points of ``near`` that are hardly before the background."""
     undisputed: float = 1.0
     """Share of what it claimed there that no other object has."""
-    most: float = 1.0
+    confidence_cap: float = 1.0
     """Confidence at most, since it may have changed places with another."""
     neutral: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points near the model that nothing unlabelled explains: other movers of nothing."""
@@ -53,7 +52,7 @@ class Registration:
     """Share of its points that touch moving points that are no track's; of what has no colours."""
     beside: I64 | None = None
     """Points of other moving objects beside a large one; None where that is not known."""
-    had: I64 = field(default_factory=lambda: np.empty(0, np.int64))
+    owned: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Points of ``moving`` that some object has, this or another; of large objects."""
     rim: I64 = field(default_factory=lambda: np.empty(0, np.int64))
     """Its points in this frame of which it learns nothing."""

@@ -237,7 +237,7 @@ def _through(
 
 
 def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
-    """Return what ``view`` shows around an object whose surface is at ``world`` (M, 3)."""
+    """Cut ``view``'s depth image around an object whose surface is at ``world`` (M, 3)."""
     options = view.options.surface
     if view.lens is None:
         return None
@@ -279,7 +279,7 @@ def remember(carving_views: list[CarvingView], view: View, pose: F64, world: F64
 def carved(
     carving_views: list[CarvingView], view: View, pose: F64, points: I64, unit: float
 ) -> Mask:
-    """Return which ``points`` (M,) lie where an object at ``pose`` cannot be."""
+    """Mark the ``points`` (M,) in space that earlier views saw through, the object at ``pose``."""
     options = view.options
     votes = np.zeros(len(points), np.int64)
     if len(carving_views) >= options.surface.carve_min_views and len(points):

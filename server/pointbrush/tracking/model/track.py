@@ -48,11 +48,11 @@ class OtherMovers:
 
     @cached_property
     def target(self) -> Target:
-        """Return where they were, for all questions about them."""
+        """The points as a search target."""
         return Target(self.xyz, self.colour, self.weight)
 
     def along(self, before: F64, now: F64, within: float) -> OtherMovers:
-        """Return where they would be, had they gone along with the surface beside them.
+        """Move the points along with the surface beside them.
 
         That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
         metres from it stays.
@@ -62,11 +62,11 @@ class OtherMovers:
         return OtherMovers(self.xyz + step, self.colour, self.weight)
 
     def asked(self, xyz: NDArray[np.floating]) -> Mask:
-        """Return which places (M, 3) they were looked for at: of the others nothing is known."""
+        """Mark the positions (M, 3) inside the searched box; of the others nothing is known."""
         return np.ones(len(xyz), np.bool_) if self.box is None else within(xyz, *self.box)
 
     def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
-        """Return which points (M,) lie less than ``within`` (M,) metres from one, in place and
+        """Mark the points (M,) less than ``within`` (M,) metres from one of these, in place and
         colour.
 
         Where they were, or, with a ``step``, gone along with the object's.
@@ -122,17 +122,17 @@ class SeenAlone:
 
 
 @dataclass(frozen=True, slots=True)
-class LastSight:
+class LastObservation:
     """Outcome of an object in the last frame that showed it.
 
-    ``points`` number of them; ``vain`` whether it was looked for elsewhere too, its fit being in
-    doubt, and that was no better; ``cut_short`` whether it ended all round with what makes it much
-    longer, which it did not get.
+    ``points`` number of them; ``alternatives_failed`` whether other poses were tried, its fit being
+    in doubt, and were no better; ``growth_refused`` whether it ended all round with new surface
+    that makes it much longer, which it did not get.
     """
 
     points: int
-    vain: bool = False
-    cut_short: bool = False
+    alternatives_failed: bool = False
+    growth_refused: bool = False
     evidence: Evidence | None = None
     """Evidence from its fit."""
 
@@ -154,7 +154,7 @@ class Track:
     sampling: Sampling
     appearance: ColourHistogram
     """The colours that it was painted with."""
-    last: LastSight
+    last: LastObservation
     size: float
     """The most points that it had."""
     seen_alone: SeenAlone
@@ -174,20 +174,19 @@ class Track:
     """Its surroundings in some frames."""
 
     @property
-    def dyed(self) -> bool:
+    def has_colour_key(self) -> bool:
         """Whether it is known by its colours; large objects and what a lidar sees are otherwise."""
         return self.weight > 0.0 and not self.large
 
     def distinct(self, colour: F32) -> Mask:
-        """Return which of the colours (M, 3) are the object's alone, as far as was seen at the
-        start."""
-        if not self.dyed:
+        """Mark the colours (M, 3) that the object alone had where it was painted."""
+        if not self.has_colour_key:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.only(colour)
 
     def strange(self, colour: F32) -> Mask:
-        """Return which of the colours (M, 3) the object did not show where it was painted."""
-        if not self.dyed:
+        """Mark the colours (M, 3) that the object did not show where it was painted."""
+        if not self.has_colour_key:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.strange(colour)
 
@@ -345,7 +344,7 @@ def _made(
         Painted.of(view, indices, xyz, model.radius),
         Sampling(view.lens is not None, view.scans, grain=unit),
         ColourHistogram.of(colour, options=view.options),
-        LastSight(count),
+        LastObservation(count),
         float(count),
         SeenAlone(0, options.confidence.usual_cost),
     )

@@ -29,10 +29,10 @@ class Options:
             if isinstance(value, Options):
                 continue
             low, high = self._bounds(each.name)
-            whole = "int" in str(each.type)
-            expected = "a whole number" if whole else "a number"
+            integral = "int" in str(each.type)
+            expected = "a whole number" if integral else "a number"
             numbers = value if str(each.type).startswith("tuple") else (value,)
-            kinds = int if whole else (int, float)
+            kinds = int if integral else (int, float)
             good = isinstance(numbers, tuple) and all(
                 isinstance(number, kinds)
                 and not isinstance(number, bool)

@@ -11,20 +11,20 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.graph import parts
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.stature import beneath_heads, ratio, top_of
 
 
 def exchanged(
-    sight: Observation, people: Sequence[Person], now: int
+    observation: PersonObservation, people: Sequence[Person], now: int
 ) -> Iterator[tuple[Person, Person, bool]]:
     """Pairs of people who are each clearly dressed, or as tall, as the other; and whether both
     statures tell it, for which one frame is enough."""
-    options = sight.options
-    seen = [f for f in people if len(sight.cells_of(f.label))]
-    some = {f.label: sight.some(sight.cells_of(f.label)) for f in seen}
-    tops = {f.label: f.top(sight) for f in seen}
+    options = observation.options
+    seen = [f for f in people if len(observation.cells_of(f.label))]
+    some = {f.label: observation.some(observation.cells_of(f.label)) for f in seen}
+    tops = {f.label: f.top(observation) for f in seen}
     for one, other in combinations(seen, 2):
         named = [(f, g) for f, g in ((one, other), (other, one)) if f.named]
         if not named or not all(g.named or _may_have_taken(f, g) for f, g in named):
@@ -45,7 +45,7 @@ def exchanged(
             and rather > -options.arrivals.exchange_log
         )
         certain = tall and min(taller) >= options.stature.decisive_log_odds
-        well = not (one.elsewhere(sight, now) or other.elsewhere(sight, now))
+        well = not (one.elsewhere(observation, now) or other.elsewhere(observation, now))
         if min(cross) > -options.arrivals.exchange_usual_log and (
             certain or (well and (dressed or tall))
         ):
@@ -57,9 +57,9 @@ def _may_have_taken(person: Person, stranger: Person) -> bool:
     return bool(person.identity.doubts) and stranger.since > person.identity.sure
 
 
-def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
+def exchange(observation: PersonObservation, people: Sequence[Person], now: int) -> None:
     """Change back who changed places, and doubt those of whom it is not certain yet."""
-    pairs = list(exchanged(sight, people, now))
+    pairs = list(exchanged(observation, people, now))
     for person in people:
         if not any(person in pair[:2] for pair in pairs):
             person.mistaken = 0
@@ -67,9 +67,12 @@ def exchange(sight: Observation, people: Sequence[Person], now: int) -> None:
         one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
         if one.named and other.named:
             one.doubt(other)
-        if certain or min(one.mistaken, other.mistaken) >= sight.options.arrivals.exchange_frames:
-            mine, others = sight.owner == one.label, sight.owner == other.label
-            sight.owner[mine], sight.owner[others] = other.label, one.label
+        if (
+            certain
+            or min(one.mistaken, other.mistaken) >= observation.options.arrivals.exchange_frames
+        ):
+            mine, others = observation.owner == one.label, observation.owner == other.label
+            observation.owner[mine], observation.owner[others] = other.label, one.label
             one.become(other)
             for stranger in (f for f in (one, other) if not f.named):
                 stranger.since = now
@@ -80,22 +83,24 @@ Offer = tuple[I64, Person | None, I64 | None]
 head."""
 
 
-def come_back(sight: Observation, people: Sequence[Person], usual: float, now: int) -> set[int]:
+def come_back(
+    observation: PersonObservation, people: Sequence[Person], usual: float, now: int
+) -> set[int]:
     """Give bodies that no one labelled had before to those who are missing, the likeliest first.
 
     Gives the numbers of those without a label who were one of them.
     """
-    gone = [f for f in people if f.named and f.elsewhere(sight, now)]
-    offers = _offers(sight, people, gone, usual, now) if gone else []
+    gone = [f for f in people if f.named and f.elsewhere(observation, now)]
+    offers = _offers(observation, people, gone, usual, now) if gone else []
     ranked = []
     for person in gone:
         for number, (cells, other, rest) in enumerate(offers):
             if not _may_be(person, other):
                 continue
-            cost = _cost(sight, person, cells, other, now)
+            cost = _cost(observation, person, cells, other, now)
             if cost is not None:
                 if other is not None and rest is not None:
-                    cost += _rather(sight, other, cells, rest)
+                    cost += _rather(observation, other, cells, rest)
                 ranked.append((cost, person.label, number))
     found: set[int] = set()
     given: set[int] = set()
@@ -105,7 +110,7 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
         *(
             f.label
             for f in people
-            if not f.named and f.since > now - sight.options.arrivals.recent_frames
+            if not f.named and f.since > now - observation.options.arrivals.recent_frames
         ),
     ]
     for _, label, number in sorted(ranked):
@@ -114,15 +119,17 @@ def come_back(sight: Observation, people: Sequence[Person], usual: float, now: i
         found.add(label)
         given.add(number)
         cells, other, rest = offers[number]
-        taken = np.zeros(len(sight.owner), np.bool_)
+        taken = np.zeros(len(observation.owner), np.bool_)
         taken[cells] = True
         if other is None or not other.named:
-            bodies = np.unique(sight.bodies[cells])
-            taken |= np.isin(sight.bodies, bodies[bodies >= 0]) & np.isin(sight.owner, young)
+            bodies = np.unique(observation.bodies[cells])
+            taken |= np.isin(observation.bodies, bodies[bodies >= 0]) & np.isin(
+                observation.owner, young
+            )
         if other is not None and not other.named:
             gone_on.add(other.label)
-        sight.owner[sight.owner == label] = 0
-        sight.owner[taken] = label
+        observation.owner[observation.owner == label] = 0
+        observation.owner[taken] = label
         person = next(f for f in gone if f.label == label)
         person.frames_unseen = max(person.frames_unseen, 1)
         if other is not None and rest is not None:
@@ -139,64 +146,67 @@ def _may_be(person: Person, other: Person | None) -> bool:
 
 
 def _offers(
-    sight: Observation, people: Sequence[Person], gone: Sequence[Person], usual: float, now: int
+    observation: PersonObservation,
+    people: Sequence[Person],
+    gone: Sequence[Person],
+    usual: float,
+    now: int,
 ) -> list[Offer]:
-    """Return what may be a person's who is ``gone``."""
-    options = sight.options.arrivals
-    part = parts(sight.cells.touching, (sight.owner == 0) & sight.cells.solid)
+    """Collect the cells that may be of a person ``gone``: free bodies, and parts of others."""
+    options = observation.options.arrivals
+    part = parts(observation.cells.touching, (observation.owner == 0) & observation.cells.solid)
     count = np.bincount(part[part >= 0])
     large = np.flatnonzero(
         count >= max(options.back_min_cells, options.back_min_share * usual)
     ).tolist()
     offers: list[Offer] = [(np.flatnonzero(part == n), None, None) for n in large]
     for person in people:
-        cells = np.flatnonzero(sight.owner == person.label)
+        cells = np.flatnonzero(observation.owner == person.label)
         if not person.named and not person.frames_unseen and len(cells):
             offers.append((cells, person, None))
-    if sight.tints is not None:
+    if observation.tints is not None:
         for person in (f for f in gone if f.well < now - options.missing_frames):
-            offers += _dressed_as(sight, people, person, usual)
+            offers += _dressed_as(observation, people, person, usual)
     for person in (f for f in people if f.named):
         least = max(options.back_min_cells, options.part_share * usual)
-        two = beneath_heads(sight, sight.cells_of(person.label), least, person.area)
+        two = beneath_heads(observation, observation.cells_of(person.label), least, person.area)
         offers += [(own, person, rest) for own, rest in two]
     return offers
 
 
-def _rather(sight: Observation, person: Person, cells: I64, rest: I64) -> float:
-    """Return how much rather one part of what a person has is theirs than the rest is, in the
-    costs here."""
-    middle = np.median((person.xyz + person.step) @ sight.flat, axis=0)
+def _rather(observation: PersonObservation, person: Person, cells: I64, rest: I64) -> float:
+    """Return by how much the cells cost less as a person's than the ``rest`` of their cells."""
+    middle = np.median((person.xyz + person.step) @ observation.flat, axis=0)
 
     def cost(own: I64) -> float:
-        away = float(np.linalg.norm(np.median(sight.ground[own], axis=0) - middle))
+        away = float(np.linalg.norm(np.median(observation.ground[own], axis=0) - middle))
         return (
             away
-            - sight.options.arrivals.clothes_weight * person.likeness(sight.some(own))
-            - _tall(sight, person, own)
+            - observation.options.arrivals.clothes_weight * person.likeness(observation.some(own))
+            - _tall(observation, person, own)
         )
 
     return cost(rest) - cost(cells)
 
 
 def _dressed_as(
-    sight: Observation, people: Sequence[Person], who: Person, usual: float
+    observation: PersonObservation, people: Sequence[Person], who: Person, usual: float
 ) -> list[Offer]:
-    """Return what others have and is dressed as a person who is missing, rather than as they
-    are."""
-    options = sight.options.arrivals
+    """Collect parts of other people dressed as a missing person, rather than as they are."""
+    options = observation.options.arrivals
     if who.identity.appearance is None:
         return []
     found: list[Offer] = []
-    own = sight.unlike(who.identity.appearance)
+    own = observation.unlike(who.identity.appearance)
     for other in people:
         if other is who or not other.named or other.identity.appearance is None:
             continue
-        mask = (sight.owner == other.label) & sight.cells.solid
+        mask = (observation.owner == other.label) & observation.cells.solid
         mask &= (
-            sight.smooth(sight.unlike(other.identity.appearance) - own) > options.part_log_clothes
+            observation.smooth(observation.unlike(other.identity.appearance) - own)
+            > options.part_log_clothes
         )
-        part = parts(sight.cells.touching, mask)
+        part = parts(observation.cells.touching, mask)
         count = np.bincount(part[part >= 0])
         large = np.flatnonzero(
             count >= max(options.back_min_cells, options.part_share * usual)
@@ -206,52 +216,55 @@ def _dressed_as(
 
 
 def _cost(
-    sight: Observation, person: Person, cells: I64, other: Person | None, now: int
+    observation: PersonObservation, person: Person, cells: I64, other: Person | None, now: int
 ) -> float | None:
-    """Return how unlikely a body is a missing person; None where it cannot be them."""
-    options = sight.options
-    away = far_from(sight, person, cells, now)
-    like = person.likeness(sight.some(cells))
+    """Cost of a body as a missing person's: distance, clothes and stature; None where it cannot be
+    theirs."""
+    options = observation.options
+    away = far_from(observation, person, cells, now)
+    like = person.likeness(observation.some(cells))
     if away > 1.0 or like < -options.body.unlike_log:
         return None
     nameless = (
-        options.arrivals.unlabelled_cost if sight.tints is None and other is not None else 0.0
+        options.arrivals.unlabelled_cost if observation.tints is None and other is not None else 0.0
     )
-    return away - options.arrivals.clothes_weight * like - _tall(sight, person, cells) + nameless
+    return (
+        away - options.arrivals.clothes_weight * like - _tall(observation, person, cells) + nameless
+    )
 
 
-def _tall(sight: Observation, person: Person, cells: I64) -> float:
-    """Return what is gained by how likely a person is as tall as some cells."""
-    top = top_of(sight, cells, person.area) if person.identity.stature.known else None
+def _tall(observation: PersonObservation, person: Person, cells: I64) -> float:
+    """Gain in cost by the likelihood of a person's stature for some cells."""
+    top = top_of(observation, cells, person.area) if person.identity.stature.known else None
     return (
         0.0
         if top is None
-        else sight.options.arrivals.stature_weight * person.identity.stature.likelihood(top)
+        else observation.options.arrivals.stature_weight * person.identity.stature.likelihood(top)
     )
 
 
-def far_from(sight: Observation, person: Person, cells: I64, now: int) -> float:
+def far_from(observation: PersonObservation, person: Person, cells: I64, now: int) -> float:
     """Share of the way that a missing person may have gone at which a body is."""
-    options = sight.options.arrivals
+    options = observation.options.arrivals
     there = np.vstack([person.xyz + person.step, person.known])
     reach = options.back_m + options.back_m_per_frame * min(
         max(now - 1 - person.well, 0), options.back_max_frames
     )
-    return _least(there, sight.cells.middle[cells]) / reach
+    return _least(there, observation.cells.middle[cells]) / reach
 
 
 def mistakable(
-    sight: Observation, people: Sequence[Person], person: Person, now: int
+    observation: PersonObservation, people: Sequence[Person], person: Person, now: int
 ) -> list[Person]:
     """Return those who are missing near what a person has, and whose it may as well be."""
-    cells = sight.cells_of(person.label)
+    cells = observation.cells_of(person.label)
     if not len(cells):
         return []
-    other_movers = [f for f in people if f.named and f is not person and f.elsewhere(sight, now)]
-    some = sight.some(cells) if other_movers else None
-    top = person.top(sight) if other_movers else None
-    other_movers = [f for f in other_movers if not rules_out(some, top, person, f)]
-    return [f for f in other_movers if far_from(sight, f, cells, now) < 1.0]
+    missing = [f for f in people if f.named and f is not person and f.elsewhere(observation, now)]
+    some = observation.some(cells) if missing else None
+    top = person.top(observation) if missing else None
+    missing = [f for f in missing if not rules_out(some, top, person, f)]
+    return [f for f in missing if far_from(observation, f, cells, now) < 1.0]
 
 
 def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
@@ -265,81 +278,91 @@ def rules_out(some: F32 | None, top: float | None, person: Person, other: Person
     ) or (tall >= options.stature.decisive_log_odds and like > -options.arrivals.told_log_clothes)
 
 
-def newcomers(sight: Observation, people: Sequence[Person], usual: float, now: int) -> list[Person]:
-    """Return who else has come; what comes into sight around a person is theirs."""
-    options = sight.options
-    free = (sight.owner == 0) & sight.cells.solid
-    bodies = sight.bodies
+def newcomers(
+    observation: PersonObservation, people: Sequence[Person], usual: float, now: int
+) -> list[Person]:
+    """Begin people in bodies without an owner; a body around a person in sight is theirs."""
+    options = observation.options
+    free = (observation.owner == 0) & observation.cells.solid
+    bodies = observation.bodies
     fresh: list[Person] = []
     lowest = min([0, *(f.label for f in people)])
-    middles = _middles(sight, people) if now else []
+    middles = _middles(observation, people) if now else []
     for number in np.unique(bodies[free]).tolist():
         cells = np.flatnonzero((bodies == number) & free)
-        whole = np.count_nonzero(bodies == number)
-        if len(cells) < max(options.body.seen_min_cells, options.arrivals.unclaimed_share * whole):
+        total = np.count_nonzero(bodies == number)
+        if len(cells) < max(options.body.seen_min_cells, options.arrivals.unclaimed_share * total):
             continue
-        owner = _whose(sight, middles, cells)
+        owner = _whose(observation, middles, cells)
         if owner is None and len(cells) >= max(
             options.arrivals.min_cells, options.arrivals.min_share * usual
         ):
-            owner = _beside(sight, [*people, *fresh], cells)
+            owner = _beside(observation, [*people, *fresh], cells)
             if owner is None:
                 owner = lowest - 1 - len(fresh)
-                some = sight.some(cells)
+                some = observation.some(cells)
                 appearance = (
-                    None if some is None else ColourHistogram.of(some, options=sight.view.options)
+                    None
+                    if some is None
+                    else ColourHistogram.of(some, options=observation.view.options)
                 )
-                middle, colour = sight.cells.middle[cells], sight.cells.colour[cells]
-                fresh.append(Person.met(sight.view.options, owner, middle, colour, now, appearance))
-        sight.owner[cells] = owner or 0
+                middle, colour = observation.cells.middle[cells], observation.cells.colour[cells]
+                fresh.append(
+                    Person.met(observation.view.options, owner, middle, colour, now, appearance)
+                )
+        observation.owner[cells] = owner or 0
     return fresh
 
 
-def _middles(sight: Observation, people: Sequence[Person]) -> list[tuple[Person, F64]]:
-    """Return where on the ground (2,) those with a label are who are in sight."""
+def _middles(observation: PersonObservation, people: Sequence[Person]) -> list[tuple[Person, F64]]:
+    """Return the middle (2,) on the ground of each labelled person in sight."""
     found = []
     for person in people:
-        own = sight.owner == person.label
+        own = observation.owner == person.label
         if person.named and own.any():
-            known = np.vstack([sight.ground[own], (person.xyz + person.step) @ sight.flat])
+            known = np.vstack(
+                [observation.ground[own], (person.xyz + person.step) @ observation.flat]
+            )
             found.append((person, np.median(known, axis=0)))
     return found
 
 
-def _whose(sight: Observation, middles: Sequence[tuple[Person, F64]], cells: I64) -> int | None:
+def _whose(
+    observation: PersonObservation, middles: Sequence[tuple[Person, F64]], cells: I64
+) -> int | None:
     """The label of who is in sight around a body, and not dressed otherwise."""
-    options = sight.options
-    middle = np.median(sight.ground[cells], axis=0)
+    options = observation.options
+    middle = np.median(observation.ground[cells], axis=0)
     near = [(float(np.linalg.norm(at - middle)), k) for k, (_, at) in enumerate(middles)]
     away, best = min(near, default=(options.arrivals.around_m, 0))
     if (
         away >= options.arrivals.around_m
-        or middles[best][0].likeness(sight.some(cells)) < -options.body.unlike_log
+        or middles[best][0].likeness(observation.some(cells)) < -options.body.unlike_log
     ):
         return None
     return middles[best][0].label
 
 
-def _beside(sight: Observation, people: Sequence[Person], cells: I64) -> int | None:
+def _beside(observation: PersonObservation, people: Sequence[Person], cells: I64) -> int | None:
     """The number of who has no label and is right beside a body."""
     for person in people:
-        own = sight.owner == person.label
+        own = observation.owner == person.label
         if (
             not person.named
             and own.any()
-            and _gap(sight, own.nonzero()[0], cells) < sight.options.arrivals.joined_m
+            and _gap(observation, own.nonzero()[0], cells) < observation.options.arrivals.joined_m
         ):
             return person.label
     return None
 
 
-def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
+def merge(observation: PersonObservation, people: Sequence[Person], now: int) -> set[int]:
     """The numbers of those who have just come, and are parts of a person just come back."""
-    options = sight.options.arrivals
+    options = observation.options.arrivals
     gone: set[int] = set()
     returned = [f for f in people if f.named and f.age and now - f.back <= options.recent_frames]
     for person in people:
-        cells = np.flatnonzero(sight.owner == person.label)
+        cells = np.flatnonzero(observation.owner == person.label)
         if (
             person.named
             or now - person.since > options.recent_frames
@@ -348,17 +371,17 @@ def merge(sight: Observation, people: Sequence[Person], now: int) -> set[int]:
         ):
             continue
         for other in returned:
-            own = np.flatnonzero(sight.owner == other.label)
-            if len(own) and _gap(sight, own, cells) < options.touches_m:
-                sight.owner[cells] = other.label
+            own = np.flatnonzero(observation.owner == other.label)
+            if len(own) and _gap(observation, own, cells) < options.touches_m:
+                observation.owner[cells] = other.label
                 gone.add(person.label)
                 break
     return gone
 
 
-def _gap(sight: Observation, one: I64, other: I64) -> float:
+def _gap(observation: PersonObservation, one: I64, other: I64) -> float:
     """Metres between two bodies."""
-    return _least(sight.cells.middle[one], sight.cells.middle[other])
+    return _least(observation.cells.middle[one], observation.cells.middle[other])
 
 
 def _least(one: F64, other: F64) -> float:

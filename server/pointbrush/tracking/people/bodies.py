@@ -16,7 +16,7 @@ from pointbrush.tracking.model.track import OtherMovers, Track
 from pointbrush.tracking.options import ArrivalOptions, BackgroundOptions, BodyOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Claim, Findings
+from pointbrush.tracking.steps.claim import Associations, Claim
 from pointbrush.tracking.steps.context import step_of
 
 
@@ -47,8 +47,8 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
     for label, track in tracks.items():
         # Who left the picture may have turned there.
         either = (track.motion.predictions()[0], track.motion.poses[-1])
-        hypothesis = np.vstack([transform(T, track.model.xyz) for T in either])
-        away, _ = cKDTree(hypothesis).query(foreground.middle)
+        expected = np.vstack([transform(T, track.model.xyz) for T in either])
+        away, _ = cKDTree(expected).query(foreground.middle)
         reach = track.span * (
             options.arrivals.return_radii
             + options.arrivals.return_radii_per_frame
@@ -117,19 +117,21 @@ def undisputed(
     return result
 
 
-def hang_together(tracks: Mapping[int, Track], findings: Findings, taken: Mask) -> dict[int, I64]:
+def hang_together(
+    tracks: Mapping[int, Track], associations: Associations, taken: Mask
+) -> dict[int, I64]:
     """New surface of large objects: what hangs together with their claims, which may lose points.
 
     ``taken`` (N,) are points that a person has.  What stood still, and what is where something
     unlabelled was, is the outside and spreads too: floor that a foot has just uncovered hangs
     together with the floor around it.
     """
-    view, background = findings.view, findings.background
+    view, background = associations.view, associations.background
     cores = {
-        n: findings.claims[n].indices
-        for n in findings.fits
+        n: associations.claims[n].indices
+        for n in associations.fits
         if tracks[n].large
-        and len(findings.claims[n].indices) >= findings.view.options.body.min_claim_points
+        and len(associations.claims[n].indices) >= associations.view.options.body.min_claim_points
     }
     if not cores:
         return {}
@@ -137,57 +139,56 @@ def hang_together(tracks: Mapping[int, Track], findings: Findings, taken: Mask) 
         np.median(
             [
                 max(
-                    findings.view.options.body.cell_units * tracks[n].unit,
-                    findings.view.options.body.cell_radius_share * tracks[n].span,
+                    associations.view.options.body.cell_units * tracks[n].unit,
+                    associations.view.options.body.cell_radius_share * tracks[n].span,
                 )
                 for n in cores
             ]
         )
     )
-    inside, ground = _before_and_behind(findings, cores, taken, size)
-    other = _others(tracks, findings, cores, np.flatnonzero(inside & ~taken), ground, size)
+    inside, ground = _before_and_behind(associations, cores, taken, size)
+    other = _others(tracks, associations, cores, np.flatnonzero(inside & ~taken), ground, size)
     either = inside.copy()
     either[ground] = True
     every = np.flatnonzero(either)
     foreground = Foreground.of(view, every, size)
     # What shows again as deep as it was before something nearer hid it is whose it was.
     again = np.where(inside[every], background.again(view, every), 0)
-    seeds = _seeds(len(view.xyz), cores, every, again, options=findings.view.options.background)
+    seeds = _seeds(len(view.xyz), cores, every, again, options=associations.view.options.background)
     sure = (background.certain(view, every) | (again != 0)) & inside[every]
-    far = {n: findings.view.options.body.way_radii * tracks[n].span for n in cores} | _by_clothes(
-        seeds, sure, foreground, tracks
-    )
+    far = {
+        n: associations.view.options.body.way_radii * tracks[n].span for n in cores
+    } | _by_clothes(seeds, sure, foreground, tracks)
     clothes = {n: t.appearance for n, t in tracks.items() if t.large and not t.lost}
     outside = ~inside[every]
     found = foreground.spread(seeds, outside, other[every], sure, far, clothes)
-    _note_others(findings, cores, every[found == OTHER])
-    grown = {label: _taken_over(findings, label, every[found == label]) for label in cores}
-    _note_had(findings, grown, taken)
+    _note_others(associations, cores, every[found == OTHER])
+    grown = {label: _taken_over(associations, label, every[found == label]) for label in cores}
+    _note_owned(associations, grown, taken)
     return grown
 
 
-def _note_had(findings: Findings, grown: Mapping[int, I64], taken: Mask) -> None:
+def _note_owned(associations: Associations, grown: Mapping[int, I64], taken: Mask) -> None:
     """Take note of what some object has, by its claim or ``grown``, or ``taken`` (N,) before."""
-    had = taken.copy()
+    owned = taken.copy()
     for label, new in grown.items():
-        had[findings.claims[label].indices] = had[new] = True
+        owned[associations.claims[label].indices] = owned[new] = True
     for label in grown:
-        fit = findings.fits[label]
-        findings.note(label, had=fit.moving[had[fit.moving]])
+        fit = associations.fits[label]
+        associations.note(label, owned=fit.moving[owned[fit.moving]])
 
 
 def _before_and_behind(
-    findings: Findings, cores: Mapping[int, I64], taken: Mask, size: float
+    associations: Associations, cores: Mapping[int, I64], taken: Mask, size: float
 ) -> tuple[Mask, I64]:
-    """Return what moves around large objects (N,), and the points (M,) of what stands still beside
-    it.
+    """Mark the moving points (N,) around large objects, and number those (M,) at rest beside them.
 
     Of what others have ``taken`` only the claims ``cores`` count, within ``size`` metres.
     """
-    view = findings.view
+    view = associations.view
     inside, outside = np.zeros(len(view.xyz), np.bool_), np.zeros(len(view.xyz), np.bool_)
     for label in cores:
-        fit = findings.fits[label]
+        fit = associations.fits[label]
         outside[fit.around] = True
         inside[fit.moving] = True
     inside[taken] = False
@@ -199,20 +200,20 @@ def _before_and_behind(
 
 def _others(
     tracks: Mapping[int, Track],
-    findings: Findings,
+    associations: Associations,
     cores: Mapping[int, I64],
     rest: I64,
     ground: I64,
     size: float,
 ) -> Mask:
     """(N,) those of the ``rest`` (M,) of what moves that are unlabelled objects'."""
-    view, other = findings.view, np.zeros(len(findings.view.xyz), np.bool_)
-    scene = view.xyz[ground[findings.background.static(view, ground)[0]]]
+    view, other = associations.view, np.zeros(len(associations.view.xyz), np.bool_)
+    scene = view.xyz[ground[associations.background.static(view, ground)[0]]]
     for label in cores:
         moved = _movers(
-            tracks[label].other_movers, scene, findings.view.options.body.scene_cells * size
+            tracks[label].other_movers, scene, associations.view.options.body.scene_cells * size
         )
-        other[rest[_was_there(tracks[label], moved, view, findings.fits[label], rest)]] = True
+        other[rest[_was_there(tracks[label], moved, view, associations.fits[label], rest)]] = True
     return other
 
 
@@ -233,21 +234,21 @@ def _seeds(
     return seeds
 
 
-def _note_others(findings: Findings, cores: Mapping[int, I64], points: I64) -> None:
+def _note_others(associations: Associations, cores: Mapping[int, I64], points: I64) -> None:
     """Of ``points`` (M,) of other moving objects, those beside a large object are noted there."""
-    mask = np.zeros(len(findings.view.xyz), np.bool_)
+    mask = np.zeros(len(associations.view.xyz), np.bool_)
     mask[points] = True
     for label in cores:
-        fit = findings.fits[label]
-        findings.note(label, beside=fit.moving[mask[fit.moving]])
+        fit = associations.fits[label]
+        associations.note(label, beside=fit.moving[mask[fit.moving]])
 
 
-def _taken_over(findings: Findings, label: int, points: I64) -> I64:
+def _taken_over(associations: Associations, label: int, points: I64) -> I64:
     """New surface of an object that has ``points`` (M,); its claim loses what it has not."""
-    own = np.zeros(len(findings.view.xyz), np.bool_)
+    own = np.zeros(len(associations.view.xyz), np.bool_)
     own[points] = True
-    claim = findings.claims[label]
-    claim = findings.claims[label] = claim.pick(own[claim.indices])
+    claim = associations.claims[label]
+    claim = associations.claims[label] = claim.pick(own[claim.indices])
     own[claim.indices] = False
     return np.flatnonzero(own)
 
@@ -275,10 +276,10 @@ def _by_clothes(
             options.clothes_radii
             + options.clothes_radii_per_frame * min(track.frames_unseen, options.clothes_max_frames)
         )
-        hypothesis = transform(track.motion.predictions()[0], track.model.xyz)
+        expected = transform(track.motion.predictions()[0], track.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)
-        close[cells] = close_to(foreground.middle[cells], hypothesis, reach)
+        close[cells] = close_to(foreground.middle[cells], expected, reach)
         mine = close[foreground.cell] & sure
         if not mine.any():
             continue
@@ -309,7 +310,7 @@ def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
 def _was_there(
     track: Track, other_movers: OtherMovers, view: View, fit: Registration, rest: I64
 ) -> Mask:
-    """Return which points are where something unlabelled was, or where it went along with the
+    """Mark the points at which an unlabelled mover was, or would be had it gone along with the
     object."""
     step = step_of(track, fit)
     reach = np.full(len(rest), 3 * track.unit)

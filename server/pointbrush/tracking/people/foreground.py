@@ -178,7 +178,7 @@ class Foreground:
         return close_to(self.middle, self.middle[own], self.options.body.touching_cells * self.size)
 
     def _whole_bodies(self, owner: I64, figures: _Figures, ways: Paths, sure: Mask) -> None:
-        """Give what hangs together, surely before the scene, to who has theirs claims there.
+        """Give each connected body before the scene to the figure with claims on it.
 
         All of it where that is one figure, else to the claim with the shorter way.
         """
@@ -226,7 +226,7 @@ class Foreground:
         return np.asarray(there)
 
     def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
-        """Give what nothing reached to the figure beside it, where it wears its colours.
+        """Give parts that no way reached to the figure beside them, where they have its colours.
 
         A leg behind the other one hangs together with nothing that the sensor sees.
         """
@@ -245,11 +245,11 @@ class Foreground:
                 continue
             tone = close_to(self.colour[apart], self.colour[own], options.unlike_colour / 2)
             alike = np.bincount(part, weights=tone, minlength=count)
-            whole = np.bincount(part, minlength=count)
+            total = np.bincount(part, minlength=count)
             beside &= (
-                (alike > options.alike_cells_share * whole)
-                & (whole >= options.min_part_cells)
-                & (whole < len(own))
+                (alike > options.alike_cells_share * total)
+                & (total >= options.min_part_cells)
+                & (total < len(own))
             )
             owner[apart[beside[part]]] = label
 
@@ -261,6 +261,6 @@ class Foreground:
 
 
 def _between(values: NDArray[np.floating], a: I64, b: I64) -> F64:
-    """Return how far some rows ``a`` of (N, 3) are from others ``b``."""
+    """Distance from each row ``a`` of (N, 3) to row ``b``."""
     gap = values[a] - values[b]
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", gap, gap)), np.float64)

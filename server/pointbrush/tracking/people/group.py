@@ -19,7 +19,7 @@ from pointbrush.tracking.people.arrivals import (
     rules_out,
 )
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person, PersonEvidence
 from pointbrush.tracking.people.stature import across, ratio, upright
 from pointbrush.tracking.people.strides import Shares, shared_out, strides
@@ -50,26 +50,28 @@ class Group:
         flat = across(view, people.values())
         up = upright(view, flat)
         group = Group(view.options, [], float(np.median(sizes)), unit, flat, up, 0.0)
-        sight = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
+        observation = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
         for label, track in tracks.items():
             group.put(view, label, track)
-            inside = np.isin(sight.cells.indices, view.labels[label])
-            sight.owner[np.unique(sight.cells.cell[inside])] = label
+            inside = np.isin(observation.cells.indices, view.labels[label])
+            observation.owner[np.unique(observation.cells.cell[inside])] = label
         for person in group.people:
-            cells = sight.cells_of(person.label)
-            person.area, person.spread = sight.area(cells), sight.spread(cells)
-            person.measure(person.top(sight))
+            cells = observation.cells_of(person.label)
+            person.area, person.spread = observation.area(cells), observation.spread(cells)
+            person.measure(person.top(observation))
         group.usual = float(np.median([person.size for person in group.people]))
-        group.people += newcomers(sight, group.people, group.usual, 0)
+        group.people += newcomers(observation, group.people, group.usual, 0)
         return group
 
     @property
     def labels(self) -> set[int]:
-        """Whom a person painted."""
+        """Labels of the people that were painted."""
         return {person.label for person in self.people if person.named}
 
-    def _sight(self, view: View, background: PictureBackground, free: Mask) -> Observation:
-        return Observation.of(view, background, free, self.size, self.unit, self.flat, self.up)
+    def _sight(self, view: View, background: PictureBackground, free: Mask) -> PersonObservation:
+        return PersonObservation.of(
+            view, background, free, self.size, self.unit, self.flat, self.up
+        )
 
     def put(self, view: View, label: int, track: Track) -> None:
         """A person is where they were painted in a frame, whatever was thought of them."""
@@ -99,29 +101,29 @@ class Group:
     def step(
         self, view: View, background: PictureBackground, free: Mask
     ) -> dict[int, tuple[TrackState, I64]]:
-        """Return who has which of the ``free`` points (N,) of the next frame."""
+        """Share out the ``free`` points (N,) of the next frame: label → state and points (M,)."""
         self.now += 1
         self.leave_behind(background)
-        sight = self._sight(view, background, free)
+        observation = self._sight(view, background, free)
         people = self.people
         shares = None
-        if len(sight.owner) and people:
-            shares = shared_out(sight, people, strides(sight, people))
-            gone = come_back(sight, people, self.usual, self.now)
-            fresh = newcomers(sight, people, self.usual, self.now)
-            gone |= merge(sight, [*people, *fresh], self.now)
+        if len(observation.owner) and people:
+            shares = shared_out(observation, people, strides(observation, people))
+            gone = come_back(observation, people, self.usual, self.now)
+            fresh = newcomers(observation, people, self.usual, self.now)
+            gone |= merge(observation, [*people, *fresh], self.now)
             self.people = [f for f in [*people, *fresh] if f.label not in gone]
-            exchange(sight, self.people, self.now)
+            exchange(observation, self.people, self.now)
         expected = {f.label: np.median((f.xyz + f.step) @ self.flat, axis=0) for f in people}
         found = {}
         for k, person in enumerate(people):
             stride = person.step if shares is None else shares.stride[k]
-            looks = _looks(sight, person, shares, k, stride, expected)
+            looks = _looks(observation, person, shares, k, stride, expected)
             if looks is not None and person.named:
-                self.doubt(sight, person, looks)
-            person.follow(sight, stride, self.now)
+                self.doubt(observation, person, looks)
+            person.follow(observation, stride, self.now)
             if person.named:
-                found[person.label] = outcome(sight, person, looks)
+                found[person.label] = outcome(observation, person, looks)
         self.people = [
             f
             for f in self.people
@@ -130,23 +132,23 @@ class Group:
         return found
 
     def leave_behind(self, background: PictureBackground) -> None:
-        """Return what stands still while who has its label goes on is none of them."""
+        """Make scenery of surface at rest that has the label of a person who has walked away."""
         for person in (f for f in self.people if f.named):
             gone = person.gone()
             if gone is not None:
                 background.left_behind(person.label, *gone)
 
-    def doubt(self, sight: Observation, person: Person, looks: PersonEvidence) -> None:
+    def doubt(self, observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
         """Doubt who is found again, or much larger, where another may be, and that other, until
         clothes or stature tell; and who is as tall as another, while they are."""
         options = self.options
         identity = person.identity
-        others = mistakable(sight, self.people, person, self.now)
+        others = mistakable(observation, self.people, person, self.now)
         most = options.body.crowded_ratio * max(identity.first, self.usual)
         if person.well < self.now - 1 or looks.size * person.size > most:
             for other in others:
                 person.doubt(other)
-        top = person.top(sight)
+        top = person.top(observation)
         here = [f for f in self.people if f.label in identity.doubts and f not in others]
         here = here if looks.like > -options.body.own_log else []
         as_tall = [f for f in self.people if f.named and f is not person]
@@ -155,7 +157,7 @@ class Group:
             for f in as_tall
             if ratio(top, f.identity.stature, identity.stature) >= options.stature.decisive_log_odds
         ]
-        some = sight.some(sight.cells_of(person.label)) if here or as_tall else None
+        some = observation.some(observation.cells_of(person.label)) if here or as_tall else None
         identity.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
         identity.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
         if (
@@ -164,15 +166,15 @@ class Group:
         ):
             identity.sure = self.now
             person.measure(top)
-            dress(sight, person, looks)
+            dress(observation, person, looks)
 
 
-def dress(sight: Observation, person: Person, looks: PersonEvidence) -> None:
+def dress(observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
     """Tell a person's clothes anew where they show much that was hidden when they were told
     last, as who was painted behind another does, and no one is there whose it may be."""
-    options = sight.options.body
-    cells = sight.cells_of(person.label)
-    some, area = sight.some(cells), sight.area(cells)
+    options = observation.options.body
+    cells = observation.cells_of(person.label)
+    some, area = observation.some(cells), observation.area(cells)
     identity = person.identity
     if (
         some is not None
@@ -195,36 +197,40 @@ def cell_size(view: View, track: Track, background: PictureBackground) -> float:
 
 
 def _looks(
-    sight: Observation,
+    observation: PersonObservation,
     person: Person,
     shares: Shares | None,
     k: int,
     stride: F64,
     expected: Mapping[int, F64],
 ) -> PersonEvidence | None:
-    """Return what a person's share of a frame says about itself; None where there is none."""
-    cells = np.flatnonzero((sight.owner == person.label) & sight.cells.solid)
+    """Gather the evidence of a person's share of a frame; None where they have none."""
+    cells = np.flatnonzero((observation.owner == person.label) & observation.cells.solid)
     if shares is None or not len(cells):
         return None
     return PersonEvidence(
-        fit=float(np.minimum(shares.cost[cells, k], sight.options.step.cap).mean()),
-        disputed=shares.disputed(cells, k, options=sight.view.options.step),
+        fit=float(np.minimum(shares.cost[cells, k], observation.options.step.cap).mean()),
+        disputed=shares.disputed(cells, k, options=observation.view.options.step),
         size=len(cells) / max(person.size, 1.0),
         change=len(cells) / max(person.last, 1),
-        shown=float(sight.shows(person.xyz + stride).mean()),
-        like=person.likeness(sight.some(cells)),
+        shown=float(observation.shows(person.xyz + stride).mean()),
+        like=person.likeness(observation.some(cells)),
         back=person.frames_unseen > 0,
-        touching=sight.touching_others(cells, person.label),
-        wider=max(0.0, sight.spread(cells) - max(sight.options.body.spread_m, person.spread)),
-        astray=astray(sight, person.label, cells, expected),
+        touching=observation.touching_others(cells, person.label),
+        wider=max(
+            0.0, observation.spread(cells) - max(observation.options.body.spread_m, person.spread)
+        ),
+        astray=astray(observation, person.label, cells, expected),
     )
 
 
-def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F64]) -> float:
-    """Return how much farther a person's ``cells`` (C,) are from where they were ``expected``
-    (2,) on the ground than from where anybody else was, a logarithm."""
-    options = sight.options.body
-    middle = np.median(sight.ground[cells], axis=0)
+def astray(
+    observation: PersonObservation, label: int, cells: I64, expected: Mapping[int, F64]
+) -> float:
+    """Log ratio of the distances of a person's ``cells`` (C,) on the ground: from their own
+    ``expected`` position (2,) over the nearest other's."""
+    options = observation.options.body
+    middle = np.median(observation.ground[cells], axis=0)
     away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
     own = away.pop(label)
     other = min(away.values(), default=options.nearest_m[1])
@@ -232,15 +238,15 @@ def astray(sight: Observation, label: int, cells: I64, expected: Mapping[int, F6
 
 
 def outcome(
-    sight: Observation, person: Person, looks: PersonEvidence | None
+    observation: PersonObservation, person: Person, looks: PersonEvidence | None
 ) -> tuple[TrackState, I64]:
-    """Return how a person fared, and their points."""
-    options = sight.options
+    """Conclude the state of a person in the frame, and their points."""
+    options = observation.options
     identity, pose = person.identity, np.eye(4)
     pose[:3, 3] = person.went
-    points = sight.cells.indices[sight.owner[sight.cells.cell] == person.label]
+    points = observation.cells.indices[observation.owner[observation.cells.cell] == person.label]
     if identity.with_flying:
-        points = np.concatenate([points, sight.take_flying(points)])
+        points = np.concatenate([points, observation.take_flying(points)])
     points = np.sort(points)
     if person.frames_unseen or looks is None:
         # What shows of them is theirs, but too little to follow.
@@ -248,7 +254,7 @@ def outcome(
         lost = person.frames_unseen > options.update.lost_frames
         return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
     identity.confidence = min(
-        looks.likelihood(options=sight.view.options),
+        looks.likelihood(options=observation.view.options),
         identity.confidence + options.confidence.regain,
     )
     if identity.doubts:

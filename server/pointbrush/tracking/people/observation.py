@@ -18,7 +18,7 @@ from pointbrush.tracking.steps.claim import flying
 
 
 @dataclass(eq=False)
-class Observation:
+class PersonObservation:
     """The ``cells`` of a frame, ``flat`` (3, 2) and ``up`` (3,) the ways along and off the ground,
     each cell with an ``owner`` (N,): a label, less than 0 for who has none, 0 for no one;
     ``flying`` pixels (F,) that no one took are in none."""
@@ -48,8 +48,8 @@ class Observation:
         unit: float,
         flat: F64,
         up: F64,
-    ) -> Observation:
-        """Return what is ``free`` (N,) and no scenery, in cells of ``size`` metres."""
+    ) -> PersonObservation:
+        """Build the cells, ``size`` metres, of the ``free`` points (N,) that are no scenery."""
         some = np.flatnonzero(free)
         some = some[~background.furniture(view, some)]
         moving = ~background.scenery(view, some, view.options.search.never_frames) | (
@@ -57,7 +57,9 @@ class Observation:
         )
         some = some[moving]
         loose = flying(view, some, unit)
-        return Observation(view, Foreground.of(view, some[~loose], size), flat, up, some[loose])
+        return PersonObservation(
+            view, Foreground.of(view, some[~loose], size), flat, up, some[loose]
+        )
 
     def take_flying(self, points: I64) -> I64:
         """The flying pixels (B,) at the outline of the ``points`` (M,): no one else's."""
@@ -107,7 +109,7 @@ class Observation:
         return float(np.linalg.norm(np.std(self.ground[cells], axis=0)))
 
     def area(self, cells: I64) -> float:
-        """Return how much surface the ``cells`` (C,) show, in pixels a metre away."""
+        """Surface shown by the ``cells`` (C,), in pixels at a metre."""
         return float(self.areas[cells].sum())
 
     @cached_property
@@ -131,7 +133,7 @@ class Observation:
         return np.asarray(sums / self.cells.count)
 
     def shows(self, world: F64) -> Mask:
-        """Return which of the places (M, 3) are in the picture, and hidden by nothing."""
+        """Mark the positions (M, 3) that lie in the picture with nothing before them."""
         at, depth = self.view.project(world)
         return np.asarray((self.view.depth[at] > depth - self.options.body.before_m) & (at >= 0))
 

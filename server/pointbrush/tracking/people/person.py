@@ -12,7 +12,7 @@ from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import log_ratio, squashed
 from pointbrush.tracking.options import PersonConfidenceOptions, TrackerOptions
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.stature import Stature, top_of
 
 
@@ -39,7 +39,7 @@ class PersonEvidence:
     astray: float
 
     def features(self, options: PersonConfidenceOptions) -> list[float]:
-        """Return what the odds are made of."""
+        """List the features of the logistic model, in the order of its weights."""
         return [
             self.fit,
             self.disputed,
@@ -133,7 +133,7 @@ class Person:
     ways: deque[F64] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Return what they start with is the most so far."""
+        """Begin with the first cells as the most so far."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
         self.well, self.known = self.since, self.xyz
         self.ways = deque(maxlen=self.options.body.way_frames)
@@ -154,7 +154,7 @@ class Person:
 
     @property
     def label(self) -> int:
-        """Return whose points they have; less than 0 for who has no label."""
+        """Label of their points; less than 0 for people without one."""
         return self.identity.label
 
     @property
@@ -162,24 +162,25 @@ class Person:
         """Whether they have a label."""
         return self.label > 0
 
-    def elsewhere(self, sight: Observation, now: int) -> bool:
+    def elsewhere(self, observation: PersonObservation, now: int) -> bool:
         """Whether they may be where they were not expected: too little of them was there, or is."""
         return (
             self.well < now - 1
-            or sight.area(sight.cells_of(self.label)) < self.options.body.scrap_share * self.area
+            or observation.area(observation.cells_of(self.label))
+            < self.options.body.scrap_share * self.area
         )
 
     def likeness(self, colour: F32 | None) -> float:
-        """Return how much more like their clothes the colours (M, 3) are than their own; 0
+        """Mean log likelihood of the colours (M, 3) by their clothes, over that of their own; 0
         without any."""
         appearance = self.identity.appearance
         if colour is None or appearance is None or not len(colour):
             return 0.0
         return appearance.likeness(colour) - appearance.usual
 
-    def top(self, sight: Observation) -> float | None:
+    def top(self, observation: PersonObservation) -> float | None:
         """Metres up to the top of what they have, where that is seen."""
-        return top_of(sight, np.flatnonzero(sight.owner == self.label), self.area)
+        return top_of(observation, np.flatnonzero(observation.owner == self.label), self.area)
 
     def measure(self, top: float | None) -> None:
         """Take a top (m) that is surely their for how tall they are."""
@@ -200,20 +201,20 @@ class Person:
         other.ways.clear()
         self.mistaken = other.mistaken = 0
 
-    def follow(self, sight: Observation, step: F64, now: int) -> None:
+    def follow(self, observation: PersonObservation, step: F64, now: int) -> None:
         """Take in the cells they have in a frame, ``step`` (3,) metres on."""
         options = self.options.body
-        cells = sight.cells_of(self.label)
+        cells = observation.cells_of(self.label)
         if len(cells) < max(options.seen_min_cells, options.seen_min_share * self.size):
             self._hide()
             return
-        hidden = self._hidden(sight, cells, step)
-        ground = sight.ground[cells]
+        hidden = self._hidden(observation, cells, step)
+        ground = observation.ground[cells]
         away = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
         # The median of what lies apart may be where nothing is.
         core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < options.memory_m]
-        self.xyz = np.vstack([sight.cells.middle[core], (self.xyz + step)[hidden]])
-        self.colour = np.vstack([sight.cells.colour[core], self.colour[hidden]])
+        self.xyz = np.vstack([observation.cells.middle[core], (self.xyz + step)[hidden]])
+        self.colour = np.vstack([observation.cells.colour[core], self.colour[hidden]])
         if self.frames_unseen:
             self.step, self.back = np.zeros(3), now
         else:
@@ -227,12 +228,12 @@ class Person:
         self.last = len(cells)
         self.size = max(options.most_decay * self.size, float(self.last))
         # Of what is no one, many cells may hold a few points each.
-        area = sight.area(cells)
+        area = observation.area(cells)
         self.area = max(options.most_decay * self.area, area)
         if area >= options.scrap_share * self.area:
             self.well, self.known = now, self.xyz
         self.frames_unseen, self.age = 0, self.age + 1
-        self.ways.append(self.went @ sight.flat)
+        self.ways.append(self.went @ observation.flat)
 
     def gone(self) -> tuple[int, float] | None:
         """Frames within which they have gone so far that all of them has moved, and how far (m)."""
@@ -251,13 +252,13 @@ class Person:
         self.xyz, self.went = self.xyz + self.step, self.went + self.step
         self.step = self.options.body.hidden_step_share * self.step
 
-    def _hidden(self, sight: Observation, cells: I64, step: F64) -> I64:
+    def _hidden(self, observation: PersonObservation, cells: I64, step: F64) -> I64:
         """The cells of their surface that something hides now."""
         options = self.options.body
         if self.frames_unseen:
             return np.empty(0, np.int64)
-        seen, there = sight.cells.middle[cells], self.xyz + step
-        hides = sight.view.hides(there, options.memory_behind_m)
-        apart = cKDTree(seen).query(there)[0] > options.memory_cells * sight.cells.size
+        seen, there = observation.cells.middle[cells], self.xyz + step
+        hides = observation.view.hides(there, options.memory_behind_m)
+        apart = cKDTree(seen).query(there)[0] > options.memory_cells * observation.cells.size
         close = np.linalg.norm(there - np.median(seen, axis=0), axis=1) < options.memory_seen_m
         return np.flatnonzero(hides & apart & close)

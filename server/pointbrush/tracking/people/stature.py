@@ -16,7 +16,7 @@ from pointbrush.tracking.compute.graph import Paths, paths_into, root_of
 from pointbrush.tracking.compute.grid import cells_of
 from pointbrush.tracking.interface import F64, I64
 from pointbrush.tracking.options import StatureOptions, TrackerOptions
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.sensors.view import View
 
 
@@ -109,54 +109,56 @@ def ratio(top: float | None, one: Stature, other: Stature) -> float:
     return 0.0 if top is None else one.likelihood(top) - other.likelihood(top)
 
 
-def top_of(sight: Observation, cells: I64, area: float) -> float | None:
+def top_of(observation: PersonObservation, cells: I64, area: float) -> float | None:
     """Metres up to the top of the ``cells`` (C,) of a person of whom an ``area`` showed at most;
     None where it is not seen that they end there."""
-    options = sight.options.stature
-    mask = np.zeros(len(sight.owner), np.bool_)
+    options = observation.options.stature
+    mask = np.zeros(len(observation.owner), np.bool_)
     mask[cells] = True
-    points = sight.cells.indices[mask[sight.cells.cell]]
+    points = observation.cells.indices[mask[observation.cells.cell]]
     if not len(points):
         return None
-    world = sight.view.xyz[points].astype(np.float64)
-    height = world @ sight.up
-    _, depth = sight.view.project(world[:: max(1, len(points) // options.sampled_points)])
+    world = observation.view.xyz[points].astype(np.float64)
+    height = world @ observation.up
+    _, depth = observation.view.project(world[:: max(1, len(points) // options.sampled_points)])
     above = max(
         1,
-        round(options.top_share * max(area, sight.area(cells)) / float(np.median(depth)) ** 2),
+        round(
+            options.top_share * max(area, observation.area(cells)) / float(np.median(depth)) ** 2
+        ),
     )
     if above >= len(points):
         return None
     order = np.argpartition(height, len(points) - above)
     highest = order[len(points) - above :]
     middle = world[highest].mean(axis=0)
-    at, away = sight.view.project(middle + np.outer(options.above_m, sight.up))
-    free = (at >= 0) & (sight.view.depth[at] > away + options.behind_m)
+    at, away = observation.view.project(middle + np.outer(options.above_m, observation.up))
+    free = (at >= 0) & (observation.view.depth[at] > away + options.behind_m)
     return float(height[highest].min()) if free.all() else None
 
 
 def beneath_heads(
-    sight: Observation, cells: I64, least: float, area: float
+    observation: PersonObservation, cells: I64, least: float, area: float
 ) -> list[tuple[I64, I64]]:
     """Of a person's ``cells`` (C,) those of one and of the other of two people, either way round;
     none where they are not two people's of ``least`` cells or more, each seen to end above;
     ``area`` showed of them at most."""
-    options = sight.options.body
-    some = np.zeros(len(sight.owner), np.bool_)
+    options = observation.options.body
+    some = np.zeros(len(observation.owner), np.bool_)
     some[cells] = True
-    links = paths_into(sight.cells.touching, np.ones(len(sight.cells.touching)), some)
-    height = sight.cells.middle @ sight.up
+    links = paths_into(observation.cells.touching, np.ones(len(observation.cells.touching)), some)
+    height = observation.cells.middle @ observation.up
     order = cells[np.argsort(-height[cells], kind="stable")]
-    head = _peaks(order, links, height, sight.ground, options.head_m)[cells]
+    head = _peaks(order, links, height, observation.ground, options.head_m)[cells]
     heads, count = np.unique(head, return_counts=True)
     largest = np.argsort(-count, kind="stable")[:2]
     if len(largest) < 2 or count[largest[1]] < least:
         return []
     one, two = (cells[head == heads[n]] for n in largest)
-    top, other = (top_of(sight, each, area) for each in (one, two))
+    top, other = (top_of(observation, each, area) for each in (one, two))
     if top is None or other is None or abs(top - other) > options.head_lower_m:
         return []
-    gap = np.median(sight.ground[one], axis=0) - np.median(sight.ground[two], axis=0)
+    gap = np.median(observation.ground[one], axis=0) - np.median(observation.ground[two], axis=0)
     return [(one, two), (two, one)] if np.linalg.norm(gap) > options.heads_apart_m else []
 
 

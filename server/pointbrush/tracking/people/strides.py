@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.graph import agreed, parts
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options import StrideOptions
-from pointbrush.tracking.people.observation import Observation
+from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.sensors.camera import I32
 
@@ -19,42 +19,43 @@ GRID = (np.arange(13) - 6) / 2
 """Deviations that are tried each way."""
 
 
-def strides(sight: Observation, people: Sequence[Person]) -> F64:
+def strides(observation: PersonObservation, people: Sequence[Person]) -> F64:
     """(K, 3) metres that each person has gone."""
-    at = sight.view.cells.cell
-    moving = sight.view.marked(sight.cells.indices)
+    at = observation.view.cells.cell
+    moving = observation.view.marked(observation.cells.indices)
     taken = np.zeros_like(moving)
-    tints = np.zeros((len(sight.view.depth), 3), np.float32)
-    if sight.tints is not None:
-        tints[at[sight.cells.indices]] = sight.tints
-    away = [float(np.median(sight.view.project(f.xyz).depth)) for f in people]
+    tints = np.zeros((len(observation.view.depth), 3), np.float32)
+    if observation.tints is not None:
+        tints[at[observation.cells.indices]] = observation.tints
+    away = [float(np.median(observation.view.project(f.xyz).depth)) for f in people]
     found = np.zeros((len(people), 3))
     for k in sorted(range(len(people)), key=lambda k: (people[k].frames_unseen > 0, away[k])):
-        found[k] = _stride(sight, people[k], moving & ~taken, tints)
+        found[k] = _stride(observation, people[k], moving & ~taken, tints)
         there = cKDTree(people[k].xyz + found[k])
         gap = there.query(
-            sight.cells.middle, distance_upper_bound=sight.options.step.own_cells * sight.cells.size
+            observation.cells.middle,
+            distance_upper_bound=observation.options.step.own_cells * observation.cells.size,
         )[0]
-        own = np.isfinite(gap)[sight.cells.cell]
-        taken |= sight.view.marked(sight.cells.indices[own])
+        own = np.isfinite(gap)[observation.cells.cell]
+        taken |= observation.view.marked(observation.cells.indices[own])
     return found
 
 
-def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
-    options = sight.options.step
+def _stride(observation: PersonObservation, person: Person, loose: Mask, tints: F32) -> F64:
+    options = observation.options.step
     varies = options.stride_m + options.stride_share * float(np.linalg.norm(person.step))
     varies += options.stride_m_per_frame * min(person.frames_unseen, options.max_unseen_frames)
     right, ahead = (axis.ravel() for axis in np.meshgrid(GRID, GRID))
     tried = person.step + varies * (
-        right[:, None] * sight.flat[:, 0] + ahead[:, None] * sight.flat[:, 1]
+        right[:, None] * observation.flat[:, 0] + ahead[:, None] * observation.flat[:, 1]
     )
     some = slice(None, None, max(1, len(person.xyz) // options.sampled_cells))
     xyz, colour = person.xyz[some], person.colour[some]
     world = (xyz[None] + tried[:, None]).reshape(-1, 3)
-    cell, depth = sight.view.project(world)
-    cost = _costs(sight, cell, depth, loose)
-    if sight.tints is not None:
-        same = np.abs(sight.view.depth[cell] - depth) <= options.same_depth_m
+    cell, depth = observation.view.project(world)
+    cost = _costs(observation, cell, depth, loose)
+    if observation.tints is not None:
+        same = np.abs(observation.view.depth[cell] - depth) <= options.same_depth_m
         unlike = (
             np.linalg.norm(tints[cell] - np.tile(colour, (len(tried), 1)), axis=1)
             / options.other_colour
@@ -68,10 +69,10 @@ def _stride(sight: Observation, person: Person, loose: Mask, tints: F32) -> F64:
     return np.asarray(tried[total.argmin()])
 
 
-def _costs(sight: Observation, cell: I32, depth: F32, loose: Mask) -> F64:
+def _costs(observation: PersonObservation, cell: I32, depth: F32, loose: Mask) -> F64:
     """(M,) what surface costs at a ``depth`` (M,) of a ``cell`` (M,), by depth alone."""
-    options = sight.options.step
-    seen = sight.view.depth[cell]
+    options = observation.options.step
+    seen = observation.view.depth[cell]
     behind = seen - depth
     cost = np.where(behind > options.same_depth_m, 1.0, options.hidden_cost)
     same = np.abs(behind) <= options.same_depth_m
@@ -98,59 +99,59 @@ class Shares:
         return float((others.min(axis=1) < self.cost[cells, who] + options.disputed_cost).mean())
 
 
-def shared_out(sight: Observation, people: Sequence[Person], stride: F64) -> Shares:
-    """Give the cells in ``sight`` owners, mending the strides (K, 3) by who has what."""
-    options = sight.options.step
-    clothes = _clothes(sight, people)
+def shared_out(observation: PersonObservation, people: Sequence[Person], stride: F64) -> Shares:
+    """Give the cells of an ``observation`` owners, mending the strides (K, 3) by who has what."""
+    options = observation.options.step
+    clothes = _clothes(observation, people)
     steps = [float(np.linalg.norm(f.step)) for f in people if not f.frames_unseen]
     swing = options.limbs_m + options.swing_share * min(
         max([options.slowest_m, *steps]), options.fastest_m
     )
     stride = stride.copy()
-    surfaces = [_Surface.of(f, swing, coloured=sight.tints is not None) for f in people]
+    surfaces = [_Surface.of(f, swing, coloured=observation.tints is not None) for f in people]
     for _ in range(options.rounds):
-        cost = np.full((len(sight.owner), len(people)), options.cap)
+        cost = np.full((len(observation.owner), len(people)), options.cap)
         near = []
         for k, surface in enumerate(surfaces):
-            cost[:, k], nearest = _place(sight, surface, stride[k])
+            cost[:, k], nearest = _surface_costs(observation, surface, stride[k])
             near.append(nearest)
         cost += clothes
         chance = agreed(
             cost,
-            sight.links,
-            sight.view.options.mean_field.sweeps,
-            sight.view.options.mean_field.settled_change,
-            sight.view.options.mean_field.same_change,
-            sight.view.options.mean_field.neighbour_weight,
-            sight.view.options.mean_field.full_neighbours,
+            observation.links,
+            observation.view.options.mean_field.sweeps,
+            observation.view.options.mean_field.settled_change,
+            observation.view.options.mean_field.same_change,
+            observation.view.options.mean_field.neighbour_weight,
+            observation.view.options.mean_field.full_neighbours,
         )
         who = chance.argmax(axis=1)
         mended = np.zeros_like(stride)
         for k, person in enumerate(people):
             cells = np.where(who == k, near[k], -1)
-            mended[k] = _mended(sight, person, stride[k], chance[:, k], cells, swing)
+            mended[k] = _mended(observation, person, stride[k], chance[:, k], cells, swing)
         stride += mended
         if np.linalg.norm(mended, axis=1).max() < options.settled_m:
             break
-    sight.owner = np.array([f.label for f in people], np.int64)[who]
-    _leave(sight, cost.min(axis=1), chance.max(axis=1))
+    observation.owner = np.array([f.label for f in people], np.int64)[who]
+    _leave(observation, cost.min(axis=1), chance.max(axis=1))
     for k, person in enumerate(people):
-        _drop(sight, person, stride[k])
+        _drop(observation, person, stride[k])
     return Shares(stride, cost, chance)
 
 
-def _clothes(sight: Observation, people: Sequence[Person]) -> F64:
+def _clothes(observation: PersonObservation, people: Sequence[Person]) -> F64:
     """(N, K) what the colours of each cell cost."""
-    options = sight.options.step
-    cost = np.zeros((len(sight.owner), len(people)))
+    options = observation.options.step
+    cost = np.zeros((len(observation.owner), len(people)))
     for k, person in enumerate(people):
-        if sight.tints is not None and person.identity.appearance is not None:
+        if observation.tints is not None and person.identity.appearance is not None:
             rare = (
                 person.identity.appearance.usual
                 - options.clothes_rarer_log
-                - person.identity.appearance.each(sight.tints)
+                - person.identity.appearance.each(observation.tints)
             )
-            cost[:, k] = options.clothes_weight * sight.mean(
+            cost[:, k] = options.clothes_weight * observation.mean(
                 np.clip(rare, 0.0, options.clothes_max_log)
             )
     return cost
@@ -177,20 +178,22 @@ class _Surface:
         return _Surface(person, within, own, cKDTree(own))
 
 
-def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64]:
+def _surface_costs(
+    observation: PersonObservation, surface: _Surface, stride: F64
+) -> tuple[F64, I64]:
     """(N,) what it costs each cell to be their there, and their cell next to it, -1 for none."""
-    options = sight.options.step
+    options = observation.options.step
     own, person = surface.own, surface.person
-    seen = (sight.cells.middle - stride) / surface.within
+    seen = (observation.cells.middle - stride) / surface.within
     if own.shape[1] > seen.shape[1]:
-        seen = np.hstack([seen, sight.cells.colour / options.shade])
+        seen = np.hstack([seen, observation.cells.colour / options.shade])
     reach = np.sqrt(2 * options.cap)
     close = np.all((seen > own.min(axis=0) - reach) & (seen < own.max(axis=0) + reach), axis=1)
     gap, near = np.full(len(seen), np.inf), np.full(len(seen), -1)
     gap[close], near[close] = surface.tree.query(seen[close], distance_upper_bound=reach)
     cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, options.cap) ** 2, options.cap)
-    middle = np.median((person.xyz + stride) @ sight.flat, axis=0)
-    away = np.linalg.norm(sight.ground - middle, axis=1)
+    middle = np.median((person.xyz + stride) @ observation.flat, axis=0)
+    away = np.linalg.norm(observation.ground - middle, axis=1)
     cost += np.minimum(
         options.body_max_cost,
         0.5 * (np.maximum(0.0, away - options.body_m) / options.body_sigma_m) ** 2,
@@ -200,7 +203,7 @@ def _place(sight: Observation, surface: _Surface, stride: F64) -> tuple[F64, I64
 
 
 def _mended(
-    sight: Observation,
+    observation: PersonObservation,
     person: Person,
     stride: F64,
     chance: F64,
@@ -212,15 +215,15 @@ def _mended(
     ``near`` (N,) number of the point of their surface that each cell is nearest to, -1 for those
     that they have not; ``chance`` (N,) of each to be theirs; ``swing`` metres by which limbs move.
     """
-    options = sight.options
-    cells = np.flatnonzero((near >= 0) & sight.cells.solid)
+    options = observation.options
+    cells = np.flatnonzero((near >= 0) & observation.cells.solid)
     if len(cells) < max(options.body.seen_min_cells, options.step.corrected_share * person.size):
         return np.zeros(3)
     there = person.xyz + stride
-    seen = sight.cells.middle[cells]
-    weight = chance[cells] * np.sqrt(sight.cells.count[cells])
+    seen = observation.cells.middle[cells]
+    weight = chance[cells] * np.sqrt(observation.cells.count[cells])
     off = ((seen - there[near[cells]]) * weight[:, None]).sum(axis=0) / weight.sum()
-    shown = sight.shows(there)
+    shown = observation.shows(there)
     gap, nearest = map(
         np.asarray,
         cKDTree(seen).query(there[shown], 1, 0, 2, options.step.met_swings * swing),
@@ -232,41 +235,42 @@ def _mended(
     return np.asarray(off * share / (share + options.step.visible_doubt))
 
 
-def _leave(sight: Observation, cost: F64, chance: F64) -> None:
-    """Return what hangs together and hardly fits anybody is no track's yet."""
-    options = sight.options.step
-    inside = sight.bodies >= 0
-    fits = cost < options.fitting_cap_share * options.cap
+def _leave(observation: PersonObservation, cost: F64, chance: F64) -> None:
+    """Free the bodies and cells that hardly fit anybody: they are no track's yet."""
+    options = observation.options.step
+    inside = observation.bodies >= 0
+    explained = cost < options.fitting_cap_share * options.cap
     if inside.any():
-        body = sight.bodies[inside]
-        bad = np.bincount(body, weights=fits[inside]) < options.fitting_cells_share * np.bincount(
-            body
-        )
-        sight.owner[inside] = np.where(bad[body], 0, sight.owner[inside])
-    sight.owner[~inside & ~fits & (chance <= options.sure_probability)] = 0
+        body = observation.bodies[inside]
+        bad = np.bincount(
+            body, weights=explained[inside]
+        ) < options.fitting_cells_share * np.bincount(body)
+        observation.owner[inside] = np.where(bad[body], 0, observation.owner[inside])
+    observation.owner[~inside & ~explained & (chance <= options.sure_probability)] = 0
 
 
-def _drop(sight: Observation, person: Person, stride: F64) -> None:
+def _drop(observation: PersonObservation, person: Person, stride: F64) -> None:
     """Take from a person what lies apart from the rest of it, and not where they should be."""
-    options = sight.options
-    cells = np.flatnonzero(sight.owner == person.label)
+    options = observation.options
+    cells = np.flatnonzero(observation.owner == person.label)
     if len(cells) < options.body.seen_min_cells:
         return
-    some = np.zeros(len(sight.owner), np.bool_)
+    some = np.zeros(len(observation.owner), np.bool_)
     some[cells] = True
-    part = parts(sight.cells.touching, some)[cells]
+    part = parts(observation.cells.touching, some)[cells]
     count = np.bincount(part)
     if len(count) < 2:
         return
     rest = np.flatnonzero(count[part] < options.step.apart_share * count.max())
     if not len(rest):
         return
-    there, middles = person.xyz + stride, sight.cells.middle[cells]
+    there, middles = person.xyz + stride, observation.cells.middle[cells]
     gap = np.asarray(cKDTree(middles[part == count.argmax()]).query(middles[rest])[0])
     known = np.asarray(cKDTree(there).query(middles[rest])[0] < options.step.known_m)
-    middle = np.median(there @ sight.flat, axis=0)
+    middle = np.median(there @ observation.flat, axis=0)
     known &= (
-        np.linalg.norm(sight.ground[cells[rest]] - middle, axis=1) < options.step.known_beside_m
+        np.linalg.norm(observation.ground[cells[rest]] - middle, axis=1)
+        < options.step.known_beside_m
     )
     for number in np.unique(part[rest]).tolist():
         piece = part[rest] == number
@@ -274,4 +278,4 @@ def _drop(sight: Observation, person: Person, stride: F64) -> None:
             gap[piece].min() > options.step.apart_m
             and known[piece].mean() < options.step.known_share
         ):
-            sight.owner[cells[rest[piece]]] = 0
+            observation.owner[cells[rest[piece]]] = 0

@@ -39,35 +39,33 @@ class Background(Protocol):
     """
 
     def static(self, view: View, indices: I64, /) -> tuple[Mask, Mask]:
-        """Return which of the points (M,) are background, and which an unlabelled object at
-        rest."""
+        """Mark the points (M,) of the background, and those of an unlabelled object at rest."""
 
     def faint(self, view: View, indices: I64, /) -> Mask:
-        """Return which of the background's points (M,) may be of something that touches it
-        there."""
+        """Mark the background's points (M,) that may belong to an object touching it there."""
 
     def stayed(self, view: View, indices: I64, frames: int, /) -> Mask:
-        """Return which of the points (M,), labelled or not, have been as deep for so many
+        """Mark the points (M,), labelled or not, whose depth has not changed for so many
         ``frames``."""
 
     def revealed(self, view: View, indices: I64, /) -> Mask:
-        """Return which of the points (M,) lie behind all that was ever seen there.
+        """Mark the points (M,) behind every depth ever seen there.
 
         They are the scene behind something that has moved on, or what that had hidden.
         """
 
     def scenery(self, view: View, indices: I64, frames: int, /) -> Mask:
-        """Return which of the points (M,) are background, by what is known of each place's noise.
+        """Mark the points (M,) of the background, by the noise of each pixel.
 
         Also what has just been uncovered where the scene goes on, and what, where no background
         has been seen, has stood still for so many ``frames``, labelled or not.
         """
 
     def certain(self, view: View, indices: I64, /) -> Mask:
-        """Return which of the points (M,) lie before a background that has been seen."""
+        """Mark the points (M,) before a background that has been seen."""
 
     def drawn_on(self, view: View, indices: I64, /) -> Mask:
-        """Return which of the points (M,) lie where the scene goes on behind the first objects."""
+        """Mark the points (M,) on the scene as continued behind the first objects."""
 
     def uncovered(self, view: View, /) -> tuple[I64, I64]:
         """The points (M,) that something labelled hid until two frames ago, and its label (M,).
@@ -98,13 +96,11 @@ class PictureBackground(Background, Protocol):
     noise: DepthNoise
 
     def furniture(self, view: View, indices: I64) -> Mask:
-        """Return which of the points (M,) are no nearer than what stands before the scene for a
-        while."""
+        """Mark the points (M,) no nearer than surface that stood before the scene for a while."""
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
-        """Return what has been as deep for so many ``frames`` is scenery, though it has a
-        ``label``: who has that has gone a ``way`` (m) since.  Where the scene behind is known,
-        that tells."""
+        """Make scenery of surface with a ``label`` that has been as deep for so many ``frames``, in
+        which its owner has gone a ``way`` (m). Where the scene behind is known, that tells."""
 
 
 @dataclass(eq=False)

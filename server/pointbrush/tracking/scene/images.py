@@ -125,15 +125,15 @@ def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.
     )
     pairs = np.concatenate([pairs, pairs[:, ::-1]])
     pairs = pairs[unknown[pairs[:, 0]]]
-    place = np.cumsum(unknown) - 1
+    position = np.cumsum(unknown) - 1
     count = int(unknown.sum())
-    row, other = place[pairs[:, 0]], pairs[:, 1]
+    row, other = position[pairs[:, 0]], pairs[:, 1]
     degree = np.bincount(row, minlength=count).astype(np.float64)
     inner = unknown[other]
     right = np.bincount(row[~inner], weights=values[other[~inner]], minlength=count)
     entries = np.concatenate([degree, np.full(int(inner.sum()), -1.0)])
     rows = np.concatenate([np.arange(count), row[inner]])
-    columns = np.concatenate([np.arange(count), place[other[inner]]])
+    columns = np.concatenate([np.arange(count), position[other[inner]]])
     matrix = coo_matrix((entries, (rows, columns)), shape=(count, count)).tocsc()
     result = values.copy()
     result[unknown] = spsolve(matrix, right)

@@ -192,7 +192,7 @@ def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.
 
 
 def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
-    """Return which of the places (M, 3) may be of the objects that are labelled in the first frame.
+    """Mark the positions (M, 3) that may be of the objects labelled in the first frame.
 
     They lie there or close behind; not far behind one of them; or beside, where that frame does
     not show them to be others'.

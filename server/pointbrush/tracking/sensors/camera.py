@@ -50,7 +50,7 @@ class Lens:
     lattice: bool = True
 
     def cells(self, xyz: F32, options: LensOptions) -> Projection:
-        """Return where points (N, 3) lie in the image."""
+        """Project points (N, 3) into the image."""
         return Projection(*_cells(self.pixels, np.asarray(xyz, np.float32), options.nearest_m))
 
     @cached_property

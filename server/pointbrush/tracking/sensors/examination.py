@@ -40,8 +40,7 @@ def evened(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
 
 
 def unevenness(xyz: F64, place: F64, options: ViewpointOptions) -> float:
-    """Return how far, in logarithms, parts of the image hold more or fewer points than it is usual
-    there.
+    """Mean log ratio by which parts of the image hold more or fewer points than is usual there.
 
     What is usual changes slowly over the image where that does not look along its axis.  inf
     where no image is so wide.
@@ -171,7 +170,7 @@ def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:
 
 
 def examine(frames: Frames, count: int, options: TrackerOptions) -> KnownSensor:
-    """Return what the first ``count`` frames, all of a recording, show of its sensor.
+    """Find the facts about a recording's sensor in its first ``count`` frames, all of it.
 
     A camera that lies in a room's coordinates is at rest; where nothing is sure, a run looks again.
     """

@@ -237,8 +237,8 @@ def in_place(planes: Planes, target: cKDTree, T: F64, options: ScanOdometryOptio
 
 
 def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> Iterator[Motion]:
-    """Yield how the sensor seems to have moved from the first of some frames to each other one,
-    until one shows too little."""
+    """Yield the motion of the sensor from the first of some frames to each other one, until one
+    shows too little."""
     number, *others = numbers
     first = planes_of(np.asarray(frames(number).xyz, np.float64), options=options)
     if first is None:

@@ -28,8 +28,8 @@ class RangeImage:
     step: float
 
     def hides(self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf) -> Mask:
-        """Return which points (M, 3) lie ``by`` metres or more behind all that was measured there,
-        or beyond the edges of what the sensor sees.
+        """Mark the points (M, 3) ``by`` metres or more behind every measurement there, or beyond
+        the edges of the field of view.
 
         In the directions ``own``, and beside, what is less than ``size`` metres nearer hides none.
         """
@@ -103,7 +103,7 @@ def _open(image: F32, options: RangeImageOptions) -> F32:
 
 
 def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
-    """Return where the sensor of a frame (N, 3) without a viewpoint was: about its origin, or
+    """Find the position of the sensor of a frame (N, 3) without a viewpoint: about its origin, or
     unknown.
 
     From there each direction shows one surface; from elsewhere surfaces lie behind each other.
@@ -214,7 +214,7 @@ def _cells(local: F32 | F64, up: int, step: float, azimuth: float) -> tuple[I64,
 
 
 def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
-    """Return which points (N, 3) of a frame are hardly higher than the ground there."""
+    """Mark the points (N, 3) of a frame hardly higher than the ground there."""
     none = np.zeros(len(xyz), np.bool_)
     if len(xyz) < options.ground.min_points:
         return none

@@ -144,7 +144,7 @@ class View:
 
     @cached_property
     def cells(self) -> Projection:
-        """Return where every point (N,) lies in the depth image; needs a camera."""
+        """Projection of every point (N,) into the depth image; needs a camera."""
         return self.camera.cells(
             self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32),
             options=self.options.lens,
@@ -233,8 +233,7 @@ class View:
         return reach_of(self.xyz, options=self.options.range_image)
 
     def firm(self, indices: I64, step: float) -> Mask:
-        """Return which of the points (M,) lie on a surface, with no jump of ``step`` metres beside
-        them.
+        """Mark the points (M,) on a surface, with no depth jump of ``step`` metres beside them.
 
         What lies between two surfaces at an outline belongs to neither.
         """
@@ -250,20 +249,19 @@ class View:
         return firm
 
     def project(self, world: F64) -> Projection:
-        """Return where any points (M, 3) of the world lie in the depth image; needs a camera."""
+        """Project points (M, 3) of the world into the depth image; needs a camera."""
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
         return self.camera.cells(local.astype(np.float32), options=self.options.lens)
 
     def hides(self, world: F64, margin: float) -> Mask:
-        """Return which places (M, 3) lie outside the picture, or more than ``margin`` metres
-        behind what it shows; needs a camera."""
+        """Mark the positions (M, 3) outside the picture, or more than ``margin`` metres behind its
+        depth; needs a camera."""
         cell, depth = self.project(world)
         with np.errstate(invalid="ignore"):
             return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
 
     def sees_through(self, world: F64, margin: float) -> Mask:
-        """Return which places (M, 3) lie more than ``margin`` metres before what the picture
-        shows."""
+        """Mark the positions (M, 3) more than ``margin`` metres before the picture's depth."""
         cell, depth = self.project(world)
         with np.errstate(invalid="ignore"):
             return np.asarray(self.depth[cell] > depth + margin)

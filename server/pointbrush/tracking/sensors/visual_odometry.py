@@ -209,7 +209,7 @@ def camera_motions(
     *,
     options: TrackerOptions,
 ) -> Iterator[Motion]:
-    """Yield how the sensor has moved from the first of some frames to each other one.
+    """Yield the motion of the sensor from the first of some frames to each other one.
 
     What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell;
     nor does a frame that shows hardly anything of the scene, as behind who stops the recording.

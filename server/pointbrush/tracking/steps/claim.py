@@ -19,7 +19,7 @@ from pointbrush.tracking.sensors.view import View
 
 
 @dataclass(eq=False)
-class Findings:
+class Associations:
     """Registrations and claimed points of tracks in ``view``, by label.
 
     ``free`` (N,) points that the run may take, whoever of it has them; ``background`` knows what
@@ -61,8 +61,8 @@ class FlyingRule(NamedTuple):
 
 
 def flying(view: View, points: I64, unit: float) -> Mask:
-    """Return which ``points`` (M,) of an object lie behind others of it, and none of them beside
-    it.
+    """Mark the ``points`` (M,) of an object behind other points of it, with none as deep beside
+    them.
 
     ``unit`` metres of tolerance.  None before a sensor that sees no depth images.
     """
@@ -105,8 +105,7 @@ def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
 def lies_behind(
     cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule
 ) -> Mask:
-    """Return which pixels (M,) are flying: behind a pixel of the object, and as deep as hardly any
-    of it.
+    """Mark the flying pixels (M,): behind a pixel of the object, and as deep as hardly any of it.
 
     ``own`` (cells + 1,) the pixels of the object in the depth ``image``, rows of ``width``.
     """
@@ -130,8 +129,8 @@ def lies_behind(
 
 
 def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
-    """Return which of an object's points ``own`` (M,) are flying pixels; which of the ``rest`` (N,)
-    its rim.
+    """Mark the flying pixels among an object's points ``own`` (M,), and its rim among the ``rest``
+    (N,).
 
     ``unit`` metres of tolerance; needs a camera.
     """
@@ -152,8 +151,7 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
 
 @compiled
 def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule) -> Mask:
-    """Return which pixels (M,) touch the object, as deep as it or nearer, and stand apart from
-    all else."""
+    """Mark the pixels (M,) touching the object, as deep as it or nearer, and apart from others."""
     result = np.zeros(len(cells), np.bool_)
     border = rule.margin * (width + 1)
     for i in range(len(cells)):
@@ -197,19 +195,22 @@ class Claim:
         return Claim(self.indices[which], self.cost[which], self.gap[which], self.nearest[which])
 
 
-def claim(view: View, indices: I64, fit: F64, colour: F32, weight: float, reach: float) -> Claim:
-    """Return what a model at ``place`` (M, 3) of the world claims of the points ``indices``.
+def claim(
+    view: View, indices: I64, surface: F64, colour: F32, weight: float, reach: float
+) -> Claim:
+    """Claim those of the points ``indices`` near a model whose ``surface`` (M, 3) is in world
+    coordinates.
 
     A point's cost is the least, over its three nearest model points, of the distance in place and
     colour; ``reach`` metres away it is claimed no more.
     """
-    if len(indices) == 0 or len(fit) == 0:
+    if len(indices) == 0 or len(surface) == 0:
         return Claim.nothing()
-    lo, hi = bounds(fit)
+    lo, hi = bounds(surface)
     far = 1.001 * reach  # single precision must not decide what is at the border
     xyz = view.xyz.take(indices, axis=0)
     close = np.flatnonzero(within(xyz, lo - far, hi + far))
-    gap, near = nearest_three(columns(fit, NONE, 0.0), xyz[close].astype(np.float64), reach)
+    gap, near = nearest_three(columns(surface, NONE, 0.0), xyz[close].astype(np.float64), reach)
     some = np.flatnonzero(near[:, 0] >= 0)
     indices, gap, near = indices[close[some]], gap[some], near[some]
     cost = _costs(gap, near, view.colour(indices), colour, weight)
@@ -256,7 +257,7 @@ def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
 
 
 def without(free: Mask, claims: Iterable[Claim]) -> Mask:
-    """Return which points (N,) are ``free``, and no claim's."""
+    """Mark the ``free`` points (N,) in no claim."""
     left = free.copy()
     for claimed in claims:
         left[claimed.indices] = False

@@ -28,8 +28,7 @@ class Limits(NamedTuple):
 
 
 def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
-    """Return which of ``rest`` (N, 3) hang together with ``core`` over steps of ``reach``
-    metres."""
+    """Mark the points of ``rest`` (N, 3) connected with ``core`` over steps of ``reach`` metres."""
     joined = np.zeros(len(rest), np.bool_)
     front = core
     for _ in range(rounds):
@@ -59,7 +58,7 @@ def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
 
 @compiled
 def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
-    """Return which of ``rest`` (N, 3) hang together with ``core`` (M, 3).
+    """Mark the points of ``rest`` (N, 3) connected with ``core`` (M, 3).
 
     And whether they end within the ``limits``; else they are not all.
     """

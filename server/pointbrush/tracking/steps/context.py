@@ -19,7 +19,7 @@ from pointbrush.tracking.steps.claim import Claim
 
 
 def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask:
-    """Return which claimed points are more like something known to be unlabelled."""
+    """Mark the claimed points more like a known unlabelled mover than like the model."""
     return _explained(
         track,
         view,
@@ -30,7 +30,7 @@ def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask
 
 
 def unexplained(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Return which points nothing unlabelled explains, where it was or gone along with the
+    """Mark the points that no unlabelled mover explains, where it was or gone along with the
     object."""
     return ~_explained(
         track,
@@ -56,8 +56,7 @@ def _explained(track: Track, view: View, fit: Registration, points: I64, reach: 
 
 
 def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
-    """Return which points lie where something unlabelled was in the last frame, or has gone by
-    ``step`` since."""
+    """Mark the points where an unlabelled mover was in the last frame, or would be by ``step``."""
     reach, xyz = (
         np.full(len(points), track.options.context.stayed_units * track.unit),
         view.xyz[points].astype(np.float64),
@@ -66,8 +65,7 @@ def was_there(track: Track, view: View, points: I64, step: F64 | None = None) ->
 
 
 def step_of(track: Track, fit: Registration) -> F64 | None:
-    """Return how an object has moved (4, 4) since it was seen; None where that is next to
-    nothing."""
+    """Motion (4, 4) of an object since it was last seen; None where that is next to nothing."""
     last = track.motion.poses[-1]
     ends = track.ends
     if (
@@ -110,7 +108,7 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
     """
     some = indices[:: max(1, -(-len(indices) // track.options.context.max_points))]
     colour = view.colour(some)
-    if track.dyed and len(some):
+    if track.has_colour_key and len(some):
         others = ~(track.appearance.rather(colour) | track.distinct(colour))
         some, colour = some[others], colour[others]
     track.other_movers = OtherMovers(view.xyz[some].astype(np.float64), colour, track.weight, box)

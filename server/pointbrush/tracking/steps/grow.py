@@ -14,8 +14,8 @@ from pointbrush.tracking.model.surface import carved
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import (
+    Associations,
     Claim,
-    Findings,
     claim,
     cut_off,
     flying,
@@ -69,25 +69,25 @@ def _hardly(view: View, fit: Registration) -> Mask:
     return hardly
 
 
-def grow(tracks: Mapping[int, Track], findings: Findings) -> tuple[dict[int, I64], Mask]:
+def grow(tracks: Mapping[int, Track], associations: Associations) -> tuple[dict[int, I64], Mask]:
     """New surface: moving points that hang together with an object, free and no track's.
 
     Of all but large objects; and which points (N,) a person has then.  Claims lose their flying
     pixels, which are other movers of nothing.
     """
-    view, background, free = findings.view, findings.background, findings.free
-    fits, claims = findings.fits, findings.claims
-    taken = ~findings.unclaimed()
+    view, background, free = associations.view, associations.background, associations.free
+    fits, claims = associations.fits, associations.claims
+    taken = ~associations.unclaimed()
     shown, hider = background.uncovered(view)
     grown: dict[int, I64] = {}
     for label, fit in list(fits.items()):
         track, core = tracks[label], claims[label].indices
         rest = fit.moving[~taken[fit.moving]]
-        if len(core) < findings.view.options.claim.min_claim_points or track.large:
+        if len(core) < associations.view.options.claim.min_claim_points or track.large:
             continue
         new = None
         if len(rest):
-            new, fit = whole(track, view, fit, core, taken, free)
+            new, fit = closed_component(track, view, fit, core, taken, free)
         if new is None:
             new = _adjoin(track, view, fit, core, rest)
             mine = (hider != label) & ~taken[shown]
@@ -100,12 +100,12 @@ def grow(tracks: Mapping[int, Track], findings: Findings) -> tuple[dict[int, I64
         taken[new] = True
         fits[label], claims[label], grown[label] = _solid(track, view, fit, claims[label], new)
     for label in grown:
-        claims[label], grown[label] = _outlined(tracks[label], findings, grown[label], taken)
+        claims[label], grown[label] = _outlined(tracks[label], associations, grown[label], taken)
     for label, new in grown.items():
-        if not tracks[label].dyed:
+        if not tracks[label].has_colour_key:
             own, rest = np.concatenate([claims[label].indices, new]), fits[label].moving
             border = _border(view, own, rest[~taken[rest]], tracks[label].unit)
-            findings.note(label, border=border)
+            associations.note(label, border=border)
     return grown, taken
 
 
@@ -139,13 +139,13 @@ def _solid(
     return fit, found.pick(kept[:count]), new[kept[count:]]
 
 
-def _outlined(track: Track, findings: Findings, new: I64, taken: Mask) -> tuple[Claim, I64]:
+def _outlined(track: Track, associations: Associations, new: I64, taken: Mask) -> tuple[Claim, I64]:
     """The claim and new surface of what is slow without flying pixels.
 
     The rim of its registration takes in missed outline, and flying pixels if painted with them.
     """
-    view, background = findings.view, findings.background
-    fit, found = findings.fits[track.label], findings.claims[track.label]
+    view, background = associations.view, associations.background
+    fit, found = associations.fits[track.label], associations.claims[track.label]
     if view.lens is None or not track.motion.slow(track.unit):
         return found, new
     own = np.concatenate([found.indices, new])
@@ -155,10 +155,10 @@ def _outlined(track: Track, findings: Findings, new: I64, taken: Mask) -> tuple[
     count = len(found.indices)
     missed = rest[rim]
     if track.painted.with_flying:
-        findings.note(track.label, rim=together(missed, own[flies]))
+        associations.note(track.label, rim=together(missed, own[flies]))
     else:
         neutral = np.concatenate([fit.neutral, own[flies]])
-        findings.note(track.label, rim=missed, neutral=neutral)
+        associations.note(track.label, rim=missed, neutral=neutral)
         taken[own[flies]] = False
     taken[rest[rim]] = True
     return found.pick(~flies[:count]), new[~flies[count:]]
@@ -179,8 +179,8 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
     rest, own = rest[may], own[may]
     weight = track.weight * (options.bent_colour_weight if track.bends else 1.0)
     joined = connected(
-        _placed(view, core, weight),
-        _placed(view, rest, weight),
+        _place_and_colour(view, core, weight),
+        _place_and_colour(view, rest, weight),
         (options.coloured_units_bent if track.bends else options.coloured_units) * track.unit,
         options.bent_steps if track.bends else 1,
     )
@@ -199,8 +199,8 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
 
 
 def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
-    """Return what others uncovered of an object at rest: it hangs together with it, alike in
-    colour.
+    """Collect the points of an object at rest that others have uncovered: connected with it, alike
+    in colour.
 
     It has to be a good part of all that the other, its ``hider``, uncovered: beside an object in
     a hand that is mostly what holds it, and whom.
@@ -208,7 +208,7 @@ def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
     options = track.options
     if track.bends or not track.motion.rests(track.unit):
         return shown[:0]
-    front, rest = (_placed(view, points, track.weight) for points in (core, shown))
+    front, rest = (_place_and_colour(view, points, track.weight) for points in (core, shown))
     joined = connected(
         front,
         rest,
@@ -219,12 +219,12 @@ def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
     return np.asarray(shown[joined & (own > options.claim.uncovered_share * every)[hider]])
 
 
-def _placed(view: View, indices: I64, weight: float) -> F64:
+def _place_and_colour(view: View, indices: I64, weight: float) -> F64:
     """(M, 6) place and weighted colour."""
     return np.hstack([view.xyz[indices], view.colour(indices) * weight]).astype(np.float64)
 
 
-def whole(
+def closed_component(
     track: Track, view: View, fit: Registration, core: I64, taken: Mask, free: Mask
 ) -> tuple[I64 | None, Registration]:
     """Return the rest of a closed blob around the core, None where it is not one object.
@@ -261,7 +261,7 @@ def whole(
     limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
     new = blob(view, core, near, limits)
     if new is None or not len(new):
-        return new, replace(fit, whole=new is not None)
+        return new, replace(fit, isolated=new is not None)
     step = step_of(track, fit)
     # What bends beyond doubt is held by a person, who goes along with it.
     before = was_there(track, view, new, step if track.surely_soft else None)
@@ -270,10 +270,10 @@ def whole(
     others = taken[new].any()
     its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
     if not (its or others):
-        fit = replace(fit, cut_short=_ends_all_round(track, view, core, new, before))
-        its = fit.cut_short and track.last.cut_short
+        fit = replace(fit, growth_refused=_ends_all_round(track, view, core, new, before))
+        its = fit.growth_refused and track.last.growth_refused
     if its:
-        return new, replace(fit, whole=True)
+        return new, replace(fit, isolated=True)
     if along:
         fit = replace(fit, neutral=np.concatenate([fit.neutral, new[~before]]))
     return None, fit
@@ -336,5 +336,5 @@ def _may_be_a_hand(
 
 def _share_there(track: Track, view: View, new: I64, before: Mask) -> float:
     """Share of points ``new`` (M,) that were there ``before`` (M,); 0 where nothing is known."""
-    asked = track.other_movers.asked(view.xyz[new]) | track.dyed
+    asked = track.other_movers.asked(view.xyz[new]) | track.has_colour_key
     return float(before[asked].mean()) if asked.any() else 0.0

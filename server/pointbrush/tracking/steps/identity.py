@@ -23,14 +23,14 @@ Pair = tuple[int, int]
 
 @dataclass(eq=False)
 class Meeting:
-    """Two objects that may have changed places: ``most`` confidence that their labels deserve.
+    """Two objects that may have changed places: their labels deserve at most a ``confidence_cap``.
 
     Where both were ``before`` (2, M, 3), and in the frame that they met and those ``after``; None
     where one was not seen.
     """
 
     options: TrackerOptions
-    most: float
+    confidence_cap: float
     before: F64
     after: list[F64 | None] = field(default_factory=list)
 
@@ -69,12 +69,14 @@ class Swaps:
                         ahead[label] = _predicted(tracks[label])
                 self._compare(tracks, at, ahead, pair)
         self._go_on(at)
-        most: dict[int, float] = {}
+        caps: dict[int, float] = {}
         for pair, meeting in self.meetings.items():
             for label in pair:
                 if label in fits:
-                    most[label] = min(most.get(label, fits[label].most), meeting.most)
-        return most
+                    caps[label] = min(
+                        caps.get(label, fits[label].confidence_cap), meeting.confidence_cap
+                    )
+        return caps
 
     def forget(self, label: int) -> None:
         """A person has said where an object is."""
@@ -92,12 +94,14 @@ class Swaps:
         swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
         if kept < options.uneven_ratio * swapped or not _look_alike(tracks[one], tracks[other]):
             return
-        most = (
+        confidence_cap = (
             options.unsure_confidence
             if kept < options.even_ratio * swapped
             else options.doubted_confidence
         )
-        self.meetings[pair] = Meeting(self.options, most, _ways(tracks[one], tracks[other]))
+        self.meetings[pair] = Meeting(
+            self.options, confidence_cap, _ways(tracks[one], tracks[other])
+        )
 
     def _go_on(self, at: Mapping[int, F64]) -> None:
         """Remember where those that met are; end the meetings of those told apart by it."""

@@ -62,7 +62,7 @@ def _apart(view: View, points: I64, background: Background) -> I64:
 
 
 def _least(track: Track) -> float:
-    """Return how many points a piece has at least."""
+    """Number of points that a piece has at least."""
     options = track.options.pieces
     return max(options.min_points, options.min_size_share * track.size)
 

@@ -44,7 +44,7 @@ class Search:
     """Numbers of those that the last iterations use."""
     target: Target = field(init=False)
     """Some of the moving points, to which the model is fitted."""
-    vain: bool = False
+    alternatives_failed: bool = False
     """Other places were tried, and were no better."""
 
     @property
@@ -53,7 +53,7 @@ class Search:
         return self.view.options
 
     def __post_init__(self) -> None:
-        """Choose what is compared."""
+        """Sample the model and the moving points."""
         options = self.options.search
         count = len(self.track.model.xyz)
         self.few = np.arange(0, count, max(1, count // options.coarse_points))
@@ -157,8 +157,7 @@ def crop(
 
 
 def _distinct(track: Track, hypotheses: F64) -> F64:
-    """Return those of the hypotheses (K, 4, 4) that are not as good as the same as one before
-    them."""
+    """Drop the hypotheses (K, 4, 4) that are nearly the same as one before them."""
     ends = transform_each(hypotheses, track.ends)
     apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
     kept: list[int] = []

@@ -96,7 +96,7 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
 
 
 def alike(model: Model, colour: F32) -> Mask:
-    """Return which of the colours (M, 3) the model has about."""
+    """Mark the colours (M, 3) that the model has about."""
     options = model.options.propose
     palette = model.colour[:: max(1, len(model.colour) // options.palette_points)]
     return close_to(colour, palette, options.alike_colour)

@@ -45,7 +45,7 @@ def find(search: Search) -> Registration:
         predicted=search.hypotheses,
         tried=tried,
         costs=costs,
-        vain=search.vain,
+        alternatives_failed=search.alternatives_failed,
         faint=search.faint,
         beside=search.near if search.view.roams else None,
     )
@@ -108,9 +108,9 @@ def register(search: Search) -> Registered:
                 options.tries if motion.fresh and search.track.hand_sized else options.tries // 2
             )
             poses, scores = _try(search, others, tries, poses, scores)
-        search.vain = min(scores) > before - options.rest_cost
+        search.alternatives_failed = min(scores) > before - options.rest_cost
     elif min(scores) > doubt:
-        search.vain = search.track.last.vain
+        search.alternatives_failed = search.track.last.alternatives_failed
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.resting_pose
@@ -197,7 +197,7 @@ def _asked(search: Search) -> bool:
     """
     turn = (search.view.number + search.track.label) % search.options.register.retry_frames == 0
     track = search.track
-    return turn or not track.last.vain or not track.motion.slow(track.unit)
+    return turn or not track.last.alternatives_failed or not track.motion.slow(track.unit)
 
 
 def _repeated(search: Search) -> tuple[F64, F64]:
@@ -275,18 +275,18 @@ def _turns(at: F64, apart: float) -> I64:
     A place is where the first was that was more than ``apart`` metres from all places before.
     """
     turn, turns = np.empty(len(at), np.int64), np.zeros(len(at), np.int64)
-    fits, count = np.empty_like(at), 0
+    places, count = np.empty_like(at), 0
     for i in range(len(at)):
         nearest, least = -1, apart
         for k in range(count):
             square = 0.0
             for a in range(3):
-                square += (fits[k, a] - at[i, a]) ** 2
+                square += (places[k, a] - at[i, a]) ** 2
             away = np.sqrt(square)
             if away < least or (nearest < 0 and away == apart):
                 nearest, least = k, away
         if nearest < 0:
-            fits[count] = at[i]
+            places[count] = at[i]
             nearest = count
             count += 1
         turn[i] = turns[nearest]
@@ -295,7 +295,7 @@ def _turns(at: F64, apart: float) -> I64:
 
 
 def _scores(search: Search, poses: F64) -> F64:
-    """Return what each of ``poses`` (K, 4, 4) costs in all, the less the better."""
+    """Total cost (K,) of each of ``poses`` (K, 4, 4)."""
     options = search.options.register
     track = search.track
     at = look(track, search.view, search.few, poses, search.own)

@@ -15,7 +15,7 @@ from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Claim, Findings
+from pointbrush.tracking.steps.claim import Associations, Claim
 from pointbrush.tracking.steps.grow import own_points
 from pointbrush.tracking.steps.predict import Search, crop
 from pointbrush.tracking.steps.propose import alike, turned_at
@@ -23,34 +23,36 @@ from pointbrush.tracking.steps.register import find
 from pointbrush.tracking.steps.verdict import judge, look
 
 
-def find_astray(tracks: Iterable[Track], astray: dict[int, int], findings: Findings) -> None:
-    """Look for ``tracks`` that fit badly or not at all; ``findings`` take them in.
+def find_astray(
+    tracks: Iterable[Track], astray: dict[int, int], associations: Associations
+) -> None:
+    """Look for ``tracks`` that fit badly or not at all; ``associations`` take them in.
 
     ``astray`` label → frames for which an object was nowhere near where it should be; kept up.
     """
-    view, background = findings.view, findings.background
-    some = [track for track in tracks if _is_astray(track, astray, findings)]
+    view, background = associations.view, associations.background
+    some = [track for track in tracks if _is_astray(track, astray, associations)]
     if not some:
         return
-    left = findings.unclaimed(but={track.label for track in some})
+    left = associations.unclaimed(but={track.label for track in some})
     points = np.flatnonzero(left)
     far, still = background.static(view, points)
     points = points[~(far | still)]
     for track in some:
-        before = _own(track, findings)
-        found = _alone(track, background, view, findings.unclaimed(), before)
+        before = _own(track, associations)
+        found = _alone(track, background, view, associations.unclaimed(), before)
         if found is None:
             found = _best(track, background, view, left, points[left[points]], before)
         if found is not None:
-            findings.put(track.label, *found)
+            associations.put(track.label, *found)
             left[found[1].indices] = False
             astray.pop(track.label, None)
 
 
-def _is_astray(track: Track, astray: dict[int, int], findings: Findings) -> bool:
+def _is_astray(track: Track, astray: dict[int, int], associations: Associations) -> bool:
     """Whether an object is to be looked for in this frame; the frames in doubt are counted."""
     options = track.options.relocate
-    view, fit = findings.view, _own(track, findings)
+    view, fit = associations.view, _own(track, associations)
     if view.lens is None or track.large or track.bends or track.lost:
         return False
     if track.motion.rested is not None and _hidden_at_rest(track, view):
@@ -78,9 +80,9 @@ def _hidden_at_rest(track: Track, view: View) -> bool:
     return float(shown.mean()) < options.register.open_share * float(at.facing[0])
 
 
-def _own(track: Track, findings: Findings) -> Registration | None:
+def _own(track: Track, associations: Associations) -> Registration | None:
     """The place of an object, None where it is another's, or hardly anything of it elsewhere."""
-    fit, claim = findings.fits.get(track.label), findings.claims.get(track.label)
+    fit, claim = associations.fits.get(track.label), associations.claims.get(track.label)
     if fit is None or claim is None or fit.undisputed < track.options.relocate.others_share:
         return None
     return None if _scrap(track, fit, claim) else fit
@@ -138,16 +140,16 @@ def _lone_piece(track: Track, background: Background, view: View, nobodys: Mask)
     piece = pieces(xyz, track.unit, options=options.link)
     size = np.bincount(piece)
     ends = within(xyz, lo + track.unit, hi - track.unit)
-    fits = (size >= options.relocate.size_share_min * track.size) & (
+    likely = (size >= options.relocate.size_share_min * track.size) & (
         size <= options.relocate.alone_size_share * track.size
     )
-    fits &= np.bincount(piece[~ends], minlength=len(size)) == 0
-    fits &= (
+    likely &= np.bincount(piece[~ends], minlength=len(size)) == 0
+    likely &= (
         np.bincount(piece[~nobodys[around]], minlength=len(size))
         <= options.relocate.claimed_share * size
     )
     best, nearest = None, track.model.radius
-    for one in np.flatnonzero(fits).tolist():
+    for one in np.flatnonzero(likely).tolist():
         middle = xyz[piece == one].mean(axis=0)
         away = float(np.linalg.norm(at - middle, axis=1).min())
         like = track.appearance.share(view.colour(around[piece == one]))
@@ -164,8 +166,8 @@ def _best(
     points: I64,
     before: Registration | None,
 ) -> tuple[Registration, Claim] | None:
-    """Return where an object fits best among the ``points`` (M,): well, and far better than
-    ``before``."""
+    """Register the object to the clusters of ``points`` (M,) and take the best fit, if it is good
+    and far better than ``before``."""
     options = track.options
     best, most = (
         None,
@@ -193,7 +195,7 @@ def _best(
             and verdict.inliers > options.relocate.matched_share
             and _looks_like(track, view, claim)
         ):
-            fit = replace(fit, anew=_is_elsewhere(track, fit, before))
+            fit = replace(fit, restarts_motion=_is_elsewhere(track, fit, before))
             best, most = (fit, claim), cost
     return best
 
@@ -235,9 +237,9 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
     ]
 
 
-def placed(track: Track, view: View, search: Search) -> tuple[Registration, Claim]:
-    """Return where an object is, and what it would have there: nothing where it should be
-    hidden, and no one comes so fast."""
+def register_and_claim(track: Track, view: View, search: Search) -> tuple[Registration, Claim]:
+    """Register an object and claim its points: none where it should be hidden, and nothing comes so
+    fast."""
     fit = find(search)
     if track.body and _far_off(track, search, fit):
         return fit, Claim.nothing()

@@ -13,19 +13,18 @@ from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import Evidence, likelihood
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.surface import remember
-from pointbrush.tracking.model.track import LastSight, SeenAlone, Track
+from pointbrush.tracking.model.track import LastObservation, SeenAlone, Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Claim, together
 from pointbrush.tracking.steps.context import unexplained
-from pointbrush.tracking.steps.update import Sighting, learn, note_strain
+from pointbrush.tracking.steps.update import Observation, learn, note_strain
 from pointbrush.tracking.steps.verdict import Verdict, judge
 
 
-def evidence(track: Track, sighting: Sighting, points: I64) -> Evidence:
-    """Return what a fit says about itself, for the confidence of an object; ``points`` (M,) are
-    assigned."""
-    view, fit, found = sighting.view, sighting.fit, sighting.found
-    verdict = sighting.verdict
+def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
+    """Gather the features of a registration for the confidence; ``points`` (M,) are assigned."""
+    view, fit, found = observation.view, observation.fit, observation.found
+    verdict = observation.verdict
     m = max(len(found.indices), 1)
     count = max(len(points), 1)
     some = points[:: max(1, len(points) // track.options.update.colour_points)]
@@ -39,7 +38,7 @@ def evidence(track: Track, sighting: Sighting, points: I64) -> Evidence:
         size=len(points) / max(track.size, 1.0),
         change=len(points) / max(track.last.points, 1),
         grown=1.0 - m / count,
-        whole=fit.whole,
+        isolated=fit.isolated,
         share=m / max(len(fit.moving), 1),
         appearance=track.appearance.likeness(view.colour(some)) - track.appearance.usual
         if track.body
@@ -59,7 +58,8 @@ def evidence(track: Track, sighting: Sighting, points: I64) -> Evidence:
 
 
 def _beside(track: Track, view: View, fit: Registration, points: I64) -> tuple[int, int]:
-    """Return how many moving points around an object's ``points`` (M,) no one has, and others have.
+    """Count the moving points around an object's ``points`` (M,): those of no track, and those of
+    others.
 
     Asked of lidars alone.
     """
@@ -67,12 +67,12 @@ def _beside(track: Track, view: View, fit: Registration, points: I64) -> tuple[i
         return 0, 0
     lo, hi = bounds(view.xyz[points])
     margin = track.options.update.left_over_units * track.unit
-    had = np.zeros(len(view.xyz), np.bool_)
-    had[points] = True
-    rest = fit.moving[~had[fit.moving]]
+    owned = np.zeros(len(view.xyz), np.bool_)
+    owned[points] = True
+    rest = fit.moving[~owned[fit.moving]]
     rest = rest[within(view.xyz[rest], lo - margin, hi + margin)]
-    had[fit.had] = True
-    others = int(had[rest].sum())
+    owned[fit.owned] = True
+    others = int(owned[rest].sum())
     return len(rest) - others, others
 
 
@@ -80,8 +80,8 @@ def _height(track: Track, view: View, fit: Registration, points: I64) -> float:
     """Height of an object's ``points`` (M,) over its model's; asked of lidars alone."""
     if not (track.scanned and len(points)):
         return 1.0
-    whole = float(np.ptp(fit.world[:, view.up]))
-    return float(np.ptp(view.xyz[points, view.up])) / max(whole, track.unit)
+    height = float(np.ptp(fit.world[:, view.up]))
+    return float(np.ptp(view.xyz[points, view.up])) / max(height, track.unit)
 
 
 def settle(
@@ -92,7 +92,7 @@ def settle(
     grown: I64,
     asked: TrackOptions,
 ) -> tuple[TrackState, I64]:
-    """Judge what was found in a frame, and learn from it: the state, and the points (M,)."""
+    """Judge the track in a frame, and update it: the state, and its points (M,)."""
     options = track.options.update
     pose, world = (None, None) if fit is None else (fit.pose, fit.world)
     verdict = judge(track, view, pose, world, found)
@@ -103,20 +103,20 @@ def settle(
     if track.scanned and view.eye is not None:
         at = transform(fit.pose, track.motion.centre[None])[0]
         track.come_to(float(np.linalg.norm(at - view.eye)))
-    sighting = Sighting(view, fit, found, grown, verdict)
+    observation = Observation(view, fit, found, grown, verdict)
     points = together(found.indices, grown)
-    features = evidence(track, sighting, points)
+    features = evidence(track, observation, points)
     _trust(track, view, fit, features)
-    track.last = LastSight(len(points), fit.vain, fit.cut_short, features)
+    track.last = LastObservation(len(points), fit.alternatives_failed, fit.growth_refused, features)
     _move(track, fit, verdict)
     if fit.cost < options.motion_cost:
-        note_strain(track, sighting)
+        note_strain(track, observation)
     # What bends fits badly as a whole, and well where it was bent.
     followed = (
         track.soft and fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     )
     if fit.cost < options.teach_cost or track.bends or track.large or followed:
-        learn(track, replace(sighting, found=_lesson(track, sighting)))
+        learn(track, replace(observation, found=_lesson(track, observation)))
     if fit.cost < options.teach_cost and not (track.bends or track.large):
         remember(track.carving_views, view, fit.pose, fit.world)
     rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
@@ -140,14 +140,18 @@ def _trust(track: Track, view: View, fit: Registration, features: Evidence) -> N
     """Trust an object as far as this fit and the frames before allow."""
     options = track.options
     here = likelihood(features, track.body, options=options.confidence)
-    if fit.whole and fit.cost < options.update.teach_cost:
+    if fit.isolated and fit.cost < options.update.teach_cost:
         cost = track.seen_alone.cost
         cost += options.update.usual_cost_rate * (features.cost - cost)
         track.seen_alone = SeenAlone(track.seen_alone.frames + 1, cost)
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
-    track.astray = not fit.whole and (track.astray or _strays(track, view, fit))
-    most = min(fit.most, options.update.astray_confidence) if track.astray else fit.most
-    track.confidence = min(here, track.confidence + regain, most)
+    track.astray = not fit.isolated and (track.astray or _strays(track, view, fit))
+    cap = (
+        min(fit.confidence_cap, options.update.astray_confidence)
+        if track.astray
+        else fit.confidence_cap
+    )
+    track.confidence = min(here, track.confidence + regain, cap)
 
 
 def _strays(track: Track, view: View, fit: Registration) -> bool:
@@ -156,10 +160,10 @@ def _strays(track: Track, view: View, fit: Registration) -> bool:
     What bends has no shape that would tell it from an arm.  What rested, or was among people,
     and is found elsewhere when it is hidden may be something that looks like it.
     """
-    if fit.anew and (view.people or track.motion.rested is not None):
+    if fit.restarts_motion and (view.people or track.motion.rested is not None):
         return True
     options = track.options.update
-    if track.dyed or track.large or track.confidence > options.astray_confidence:
+    if track.has_colour_key or track.large or track.confidence > options.astray_confidence:
         return False
     centre = track.motion.centre[None]
     at = transform(fit.pose, centre)[0]
@@ -175,7 +179,7 @@ def _move(track: Track, fit: Registration, verdict: Verdict) -> None:
     scrap = (
         track.large and track.last.points < options.scrap_share * track.size and not track.scanned
     )
-    if scrap or (fit.anew and not track.motion.fresh):
+    if scrap or (fit.restarts_motion and not track.motion.fresh):
         track.motion.begin(fit.pose)
     else:
         track.motion.add(fit.pose, sure=track.large or fit.cost < options.motion_cost)
@@ -214,7 +218,7 @@ def hides(track: Track, view: View, fit: Registration, found: Claim) -> bool:
     What is alone in the air hides nothing.
     """
     options = track.options
-    if not track.dyed or fit.cost < options.update.teach_cost or fit.whole:
+    if not track.has_colour_key or fit.cost < options.update.teach_cost or fit.isolated:
         return False
     colour = view.colour(found.indices)
     if not track.appearance.unlike(colour):
@@ -226,11 +230,11 @@ def hides(track: Track, view: View, fit: Registration, found: Claim) -> bool:
     return known.likeness(colour) < known.usual - options.update.hiding_log_colour
 
 
-def _lesson(track: Track, sighting: Sighting) -> Claim:
-    """Return what the model may learn of what was found: no new points that something unlabelled
-    explains, or of colours that the object has not shown: what holds it may be where it bends."""
-    view, fit, found = sighting.view, sighting.fit, sighting.found
-    if fit.whole or track.large:
+def _lesson(track: Track, observation: Observation) -> Claim:
+    """Select the points for the model to learn: no new ones explained by an unlabelled mover, or of
+    colours that the object has not shown, since it may be held where it bends."""
+    view, fit, found = observation.view, observation.fit, observation.found
+    if fit.isolated or track.large:
         return found
     keep = found.gap < track.options.surface.new_spacings * track.model.spacing
     new = np.flatnonzero(~keep)

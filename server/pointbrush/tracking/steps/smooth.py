@@ -20,11 +20,11 @@ from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Findings, together
+from pointbrush.tracking.steps.claim import Associations, together
 from pointbrush.tracking.steps.context import set_other_movers
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.predict import crop
-from pointbrush.tracking.steps.relocate import find_astray, placed
+from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
 from pointbrush.tracking.steps.settle import settle
 
 
@@ -32,14 +32,14 @@ from pointbrush.tracking.steps.settle import settle
 class Held:
     """The ``result`` of a frame that is not given away yet.
 
-    ``free`` (N,) points that the run may take there; ``most`` label → confidence at most, where it
-    may have changed places; ``done`` labels that were looked at once more.
+    ``free`` (N,) points that the run may take there; ``confidence_caps`` label → confidence at
+    most, where it may have changed places; ``done`` labels that were looked at once more.
     """
 
     view: View
     free: Mask
     result: FrameResult
-    most: Mapping[int, float]
+    confidence_caps: Mapping[int, float]
     done: set[int] = field(default_factory=set)
 
     def sure(self, label: int) -> bool:
@@ -87,7 +87,7 @@ class Smoother:
             yield self._held.pop(0).result
 
     def rest(self) -> Iterator[FrameResult]:
-        """Return what is held at the end of a run."""
+        """Yield the results held at the end of a run."""
         for held in self._held:
             yield held.result
         self._held = []
@@ -108,8 +108,8 @@ class Smoother:
             known = held.result.tracks.get(label)
             if known is None or known.state == "painted":  # where it was gone back from before
                 return
-            most = new.most.get(label, 1.0)
-            state, points = _found_again(again, astray, held, background, most, self._asked)
+            cap = new.confidence_caps.get(label, 1.0)
+            state, points = _found_again(again, astray, held, background, cap, self._asked)
             held.improve(label, state, points)
 
 
@@ -118,7 +118,7 @@ def _found_again(
     astray: dict[int, int],
     held: Held,
     background: Background,
-    most: float,
+    confidence_cap: float,
     asked: TrackOptions,
 ) -> tuple[TrackState, I64]:
     """Find an object among what the others left in an earlier frame, and learn from it.
@@ -130,15 +130,17 @@ def _found_again(
     for other, points in held.result.assignments.items():
         if other != label:
             free[points] = False
-    findings = Findings(view, background, free)
+    associations = Associations(view, background, free)
     search = crop(track, view, background, free)
     if search is not None:
-        findings.put(label, *placed(track, view, search))
-    find_astray([track], astray, findings)
-    grown, taken = grow({label: track}, findings)
-    if label in findings.fits:
-        findings.note(label, most=min(findings.fits[label].most, most))
-    fit, claim = findings.fits.get(label), findings.claims.get(label)
+        associations.put(label, *register_and_claim(track, view, search))
+    find_astray([track], astray, associations)
+    grown, taken = grow({label: track}, associations)
+    if label in associations.fits:
+        associations.note(
+            label, confidence_cap=min(associations.fits[label].confidence_cap, confidence_cap)
+        )
+    fit, claim = associations.fits.get(label), associations.claims.get(label)
     state, points = settle(track, view, fit, claim, grown.get(label, _NONE), asked)
     if fit is not None:
         taken[fit.neutral] = True

@@ -24,8 +24,8 @@ from pointbrush.tracking.steps.verdict import Verdict
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
-    """An object at its ``place`` in a ``view``.
+class Observation:
+    """A track registered (``fit``) in a ``view``.
 
     ``found`` points are on its model, ``grown`` (M,) are new surface beside them; ``verdict`` tells
     how well that explains what the sensor saw.
@@ -64,26 +64,26 @@ def _hidden_at_rest(track: Track, view: View) -> F64:
     return np.asarray(world[view.hides(world, -track.options.verdict.hidden_units * track.unit)])
 
 
-def learn(track: Track, sighting: Sighting) -> None:
+def learn(track: Track, observation: Observation) -> None:
     """Take in the points found: a rigid model gathers them, one that bends is made anew."""
-    found, grown = sighting.found, sighting.grown
-    if sighting.verdict.confidence > track.options.update.size_matched_share:
+    found, grown = observation.found, observation.grown
+    if observation.verdict.confidence > track.options.update.size_matched_share:
         track.size = max(track.size, float(len(found.indices) + len(grown)))
     was_rigid = not track.bends
-    note_looseness(track, sighting)
+    note_looseness(track, observation)
     if track.bends:
-        _make_anew(track, sighting)
+        _make_anew(track, observation)
     else:
-        _gather(track, sighting, was_rigid)
+        _gather(track, observation, was_rigid)
 
 
-def _make_anew(track: Track, sighting: Sighting) -> None:
+def _make_anew(track: Track, observation: Observation) -> None:
     """Replace a model that bends by what was found, and what of the old one was not in sight."""
     options = track.options
-    view, fit, points = sighting.view, sighting.fit, sighting.points
+    view, fit, points = observation.view, observation.fit, observation.points
     back = inverse(fit.pose)
     xyz = transform(back, view.xyz[points].astype(np.float64))
-    unseen = sighting.verdict.hidden
+    unseen = observation.verdict.hidden
     if track.scanned:  # what hides it from a lidar is known too coarsely
         unseen = unseen | ~close_to(
             fit.world, view.xyz[points], options.verdict.surface_units * track.unit
@@ -106,17 +106,17 @@ def _make_anew(track: Track, sighting: Sighting) -> None:
     track.model = new
 
 
-def _gather(track: Track, sighting: Sighting, was_rigid: bool) -> None:
+def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     """Let a rigid model take in what was found on it and beside it, and drop what was not there."""
-    view, fit = sighting.view, sighting.fit
+    view, fit = observation.view, observation.fit
     back = inverse(fit.pose)
     if track.soft:
-        track.model.xyz = transform(back, _settled_on(fit.world, view, sighting.found))
-    number = track.model.miss(sighting.verdict.through)
+        track.model.xyz = transform(back, _settled_on(fit.world, view, observation.found))
+    number = track.model.miss(observation.verdict.through)
     if not was_rigid:  # the claim was made by the model as it was bent
         number[:] = -1
-    again = _claimed_again(track, sighting, number)
-    if not fit.whole:
+    again = _claimed_again(track, observation, number)
+    if not fit.isolated:
         again = again.pick(again.cost < 2 * track.reach)
     if not track.painted.flat:  # Ground beside what is known is no new surface.
         again = again.pick(
@@ -126,25 +126,25 @@ def _gather(track: Track, sighting: Sighting, was_rigid: bool) -> None:
     xyz = transform(back, view.xyz[again.indices].astype(np.float64))
     colour = view.colour(again.indices)
     # No one holds what a lidar on the move sees ever new sides of.
-    sure = track.distinct(colour) | (fit.whole or view.roams)
+    sure = track.distinct(colour) | (fit.isolated or view.roams)
     own_eye = _eye_of(back, view)
     track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
     _take_in_uncovered(track, view, fit.uncovered, back, own_eye)
 
 
-def _claimed_again(track: Track, sighting: Sighting, number: I64) -> Claim:
-    """Return what the model claims now of its points: as before, unless the model point has gone.
+def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim:
+    """Claim the object's points by the updated model: as before, unless the model point has gone.
 
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
     options = track.options.update
-    view, fit, found = sighting.view, sighting.fit, sighting.found
+    view, fit, found = observation.view, observation.fit, observation.found
     reach = (
-        options.teach_units_alone if fit.whole or track.scanned else options.teach_units
+        options.teach_units_alone if fit.isolated or track.scanned else options.teach_units
     ) * track.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
-    rest = np.concatenate([found.indices[~kept], sighting.grown])
+    rest = np.concatenate([found.indices[~kept], observation.grown])
     world = transform(fit.pose, track.model.xyz)
     new = claim(view, rest, world, track.model.colour, track.weight, reach)
     return Claim(
@@ -167,8 +167,7 @@ def _settled_on(world: F64, view: View, found: Claim) -> F64:
 
 
 def _take_in_uncovered(track: Track, view: View, points: I64, back: F64, eye: F64 | None) -> None:
-    """Return what another object hid until now of an object at rest is as sure as what a person
-    painted.
+    """Confirm the surface of an object at rest that another hid until now, as surely as if painted.
 
     Beside what is on the move it may be the hand.
     """
@@ -185,13 +184,13 @@ def _eye_of(back: F64, view: View) -> F64 | None:
     return None if view.eye is None else transform(back, view.eye[None])[0]
 
 
-def note_looseness(track: Track, sighting: Sighting) -> None:
+def note_looseness(track: Track, observation: Observation) -> None:
     """Take note of how much of what was found a rigid model does not explain."""
     options = track.options.strain
-    fit, found, grown = sighting.fit, sighting.found, sighting.grown
-    verdict = sighting.verdict
+    fit, found, grown = observation.fit, observation.found, observation.grown
+    verdict = observation.verdict
     total = len(found.indices) + len(grown)
-    unlike = 0 if fit.whole else len(grown) - len(fit.uncovered)
+    unlike = 0 if fit.isolated else len(grown) - len(fit.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * track.unit)) / max(
         total, 1
     )
@@ -202,29 +201,29 @@ def note_looseness(track: Track, sighting: Sighting) -> None:
     track.bending = replace(track.bending, share=share)
 
 
-def note_strain(track: Track, sighting: Sighting) -> None:
+def note_strain(track: Track, observation: Observation) -> None:
     """Take note of how much of a small object bending alone explains."""
     options = track.options
     stiff = not (track.bends or track.soft or track.large or track.scanned)
-    if stiff and _asked(track, sighting):
+    if stiff and _asked(track, observation):
         most = (
             np.inf
             if track.size > options.track.dense_points
             else options.strain.max_frame_ratio * options.track.soft_strain
         )
-        now = min(strained(track, sighting), most)
+        now = min(strained(track, observation), most)
         strain = track.bending.strain
         strain += options.strain.strain_rate * (now - strain)
         track.bending = replace(track.bending, strain=strain)
 
 
-def strained(track: Track, sighting: Sighting) -> float:
+def strained(track: Track, observation: Observation) -> float:
     """Share of the known surface that is not where one motion puts it, but where bending does."""
     options = track.options
-    model, view, fit = track.model, sighting.view, sighting.fit
+    model, view, fit = track.model, observation.view, observation.fit
     facing = model.facing(fit.pose[None], view.eye)[0]
     known = np.flatnonzero(
-        facing & ~sighting.verdict.hidden & (model.hits >= options.surface.sure_hits)
+        facing & ~observation.verdict.hidden & (model.hits >= options.surface.sure_hits)
     )
     if len(known) < options.strain.min_known_points:
         return 0.0
@@ -234,7 +233,7 @@ def strained(track: Track, sighting: Sighting) -> float:
     far = options.strain.far_units * track.unit
     off = target.nearest(world, colour, far)[0] > options.strain.off_units * track.unit
     if track.motion.slow(track.unit):
-        off[off] = ~_beside_another(view, world[off], sighting.points, far)
+        off[off] = ~_beside_another(view, world[off], observation.points, far)
     if off.mean() < options.strain.min_off_share:
         return 0.0
     moved = bent(track, world, colour, target)[off]
@@ -242,7 +241,7 @@ def strained(track: Track, sighting: Sighting) -> float:
     return float(np.count_nonzero(again < options.strain.on_units * track.unit) / len(off))
 
 
-def _asked(track: Track, sighting: Sighting) -> bool:
+def _asked(track: Track, observation: Observation) -> bool:
     """Whether it is looked in this frame if an object bends: seldom while nothing speaks for it.
 
     What is seen by very many points fits well while it is stiff.
@@ -250,14 +249,14 @@ def _asked(track: Track, sighting: Sighting) -> bool:
     options = track.options
     speaks = track.bending.strain > options.strain.hint_share * options.track.soft_strain
     speaks = speaks or (
-        sighting.fit.cost > options.strain.loose_cost and track.size > options.track.dense_points
+        observation.fit.cost > options.strain.loose_cost and track.size > options.track.dense_points
     )
-    return speaks or (sighting.view.number + track.label) % options.strain.stiff_frames == 0
+    return speaks or (observation.view.number + track.label) % options.strain.stiff_frames == 0
 
 
 def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
-    """Return which of an object's points (M, 3) lie beside the outline of what is ``step`` metres
-    before it.
+    """Mark the object's points (M, 3) beside the outline of another surface ``step`` metres before
+    it.
 
     The rim of what is behind an outline is hardly measured, and bending seems to draw it in.
     ``own`` (N,): the points of the frame that are the object's, which do not hide it.
@@ -344,7 +343,7 @@ def corrected(track: Track, view: View, points: I64) -> F64 | None:
 
 
 def _denied(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Return which of the model a person did not paint though the sensor saw it: a hand's, say."""
+    """Mark the model points that the sensor saw and the person did not paint: a hand's, say."""
     options = track.options.verdict
     painted = close_to(fit.world, view.xyz[points], options.surface_units * track.unit)
     denied = ~painted & track.model.facing(fit.pose[None], view.eye)[0]

@@ -84,8 +84,7 @@ def _held_against(
     by: float,
     nearest_m: float,
 ) -> tuple[Mask, Mask]:
-    """Return which points (K, M, 3) that are ``facing`` nothing hides, and which were looked
-    through.
+    """Mark the ``facing`` points (K, M, 3) that nothing hides, and those that were looked through.
 
     By ``by`` metres more or less than the depth ``image``.
     """
@@ -111,8 +110,8 @@ def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, 
     for k in range(len(world)):
         for i in range(world.shape[1]):
             if seen[k, i]:
-                fit = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
-                square, near = nearest_one(grid, fit, toned(grid, colour, i), most, room)
+                point = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
+                square, near = nearest_one(grid, point, toned(grid, colour, i), most, room)
                 total[k] += square / (most * most) if near >= 0 else 1.0
                 count[k] += 1.0
             elif through[k, i]:
