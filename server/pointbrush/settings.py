@@ -228,7 +228,7 @@ class Settings:
 
 
 def _secret(name: str, file: str) -> str:
-    """Return what the file of option ``name`` holds, without its end of line."""
+    """Read the file of option ``name``, without its end of line."""
     try:
         return Path(file).read_text(encoding="utf-8").rstrip("\r\n")
     except (OSError, ValueError):

@@ -63,7 +63,7 @@ def shortages_in_words() -> Iterator[None]:
 
 
 def most_connections() -> int:
-    """Return how many connections leave files for the work that they ask for."""
+    """Return the number of connections that leave files for the work that they ask for."""
     if sys.platform == "win32":
         return sys.maxsize
     import resource

@@ -335,7 +335,7 @@ def tell(connection: Connection[Any, Any], word: str) -> None:
 
 
 def sentence(error: BaseException) -> str:
-    """Return what a job that failed says of it; what nobody foresaw is for the log."""
+    """Return the message of a job that failed; an error that nobody foresaw is for the log."""
     if isinstance(error, PointbrushError):
         return str(error)
     if (short := shortage(error)) is not None:

@@ -140,7 +140,8 @@ class Server(Part[L]):
 
     @steps
     def preview(self, /, files: Files, **options: Any) -> Steps[dict[str, Any]]:
-        """Return what an import would do: format, frames, fps, columns, warnings, ….
+        """Preview an import: format, frames, fps, columns, warnings, …. ``files`` as of
+        ``start_import``.
 
         ``files`` as of ``start_import``.  Uploaded files wait an hour for an import that names
         them as ``upload``.

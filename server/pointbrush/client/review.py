@@ -100,7 +100,7 @@ class Review(Part[L]):
 
     @steps
     def counts(self) -> Steps[dict[str, int]]:
-        """Return how many frames are open, in review, accepted and rejected."""
+        """Count the frames that are open, in review, accepted and rejected."""
         found: dict[str, int] = (yield from self._get("/review")).json()["counts"]
         return found
 
@@ -112,7 +112,7 @@ class Review(Part[L]):
 
     @steps
     def frame(self, frame: int, label: int | None = None) -> Steps[Standing]:
-        """Return how a frame stands, or a label in it."""
+        """Return the review state of a frame, or of a label in it."""
         answer = yield from self._get(f"/frames/{frame}/review", label=label)
         return read(Standing, answer.json())
 
@@ -147,7 +147,7 @@ class Review(Part[L]):
 
     @steps
     def history(self, limit: int = 100) -> Steps[list[dict[str, Any]]]:
-        """Return who decided what, the newest first."""
+        """List the review decisions with their authors, the newest first."""
         answer = yield from self._get("/review/history", limit=limit)
         found: list[dict[str, Any]] = answer.json()
         return found

@@ -30,7 +30,7 @@ class Message(Protocol):
 
     @property
     def time(self) -> float:
-        """Return when it was recorded, in seconds."""
+        """Time at which it was recorded, in seconds."""
 
     @property
     def data(self) -> bytes:

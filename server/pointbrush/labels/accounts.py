@@ -57,7 +57,7 @@ class Accounts:
             return self._names.get(account)
 
     def name(self, account: str) -> str:
-        """Return what is shown for an account; raises UnavailableError."""
+        """Return the name shown for an account; raises UnavailableError."""
         known = self.known(account)
         if known is not None:
             return known
@@ -195,12 +195,12 @@ _OF_DIGEST = Statement(select(tokens).where(tokens.c.digest == bindparam("digest
 
 
 def digest_of(secret: str) -> str:
-    """Return what is kept of a secret."""
+    """Return the digest that is kept of a secret."""
     return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
 
 
 def token_of(row: Row[Any]) -> Token:
-    """Return what a row says."""
+    """Build a token from its row."""
     return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked, row.account)
 
 
@@ -240,7 +240,7 @@ class SignIns:
         return secret
 
     def check(self, secret: str) -> SignIn | None:
-        """Return what a cookie stands for, or None once it, or its token, lets nobody in."""
+        """Return the sign-in of a cookie, or None once it, or its token, lets nobody in."""
         joined = sign_ins.outerjoin(tokens, tokens.c.id == sign_ins.c.token)
         chosen = (sign_ins.c.account, sign_ins.c.owner, sign_ins.c.token.label("of"), tokens)
         valid = and_(sign_ins.c.digest == digest_of(secret), sign_ins.c.expires > time.time())

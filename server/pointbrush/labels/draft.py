@@ -252,7 +252,7 @@ def holding(
 def match_sorted(
     where: NDArray[np.int64], what: NDArray[np.int64]
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Return which of sorted ``what`` are in sorted ``where``, and their places there."""
+    """Mark the members of sorted ``what`` in sorted ``where``, and give their places there."""
     at = np.searchsorted(where, what)
     at[at == len(where)] = 0
     mine = where[at] == what if len(where) else np.zeros(len(what), np.bool_)

@@ -75,7 +75,7 @@ class _Listing:
 
 
 def effect_of(draft: Draft) -> Effect:
-    """Return what committing ``draft`` changes for viewers."""
+    """Compute the changes that committing ``draft`` makes for viewers."""
     state, exists = draft.state, draft.exists
     turned = {n for n, label in draft.labels.items() if (label is not None) != state.exists[n]}
     effect, listing = Effect(), _Listing()

@@ -15,7 +15,7 @@ MOST_FINDINGS = 100
 
 
 def integrity(database: Database) -> list[str]:
-    """Return what is wrong with the database, one sentence each; all of it is read.
+    """List the faults of the database, one sentence each; all of it is read.
 
     SQLite checks its pages, indexes and references.  Of PostgreSQL every row is read, in the order
     of the table and of its primary key, which finds pages that cannot be read and rows that an

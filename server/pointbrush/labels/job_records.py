@@ -172,7 +172,7 @@ class JobRecords:
         return sorted(taken, key=lambda record: record.created)
 
     def count(self) -> dict[str, int]:
-        """Return how many jobs are in each state."""
+        """Count the jobs in each state."""
         chosen = select(jobs.c.state, func.count()).group_by(jobs.c.state)
         with self._database.read() as connection:
             return {state: int(number) for state, number in connection.execute(chosen)}

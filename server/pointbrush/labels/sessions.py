@@ -67,7 +67,7 @@ class Sessions:
 
     @contextlib.contextmanager
     def knowing(self, sequence: str, *, look: bool = True) -> Iterator[SequenceState]:
-        """Yield what is in memory of the sequence at its newest revision, without a transaction.
+        """Yield the state in memory of the sequence at its newest revision, without a transaction.
 
         ``look``: ask the database whether there is a newer one; else what is known will do.
         Raises NotFoundError, UnavailableError.

@@ -379,7 +379,7 @@ class LabelStore:
         self._database.ping()
 
     def check(self, sequence: str) -> list[str]:
-        """List what of a sequence disagrees with its journal, one sentence each."""
+        """List the places of a sequence that disagree with its journal, one sentence each."""
         with self._sessions.reading(sequence) as (connection, state):
             return [finding.text for finding in check.check(connection, state)]
 

@@ -134,7 +134,7 @@ def _timetable(people: int, seconds: float, rng: np.random.Generator) -> list[Lo
 
 
 def _inside(place: Array, level: float) -> float:
-    """Measure how far in the picture somebody is, ``level`` metres above the floor, as a tangent
+    """Measure by how far somebody is in the picture, ``level`` metres above the floor, as a tangent
     from its side or lower edge."""
     pitch = math.radians(PITCH)
     away = vec(place[0], level - HEIGHT, place[2])

@@ -59,11 +59,11 @@ class Scene(Protocol):
         ...
 
     def still(self) -> list[Solid]:
-        """Return what never moves."""
+        """List the solids that never move."""
         ...
 
     def at(self, t: float) -> Moment:
-        """Return what moves, at time ``t``."""
+        """Place the moving solids at time ``t``."""
         ...
 
 

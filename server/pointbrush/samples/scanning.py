@@ -60,7 +60,7 @@ def look_at(eye: Array, target: Array) -> Array:
 
 
 def room_view(seed: int, camera: DepthCamera = KINECT, noise: float = 1.0) -> Labelled:
-    """Return what a depth camera sees of a furnished room, camera coordinates."""
+    """Render a furnished room for a depth camera, camera coordinates."""
     interior = Interior(seed)
     rng = np.random.default_rng([seed, 43])
     w, d = interior.width / 2, interior.depth / 2
@@ -166,7 +166,7 @@ def home_scan(seed: int, options: ScanOptions = FUSED) -> Labelled:
 
 
 def scan_of(interior: Interior, seed: int, options: ScanOptions) -> Labelled:
-    """Return what many views of a room give together; raises BadInputError for the options."""
+    """Join many views of a room; raises BadInputError for the options."""
     options.check()
     rng = np.random.default_rng([seed, 47])
     w, d = interior.width / 2 - 0.4, interior.depth / 2 - 0.4

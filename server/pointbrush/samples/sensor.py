@@ -201,8 +201,8 @@ class Turn:
 
 
 def spin(spinner: Spinner, eye: Array, solids: Sequence[Solid], rng: np.random.Generator) -> Turn:
-    """Return what one turn at ``eye`` (3,) meets; solids of roughness 1 and more are foliage,
-    which rays enter or pass."""
+    """Cast the rays of one turn at ``eye`` (3,); solids of roughness 1 and more are foliage, which
+    rays enter or pass."""
     up = np.radians(np.linspace(spinner.lowest, spinner.highest, spinner.rings))
     up = up + rng.normal(0, 0.0004, spinner.rings)
     round_ = np.arange(spinner.steps) * (2 * math.pi / spinner.steps)

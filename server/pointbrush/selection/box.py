@@ -40,7 +40,7 @@ def inside(
     size: NDArray[np.float64],
     rotation: NDArray[np.float64],
 ) -> NDArray[np.bool_]:
-    """Return which of points (n, 3) lie in the box, its faces included."""
+    """Mark the points (n, 3) inside the box, its faces included."""
     off = np.abs((xyz.astype(np.float64) - center) @ rotation)
     return np.asarray((off <= size / 2).all(axis=1))
 
@@ -150,7 +150,7 @@ class Clip:
         return Clip(placed_box(self.values, T_new_old))
 
     def holds(self, xyz: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """Return which of points (n, 3) lie inside."""
+        """Mark the points (n, 3) inside."""
         values = self.values
         return inside(xyz, values["center"], values["size"], rotation_of(values["quaternion"]))
 
@@ -159,7 +159,7 @@ class Clip:
         return numbers[self.holds(points.xyz[numbers])]
 
     def alive(self, points: Points, alive: Alive | None) -> Alive:
-        """Return which points rays can hit: those inside among the ones that are ``alive``."""
+        """Mark the points rays can hit: those inside among the ones that are ``alive``."""
 
         def both(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
             held = self.holds(points.xyz[numbers])
@@ -171,5 +171,5 @@ class Clip:
 
 
 def clipped(clip: Clip | None, points: Points, alive: Alive | None) -> Alive | None:
-    """Return which points rays can hit with ``clip`` over them, where there is one."""
+    """Mark the points rays can hit with ``clip`` over them, where there is one."""
     return alive if clip is None else clip.alive(points, alive)

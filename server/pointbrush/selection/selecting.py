@@ -52,7 +52,7 @@ def select_parts(
 
 
 def _taken(points: Points, stroke: Stroke, alive: Alive | None, taken: PointSet) -> Parts:
-    """Yield what the stroke's shape takes of the points that its clip box shows."""
+    """Yield the points the stroke's shape takes, of those that its clip box shows."""
     clip, met = stroke.clip, stroke.met
     meets = clipped(clip, points, alive)
     at = Selecting(points, stroke.values, stroke.origins, stroke.directions, met, meets, taken)
@@ -104,7 +104,7 @@ class Layer:
     part: Alive | None = None
 
     def meets(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return which of stored ``numbers`` (n,) rays meet."""
+        """Mark the stored ``numbers`` (n,) that rays meet."""
         met = self.touchable(numbers)
         return met if self.part is None else met & self.part(numbers)
 

@@ -110,7 +110,7 @@ class Bucket:
         return scheme not in EXTRAS or bool(fs.exists(root.partition("/")[0]))
 
     def version(self, name: str) -> str | None:
-        """Return what changes whenever the object does, or None where there is none."""
+        """Return a version that changes whenever the object does, or None where there is none."""
         with self._asking() as (fs, root), suppress(FileNotFoundError):
             return str(fs.ukey(f"{root}/{name}"))
         return None

@@ -191,7 +191,7 @@ def rename_sequence(path: Path, sequence: str) -> Manifest:
 
 
 def note_meaning(path: Path, dataset: str, palette: list[dict[str, Any]], scale: float) -> None:
-    """Note what numbers of the source's files mean in the recording in folder ``path``."""
+    """Note the meaning of numbers of the source's files in the recording in folder ``path``."""
     manifest = replace(read_manifest(path), dataset=dataset, palette=palette, scale=scale)
     replace_file(path / FILE, encode_manifest(manifest))
 

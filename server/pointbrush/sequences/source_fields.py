@@ -121,7 +121,7 @@ def read_source_header(folder: Path, index: int) -> bytes | None:
 def read_rows(
     folder: Path, checksums: Mapping[str, str], index: int, count: int
 ) -> NDArray[np.int64] | None:
-    """Return which row of the source each point (count,) was, or None where it is not known.
+    """Read the source's row of each point (count,), or None where it is not known.
 
     Raises DamagedError for a file that is not as ``checksums`` have it, or not whole.
     """

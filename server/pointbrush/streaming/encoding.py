@@ -69,7 +69,8 @@ def describe(found: Sequence[Any], most: int = 5) -> str:
 
 
 def _got(item: Any) -> str:
-    """Say what came instead, where that is known; of malformed JSON the place and the fault."""
+    """Describe the value that came instead, where that is known; of malformed JSON the place and
+    the fault."""
     if item["type"] == "missing":
         return ""
     if item["type"] == "json_invalid":

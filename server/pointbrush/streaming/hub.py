@@ -136,7 +136,7 @@ class Hub:
         return sum(viewer.plan.clock is not None for viewer in self.viewers)
 
     def queue_lengths(self) -> dict[str, int]:
-        """Return what waits and runs: edits of all viewers, and this server's jobs."""
+        """Count the waiting and running: edits of all viewers, and this server's jobs."""
         jobs = Counter(job.state for job in self.workspace.runner.jobs())
         return {
             "edits": sum(viewer.waiting_edits for viewer in list(self.viewers)),

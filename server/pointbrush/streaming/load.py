@@ -109,7 +109,7 @@ class Load:
             loop.call_soon(self._next_turn)
 
     def note(self, lag: float, busy: float, sent: float, followers: int) -> None:
-        """Record what happened lately.
+        """Record the latest load.
 
         The loop came back ``lag`` seconds late, computed a share ``busy`` of the time, and sent
         ``sent`` bytes a second; ``followers`` viewers follow a clock.

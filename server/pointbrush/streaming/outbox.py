@@ -38,7 +38,7 @@ class Wake:
         return points
 
     async def wait(self, seconds: float | None) -> None:
-        """Return at the next ring, or after ``seconds`` if given."""
+        """Wait for the next ring, or for ``seconds`` if given."""
         if self._rung:
             return
         loop = asyncio.get_running_loop()

@@ -200,7 +200,7 @@ class Plan:
         return (self.focus + self.direction * distance) % self.frames
 
     def piece(self, step: int, frame: int, table: FrameTable, now: float) -> Piece | None:
-        """Return what to send of a candidate now, or None: complete, or as fine as it may be."""
+        """Choose a candidate's piece to send now, or None: complete, or as fine as it may be."""
         first = self.held.get(frame, 0)
         if first >= table.chunks:
             self.passed(step)

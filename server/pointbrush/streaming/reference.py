@@ -87,7 +87,7 @@ def _documented(model: ast.ClassDef) -> Iterator[tuple[str, str]]:
 
 
 def _default(schema: dict[str, Any]) -> str:
-    """Return what a field is when it is left out, if that is more than nothing."""
+    """Describe the value of a field that is left out, if that is more than nothing."""
     default = schema.get("default")
     return f" = {json.dumps(default)}" if default not in (None, "", []) else ""
 

@@ -94,7 +94,7 @@ class Room:
     # ── points ───────────────────────────────────────────────────────────────────────────
 
     def ready(self, piece: Piece, table: FrameTable) -> Ready | None:
-        """Return what ``points`` would give, if nothing has to be read for it."""
+        """Return the result of ``points``, if nothing has to be read for it."""
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
         least = self._touched.get(piece.frame, self._start)
         values = self._values.known(self._key(piece.frame, first, stop - first), least)
@@ -231,7 +231,7 @@ class Room:
         return encode_all()
 
     def provisional(self, event: Provisional) -> None:
-        """Show what a tracking run has just found."""
+        """Show points that a tracking run has just found."""
         data = encode_provisional(self.id, event.frame, self.revision, event.numbers, event.labels)
         for viewer in self.viewers:
             if viewer.holds(event.frame):

@@ -286,7 +286,7 @@ class Sender:
         await viewer.send(head, data)
 
     def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:
-        """Note which chunks of a large frame are on their way."""
+        """Note the chunks of a large frame that are on their way."""
         viewer = self._viewer
         if not room.recording.manifest.large:
             return

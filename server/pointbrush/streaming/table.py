@@ -101,6 +101,6 @@ class FrameTable:
         return max(first + 1, min(stop, fits)) if first < stop else stop
 
     def first_piece(self, frame: int, level: int) -> Piece:
-        """Return what is sent first of the table's frame ``frame``, up to a level."""
+        """Choose the first piece to send of the table's frame ``frame``, up to a level."""
         stop = self.stop_within(0, self.stops[min(level, len(self.stops) - 1)], LARGEST_PIECE)
         return Piece(frame, 0, stop, final=stop == self.chunks, depth=self.depth)

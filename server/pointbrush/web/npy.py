@@ -145,7 +145,7 @@ class _Sink:
         """Nothing: pieces leave when they are taken."""
 
     def taken(self) -> bytes:
-        """Take what was written since the last time."""
+        """Take the bytes written since the last time."""
         data = b"".join(self._gathered)
         self._gathered.clear()
         return data

@@ -30,7 +30,7 @@ class ReadyProbe:
         self._asking = asyncio.Lock()
 
     async def ask(self) -> dict[str, str | None]:
-        """Return what is wrong with each part, or None."""
+        """Check each part: its fault, or None."""
         if self.stopping:
             return {"server": "it is stopping"}
         async with self._asking:

@@ -85,7 +85,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
 
 
 class Server(uvicorn.Server):
-    """Says when it listens."""
+    """A server that says when it listens."""
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, then announce the URL."""
@@ -95,7 +95,7 @@ class Server(uvicorn.Server):
             ready.ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Answer what viewers have sent, then close; uvicorn itself waits for REST only."""
+        """Answer all that viewers have sent, then close; uvicorn itself waits for REST only."""
         probe = getattr(getattr(self.config.app, "state", None), "ready_probe", None)
         if probe is not None:
             probe.stopping = True  # a proxy sends nobody here any more

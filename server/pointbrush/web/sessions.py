@@ -50,7 +50,7 @@ class WebSessions:
             return made
 
     def check(self, session: str) -> SignIn | None:
-        """Return what a session stands for, or None once it lets nobody in."""
+        """Return the sign-in of a session, or None once it lets nobody in."""
         kept = self._kept.get(digest_of(session))
         found = self._store.sign_ins.check(session) if kept is None else self._check_kept(kept)
         if found is not None and found.token is None and found.owner != self._own:

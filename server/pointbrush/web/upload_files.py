@@ -209,7 +209,7 @@ class KeptUploads:
         return kept
 
     def find(self, upload: str, owner: str) -> Upload:
-        """Return what ``owner`` sent; raises NotFoundError."""
+        """Find an upload of ``owner``; raises NotFoundError."""
         with self._lock:
             found = self._uploads.get(upload)
         if found is None or found.owner != owner or self._clock() - found.since > KEPT_SECONDS:

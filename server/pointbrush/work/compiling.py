@@ -35,7 +35,7 @@ def note_compiled() -> None:
 
 
 def _note() -> Path | None:
-    """Return where the note is; None where what is compiled is kept in no place known here."""
+    """Return the path of the note; None where compiled loops are kept in no place known here."""
     if folder := os.environ.get("NUMBA_CACHE_DIR"):
         return Path(folder) / NOTE
     return PACKAGE / "__pycache__" / NOTE if os.access(PACKAGE, os.W_OK) else None

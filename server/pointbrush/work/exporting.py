@@ -193,7 +193,7 @@ def parse_frames(text: str | None, count: int) -> range:
 def choose_split(
     format: str, asked: str | None, recording: Sequence, known: Callable[[], Collection[str]]
 ) -> formats.Split:
-    """Choose which frames are for validation: those ``asked`` for, or by default.
+    """Choose the frames for validation: those ``asked`` for, or by default.
 
     ``asked`` is a range of frames ``I:J``, ids of recordings with commas, all of whose frames are,
     or ``none``.  By default it is all frames of about one recording in five of those ``known``.

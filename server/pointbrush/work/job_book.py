@@ -281,7 +281,7 @@ class JobBook:
             return  # it has ended meanwhile
 
     def _tell(self, elsewhere: list[Job]) -> None:
-        """Tell what changed of jobs of other servers."""
+        """Report the changes of jobs of other servers."""
         now = {job.id: job for job in elsewhere}
         for job_id in self._seen.keys() - now.keys():
             record = self._records.find(job_id)
@@ -297,7 +297,7 @@ _FIELDS = {f.name for f in fields(JobRecord)} & {f.name for f in fields(Job)} - 
 
 
 def job_of(record: JobRecord) -> Job:
-    """Return what a record says of a job."""
+    """Build a job from its record."""
     values: dict[str, Any] = {name: getattr(record, name) for name in _FIELDS}
     return Job(**values, owner=record.author)
 

@@ -242,7 +242,7 @@ class Labelling(ABC):
         return live.commit(author)
 
     def ask(self, sequence: str, frame: int, fields: Mapping[str, Any]) -> Answer:
-        """Return what a stroke would take: levels of an object, or a region of another shape.
+        """Preview a stroke: levels of an object, or a region of another shape.
 
         ``fields`` are those of a stroke, with ``positives`` for its samples.
         Raises BadInputError, NotFoundError.

@@ -64,7 +64,7 @@ class _Scenes:
             yield frame, split, name
 
     def told(self) -> dict[str, Any]:
-        """List what ``export.json`` tells of them."""
+        """Describe them for ``export.json``."""
         split = {"by": self._split.by, **self.names}
         return {"split": split, PLACEMENT: self.T_export_source.tolist()}
 

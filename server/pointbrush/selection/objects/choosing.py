@@ -92,7 +92,7 @@ class Proposals:
         return np.flatnonzero(cells[state.of_point])
 
     def cells(self, state: ObjectState, i: int) -> Mask:
-        """Return which cells (C,) a proposal holds.
+        """Mark the cells (C,) of a proposal.
 
         Of what is taken only the pieces change that the proposal adds or leaves out as a whole.
         """

@@ -131,7 +131,7 @@ def taken_so_far(
     unwanted: Clicks,
     options: ClickOptions,
 ) -> Taken | None:
-    """Return what a mask over points (numbers, or (N,) bool) holds, None for an empty one.
+    """Convert a mask over points (numbers, or (N,) bool); None for an empty one.
 
     Raises BadInputError for a mask out of range.
     """

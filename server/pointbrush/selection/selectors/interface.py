@@ -28,7 +28,7 @@ class Selector(Protocol):
     """Prepares frames, and answers clicks on them; called from several threads."""
 
     def prepare(self, frame: ObjectFrame) -> Any:
-        """Return what answers need of a frame; may take seconds."""
+        """Prepare a frame for answers; may take seconds."""
 
     def candidates(
         self,

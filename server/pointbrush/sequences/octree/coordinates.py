@@ -115,7 +115,7 @@ class Coordinates:
         return self._local(self._unpack(numbers, self._packed.words, 0))
 
     def span(self, first: int, stop: int) -> tuple[int, int]:
-        """Return where the words of points ``first`` to before ``stop`` begin and end."""
+        """Return the begin and end of the words of points ``first`` to before ``stop``."""
         if first >= stop:
             return 0, 0
         blocks = np.searchsorted(self._first, [first, stop - 1], side="right") - 1

@@ -28,7 +28,7 @@ class Presence:
         self._changed.setdefault(sequence, {})[presence.viewer] = encode(presence)
 
     def take(self) -> dict[str, dict[str, bytes]]:
-        """Take what changed since the last time."""
+        """Take the changes since the last time."""
         changed, self._changed = self._changed, {}
         return changed
 

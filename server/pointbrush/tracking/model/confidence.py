@@ -24,10 +24,10 @@ class Evidence:
     ``inliers`` share of the visible model matched; ``sure`` share of points on well confirmed
     surface; ``gap`` and ``cost`` mean distances to the model in place, and in place and colour, in
     reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over the
-    most and over the last; ``grown`` share of points that the model does not explain;
-    ``isolated`` whether the object moves alone; ``share`` of the moving points around;
-    ``appearance`` how much less like what it wore a large object looks, a mean logarithm, 0 or
-    less; ``usual`` what ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
+    most and over the last; ``grown`` share of points that the model does not explain; ``isolated``
+    whether the object moves alone; ``share`` of the moving points around; ``appearance`` how much
+    less like what it wore a large object looks, a mean logarithm, 0 or less; ``usual`` what
+    ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
     whether the sensor has a pixel grid; ``scans`` whether it is a lidar; ``soft`` whether the
     object bends; ``left`` and ``others`` points that move beside it and are no track's, and
     another's, over its own; ``tall`` its height over its model's; ``bend`` share that one motion

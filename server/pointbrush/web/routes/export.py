@@ -260,7 +260,7 @@ async def export_sequence(
 
 
 def person_of(request: Request, who: Principal) -> str:
-    """Return what tells people apart; several who share the server's own token by address."""
+    """Return a name that tells people apart; sharers of the server's own token by address."""
     gate: Gate = request.app.state.gate
     address = gate.clients.address(request) if who.shared else ""
     return f"{who.author} {address}"

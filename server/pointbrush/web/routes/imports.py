@@ -123,7 +123,7 @@ async def import_sequence(
     response_model=PreviewOut,
 )
 async def preview_import(request: Request, workspace: Ws, who: Caller) -> PreviewOut | JSONResponse:
-    """Say what an import would do; nothing is written.
+    """Preview an import; nothing is written.
 
     Uploaded files are kept for an hour: ``upload`` of the answer, also of one that says what is
     wrong with them, names them to later previews and to the import.

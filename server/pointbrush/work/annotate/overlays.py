@@ -45,7 +45,7 @@ def require_overlaid(recording: Recording, frame: int, others: Iterable[int]) ->
 def placements(
     store: LabelStore, recording: Recording, shown: int, frames: Iterable[int]
 ) -> list[Placement]:
-    """Return where ``frames`` lie over frame ``shown``, which comes first and need not be named.
+    """Place ``frames`` over frame ``shown``, which comes first and need not be named.
 
     A recording without poses stands still.  Raises NotFoundError (a frame), BadInputError (some of
     them without a pose).

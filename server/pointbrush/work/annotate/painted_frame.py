@@ -44,11 +44,11 @@ class Seen:
         self._masks.clear()
 
     def shown(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return which of stored ``numbers`` (n,) rays meet and strokes change."""
+        """Mark the stored ``numbers`` (n,) that rays meet and strokes change."""
         return self._among(numbers, deleted=False)
 
     def deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return which of stored ``numbers`` (n,) are deleted, and so can be restored."""
+        """Mark the stored ``numbers`` (n,) that are deleted, and so can be restored."""
         return self._among(numbers, deleted=True)
 
     def _among(self, numbers: NDArray[np.int64], *, deleted: bool) -> NDArray[np.bool_]:

@@ -88,7 +88,7 @@ def split_label(
 
 
 def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:
-    """Return what an edit that was sent before has made."""
+    """Return the split that an edit sent before has made."""
     delta = commit.frames.get(frame)
     ids = set() if delta is None else set(np.unique(delta.label).tolist())
     labels = [label for label in store.palette(commit.sequence) if label.id in ids]
@@ -98,7 +98,7 @@ def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> 
 def _write(
     numbers: NDArray[np.int64], part: NDArray[np.int64], parts: list[int], fresh: Sequence[Label]
 ) -> Write:
-    """Return what gives the points (n,) of ``parts`` their new labels."""
+    """Build the write that gives the points (n,) of ``parts`` their new labels."""
     of_part = np.zeros(int(part.max()) + 1, np.uint16)
     of_part[parts] = [label.id for label in fresh]
     label = of_part[part]

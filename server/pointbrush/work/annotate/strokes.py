@@ -143,7 +143,7 @@ class LiveStroke:
 
 
 def write_of(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
-    """Return what a brush writes to stored numbers (n,)."""
+    """Build the write of a brush to stored numbers (n,)."""
     # Which points are deleted or hidden is looked at when the edit commits: somebody may delete
     # some of them until then, and the order of the journal decides what the stroke finds.
     only: Only = "unlabeled" if brush.only_unlabeled else "any"

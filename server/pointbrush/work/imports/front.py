@@ -79,7 +79,7 @@ class Importing(ABC):
         chosen: Corrections | None = None,
         roots: Sequence[Path] = (),
     ) -> Preview:
-        """Say what ``import_paths`` would do; nothing is written.  Raises what readers raise."""
+        """Preview ``import_paths``; nothing is written. Raises what readers raise."""
         from pointbrush.work.imports.previewing import PreviewRequest
 
         limits = formats.Limits(self.settings.max_frame_points, roots=tuple(roots))

@@ -128,7 +128,7 @@ class SampleWork:
 
 
 def source_of(paths: Iterable[Path]) -> str:
-    """Return how the manifest of a recording names the files that it is from."""
+    """Name the files a recording is from, for its manifest."""
     return ", ".join(map(str, paths))
 
 

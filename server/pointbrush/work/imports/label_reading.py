@@ -54,7 +54,7 @@ class LabelRequest:
     """Folder of files that were uploaded for it, which goes when the import has ended."""
 
     def as_json(self) -> dict[str, Any]:
-        """Return what a job keeps, to be begun again by ``LabelImports.again``."""
+        """Return the record a job keeps, to be begun again by ``LabelImports.again``."""
         names = {str(number): (name.name, name.color) for number, name in self.names.items()}
         places = {"place": str(self.place), "roots": [str(root) for root in self.roots]}
         return (

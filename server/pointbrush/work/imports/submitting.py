@@ -56,7 +56,7 @@ class ImportRequest:
         return importing.source_of(self.paths)
 
     def as_json(self) -> dict[str, Any]:
-        """Return what a job keeps, to be begun again by ``Imports.again``."""
+        """Return the record a job keeps, to be begun again by ``Imports.again``."""
         return {
             "call": IMPORT,
             "paths": [str(path) for path in self.paths],

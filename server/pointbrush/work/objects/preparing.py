@@ -45,7 +45,7 @@ class StateFiles:
         self._folder, self._most = folder, most_bytes
 
     def path(self, identity: str, selector: str, version: str, frame: int) -> Path:
-        """Return where a state is, or would be."""
+        """Return the path of a state, whether it is there or not."""
         told = hashlib.blake2b(f"{selector} {version}".encode(), digest_size=6).hexdigest()
         return self._folder / identity / told / f"{frame:06d}.npz"
 

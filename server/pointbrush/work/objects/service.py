@@ -69,7 +69,7 @@ class Clicks:
         )
 
     def words(self) -> tuple[object, ...]:
-        """Return what tells these clicks from others, without ``previous``."""
+        """Return a key of these clicks, without ``previous``."""
         rays = (
             array.tobytes()
             for stroke in (self.positives, self.negatives)
@@ -88,7 +88,7 @@ def _clicks(empty: Stroke, name: str, samples: Sequence[Mapping[str, Any]], most
 
 
 def surface_hits(points: Points, rays: Stroke, shift: Floats, alive: Alive) -> Floats:
-    """Return where rays in source coordinates meet the frame: (K, 3) local metres, hits only."""
+    """Intersect rays in source coordinates with the frame: (K, 3) local metres, hits only."""
     local = rays.to_local(shift)
     meets = clipped(local.clip, points, alive)
     hits = first_hits(points, local.origins, local.directions, local.radius, meets)
@@ -160,7 +160,7 @@ class Objects:
     # ── answering ────────────────────────────────────────────────────────────────────────
 
     def answer(self, recording: Recording, frame: int, clicks: Clicks) -> Answer:
-        """Return what clicks can mean; without a positive one, only whether the frame is ready.
+        """Answer clicks; without a positive one, only whether the frame is ready.
 
         The frame is prepared after this, and those around it.  Raises NotFoundError.
         """

@@ -25,7 +25,7 @@ REPLACED = uuid.UUID("6f0a6f9e-7d0e-5a3c-9c77-6f626a656374")
 
 
 class ObjectStroke:
-    """Takes what a ``LiveStroke`` takes and gives what it gives."""
+    """A stroke of the object tool, with the calls of a ``LiveStroke``."""
 
     def __init__(
         self,

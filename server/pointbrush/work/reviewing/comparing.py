@@ -83,7 +83,7 @@ class Agreement:
 
 
 def pairs(first: NDArray[np.uint16], second: NDArray[np.uint16]) -> Counter[tuple[int, int]]:
-    """Return how many points have each pair of label ids; both (N,)."""
+    """Count the points of each pair of label ids; both (N,)."""
     joined = first.astype(np.uint32) << BITS | second
     values, numbers = np.unique(joined, return_counts=True)
     return Counter(
@@ -181,7 +181,7 @@ def _dots(
 def compare(
     store: LabelStore, first: Recording, second: Recording, by: By, frames: range
 ) -> Agreement:
-    """Return how far the labels of two recordings of the same points agree.
+    """Compare the labels of two recordings of the same points.
 
     ``by``: labels are the same whose names are, or whose categories are.
     Raises BadInputError for recordings of other points.
@@ -258,7 +258,7 @@ def _by_name(label: NDArray[np.uint16], names: dict[int, str]) -> NDArray[np.str
 
 
 def _difference(first: NDArray[np.str_], second: NDArray[np.str_]) -> NDArray[np.uint8]:
-    """Return what each point is: see ``Difference``."""
+    """Classify each point: see ``Difference``."""
     found = np.full(len(first), Difference.UNLABELLED, np.uint8)
     found[(first != "") & (first == second)] = Difference.SAME
     found[(first != "") & (second == "")] = Difference.FIRST

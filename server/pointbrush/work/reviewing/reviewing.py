@@ -31,7 +31,7 @@ class Reviewing:
         self._checker = Checker(store)
 
     def overview(self, sequence: str) -> Overview:
-        """Return how each frame and label stands; raises NotFoundError."""
+        """Return the review state of each frame and label; raises NotFoundError."""
         recording = self._recording(sequence)
         log = self._store.reviews.entries(sequence)
         palette = {label.id for label in self._store.palette(sequence)}
@@ -48,12 +48,12 @@ class Reviewing:
         )
 
     def frame(self, sequence: str, frame: int, label: int = 0) -> Standing:
-        """Return how one frame stands, or a label in it; raises NotFoundError."""
+        """Return the review state of one frame, or of a label in it; raises NotFoundError."""
         _ = self._recording(sequence)[frame]
         return states.state_at(self.overview(sequence), frame, label)
 
     def history(self, sequence: str) -> list[Review]:
-        """Return who decided what, the newest first; authors by their names."""
+        """List the review decisions, the newest first; authors by their names."""
         self._recording(sequence)
         log = self._store.reviews.entries(sequence)
         return [replace(entry, author=self._name(entry.author)) for entry in reversed(log)]
@@ -95,7 +95,7 @@ class Reviewing:
     def agreement(
         self, sequence: str, other: str, by: By = "name", frames: str | None = None
     ) -> Agreement:
-        """Return how far the labels of another recording of the same points agree.
+        """Compare the labels with those of another recording of the same points.
 
         Raises NotFoundError, BadInputError for a recording of other points.
         """

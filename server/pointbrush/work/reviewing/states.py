@@ -60,7 +60,7 @@ Marks = dict[str, NDArray[np.int32]]
 def replay(
     log: Sequence[Review], frames: int, palette: Collection[int], changes: Mapping[int, int]
 ) -> Overview:
-    """Return what the log says of each frame and label of ``palette``.
+    """Replay the log into the state of each frame and label of ``palette``.
 
     ``changes``: for each frame that was ever changed, the revision of its last change.
     """
@@ -88,14 +88,14 @@ def replay(
 
 
 def state_at(overview: Overview, frame: int, label: int = 0) -> Standing:
-    """Return how one frame stands, or a label in it."""
+    """Return the review state of one frame, or of a label in it."""
     for each in overlapping(overview, frame, frame, label):
         return each
     return Standing(frame, frame, label)
 
 
 def overlapping(overview: Overview, first: int, last: int, label: int) -> Iterator[Standing]:
-    """Yield how frames ``first`` to ``last`` stand, or a label in them, by runs."""
+    """Yield the states of frames ``first`` to ``last``, or of a label in them, by runs."""
     for each in overview.frames:
         if each.label != label or each.first is None or each.last is None:
             continue

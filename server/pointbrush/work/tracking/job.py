@@ -91,7 +91,7 @@ class Knowledge:
     recording: Sequence
 
     def __call__(self, frame: int) -> FrameKnowledge:
-        """Return what is known of a frame."""
+        """Read the knowledge of a frame."""
         values = self.store.values(self.recording.manifest.id, frame)
         return FrameKnowledge(values.label, values.provenance, values.deleted)
 

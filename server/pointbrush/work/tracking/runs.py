@@ -36,7 +36,7 @@ class TrackRequest:
     stop_unsure: bool
 
     def as_json(self) -> dict[str, Any]:
-        """Return what a job keeps, to be begun again by ``Runs.again``."""
+        """Return the record a job keeps, to be begun again by ``Runs.again``."""
         return {"call": TRACK} | asdict(self) | {"options": _kept_options(self.options)}
 
     @classmethod
