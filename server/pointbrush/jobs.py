@@ -322,6 +322,11 @@ class JobRunner:
             if running.cancelled:
                 tell(connection, "cancel")
         self._change(job_id, state="running", progress=0.0, message="")
+        self._hear_out(connection, job_id, running)
+        running.drained.set()
+
+    def _hear_out(self, connection: Connection[Any, Any], job_id: str, running: _Running) -> None:
+        """Take in all that a worker says of a job, until it says no more."""
         try:
             while True:
                 kind, *values = connection.recv()
@@ -334,7 +339,6 @@ class JobRunner:
         except Exception as error:  # such as no memory for what came
             running.fault = error
             cut_off(connection)
-        running.drained.set()
 
     def _supervise(self, job_id: str, running: _Running) -> None:
         job = self.job(job_id)

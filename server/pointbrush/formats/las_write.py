@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, BinaryIO
@@ -99,14 +99,7 @@ def _like(
     for color in COLORS:
         if color in names and color in columns:
             rows[color] = columns.get(wide(color), columns[color].astype(np.uint16) * 257)
-    for name in names - set(ours.values()) - {"X", "Y", "Z", "intensity", *COLORS}:
-        kept = _source_column(columns, name)
-        if kept is not None:
-            rows[name] = kept
-            continue
-        parts = list(_parts(columns, name))
-        if parts:
-            rows[name] = np.stack(parts, axis=1)
+    _keep_fields(rows, columns, names - set(ours.values()) - {"X", "Y", "Z", "intensity", *COLORS})
     for number, name in enumerate(undocumented):
         byte = _source_column(columns, f"{UNDOCUMENTED}[{number}]")
         if byte is not None:
@@ -120,6 +113,20 @@ def _like(
             )
         rows[place] = columns[name]
     return rows
+
+
+def _keep_fields(
+    rows: laspy.ScaleAwarePointRecord, columns: Columns, names: Collection[str]
+) -> None:
+    """Write the fields ``names`` as the source has them."""
+    for name in names:
+        kept = _source_column(columns, name)
+        if kept is not None:
+            rows[name] = kept
+            continue
+        parts = list(_parts(columns, name))
+        if parts:
+            rows[name] = np.stack(parts, axis=1)
 
 
 def _parts(columns: Columns, name: str) -> Iterator[NDArray[Any]]:

@@ -103,14 +103,7 @@ def parse_header(name: str, data: bytes) -> Header:
     start = data.find(b"end_header", 0, MAX_HEADER)
     if start < 0:
         raise BadInputError(f"{name}: expected 'end_header', the file is cut off in its header")
-    size = start + len(b"end_header")
-    # Spaces may follow; then exactly one line end, as the first byte of data may look like one.
-    while data[size : size + 1] in (b" ", b"\t"):
-        size += 1
-    for line_end in (b"\r\n", b"\n", b"\r"):
-        if data.startswith(line_end, size):
-            size += len(line_end)
-            break
+    size = _line_end(data, start + len(b"end_header"))
     layout = ""
     elements: list[Element] = []
     for number, line in enumerate(data[:start].decode("latin-1").splitlines(), start=1):
@@ -134,6 +127,19 @@ def parse_header(name: str, data: bytes) -> Header:
         raise BadInputError(f"{name}: expected a line 'format ascii|binary_… 1.0', got none")
     # An element without properties takes no bytes, whatever count it claims.
     return Header(layout, [element for element in elements if element.properties], size)
+
+
+def _line_end(data: bytes, at: int) -> int:
+    """Number of the byte behind the line that ends at ``at``.
+
+    Spaces may follow; then exactly one line end, as the first byte of data may look like one.
+    """
+    while data[at : at + 1] in (b" ", b"\t"):
+        at += 1
+    for line_end in (b"\r\n", b"\n", b"\r"):
+        if data.startswith(line_end, at):
+            return at + len(line_end)
+    return at
 
 
 def _kind(where: str, text: str, *, count: bool = False) -> str:

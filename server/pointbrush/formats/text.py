@@ -257,10 +257,8 @@ def _table(name: str, lines: list[str], layout: Layout, width: int) -> NDArray[n
     return numbers.reshape(len(rows), width) if numbers.size == len(rows) * width else None
 
 
-def _columns_with_words(
-    name: str, lines: list[str], layout: Layout, options: ReadOptions
-) -> Mapping[str, Array]:
-    """Columns of numbers alone: names, dates and remarks beside them are left out."""
+def _table_of(name: str, lines: list[str], layout: Layout) -> list[list[str]]:
+    """The words of each row; raises BadInputError where one has more or fewer than the first."""
     separator = layout.separator or " "
     wanted = (lines[row] for row in layout.rows)
     table = list(csv.reader(wanted, delimiter=separator, skipinitialspace=True))
@@ -271,6 +269,15 @@ def _columns_with_words(
                 f"{name} line {row + 1}: expected {width} values as in line "
                 f"{layout.rows[0] + 1}, got {len(words)}"
             )
+    return table
+
+
+def _columns_with_words(
+    name: str, lines: list[str], layout: Layout, options: ReadOptions
+) -> Mapping[str, Array]:
+    """Columns of numbers alone: names, dates and remarks beside them are left out."""
+    table = _table_of(name, lines, layout)
+    width = len(table[0])
     names = layout.header or [str(i) for i in range(width)]
     if len(names) != width:
         raise BadInputError(

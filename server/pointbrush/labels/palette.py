@@ -102,19 +102,7 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Return the ``fields`` that are not None, checked; raises BadInputError."""
     given = {name: value for name, value in fields.items() if value is not None}
     for name, value in given.items():
-        kind = FIELDS.get(name)
-        if kind is None:
-            raise BadInputError(f"label: expected fields {', '.join(FIELDS)}, got {name!r}")
-        if not isinstance(value, kind):
-            raise BadInputError(
-                f"label {name}: expected {kind.__name__}, got {type(value).__name__}"
-            )
-        if isinstance(value, str) and len(value) > NAME_LIMIT:
-            raise BadInputError(
-                f"label {name}: expected at most {NAME_LIMIT} characters, got {len(value)}"
-            )
-        if isinstance(value, str) and name in ("name", "category"):
-            require_visible(f"label {name}", value)
+        _check_kind(name, value)
     if not 0 <= given.get("instance", 0) <= MOST_INSTANCE:
         raise BadInputError(
             f"label instance: expected 0 to {MOST_INSTANCE}, got {given['instance']}"
@@ -128,6 +116,21 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
     if "color" in given:
         given["color"] = given["color"].lower()
     return given
+
+
+def _check_kind(name: str, value: object) -> None:
+    """Raise BadInputError unless a label has a field ``name`` of the kind of ``value``."""
+    kind = FIELDS.get(name)
+    if kind is None:
+        raise BadInputError(f"label: expected fields {', '.join(FIELDS)}, got {name!r}")
+    if not isinstance(value, kind):
+        raise BadInputError(f"label {name}: expected {kind.__name__}, got {type(value).__name__}")
+    if isinstance(value, str) and len(value) > NAME_LIMIT:
+        raise BadInputError(
+            f"label {name}: expected at most {NAME_LIMIT} characters, got {len(value)}"
+        )
+    if isinstance(value, str) and name in ("name", "category"):
+        require_visible(f"label {name}", value)
 
 
 def check_id(label_id: int) -> int:

@@ -132,17 +132,23 @@ class Writer:
         except BaseException as error:
             if written:  # taken into memory, half perhaps, and perhaps nowhere else
                 state.revision, state.stale = before, True
-            lost = isinstance(error, UnavailableError) and not self._database.sqlite
-            if ended and (lost or shortage(error) is not None):
-                error = self._settle(state, batch, error)
-            for request in batch:
-                if request.commit is None:
-                    request.error = request.error or error
+            self._fail(state, batch, error, ended=ended)
             return
         for done in made.values():
             self._sessions.outbox.put(done)
         for request, done in told:
             request.commit = done
+
+    def _fail(
+        self, state: SequenceState, batch: list[Request], error: BaseException, *, ended: bool
+    ) -> None:
+        """Give an error to those of a batch that are not committed; its commit may be ``ended``."""
+        lost = isinstance(error, UnavailableError) and not self._database.sqlite
+        if ended and (lost or shortage(error) is not None):
+            error = self._settle(state, batch, error)
+        for request in batch:
+            if request.commit is None:
+                request.error = request.error or error
 
     def _settle(
         self, state: SequenceState, batch: list[Request], error: BaseException

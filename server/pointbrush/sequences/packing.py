@@ -170,9 +170,7 @@ def _write_lane(
     groups = -(-points // GROUP)
     if control == PLAIN:
         for group in range(groups):
-            for place in range(min(GROUP, points - group * GROUP)):
-                out[at + place] = values[group, place]
-            at += min(GROUP, points - group * GROUP)
+            at = _copy_group(values[group], min(GROUP, points - group * GROUP), out, at)
         return at
     header = at
     at += -(-groups // 4)
@@ -189,10 +187,16 @@ def _write_lane(
         elif width == 3:
             at = _write_group(values[group], 4, out, at)
         elif width:
-            for place in range(GROUP):
-                out[at + place] = values[group, place]
-            at += GROUP
+            at = _copy_group(values[group], GROUP, out, at)
     return at
+
+
+@innermost
+def _copy_group(values: Bytes, count: int, out: Bytes, at: int) -> int:
+    """Write ``count`` bytes of a group (16,) at ``at``; returns where it ends."""
+    for place in range(count):
+        out[at + place] = values[place]
+    return at + count
 
 
 @innermost

@@ -222,16 +222,29 @@ def _orient(normal: Floats, center: Floats, edges: Ints, order: Ints) -> None:
         for k in range(3):
             dot += normal[i, k] * normal[j, k]
         if dot < 0:
-            member = b
-            while True:
-                for k in range(3):
-                    normal[member, k] = -normal[member, k]
-                member = following[member]
-                if member == b:
-                    break
+            _flip_ring(normal, following, b)
         parent[b] = a
         size[a] += size[b]
         following[a], following[b] = following[b], following[a]
+    _turn_inward(normal, center, parent)
+
+
+@innermost
+def _flip_ring(normal: Floats, following: Ints, first: int) -> None:
+    """Turn the normals (C, 3) of the ring of cells from ``first`` on about."""
+    member = first
+    while True:
+        for k in range(3):
+            normal[member, k] = -normal[member, k]
+        member = following[member]
+        if member == first:
+            break
+
+
+@compiled
+def _turn_inward(normal: Floats, center: Floats, parent: Ints) -> None:
+    """Turn the normals (C, 3) of each component about that look away from the scene's middle."""
+    count = len(normal)
     middle = np.zeros(3)
     for i in range(count):
         for k in range(3):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import heapq
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,9 +137,107 @@ def grow_tree(pieces: Pieces, area: float, model: Forest) -> MergeTree:
 def record_tree(pieces: Pieces, area: float, model: Forest, most: int) -> tuple[MergeTree, Scored]:
     """Return the tree, and the pairs that were scored on the way, ``most`` at most."""
     parent, score, totals, first, rows, nodes = _merge(
-        pieces.sums, pieces.pairs, pieces.between, area, *model, most
+        pieces.sums, pieces.pairs, pieces.between, area, model, most
     )
     return MergeTree(parent, score, totals, first), Scored(rows, nodes)
+
+
+class _Borders(NamedTuple):
+    """B borders between nodes, while these are joined.
+
+    ``ends`` (B, 2) nodes; ``between`` (B, PAIR_WIDTH) sums; ``version`` (B,) of the newest score,
+    -1 for those that have gone; ``sized`` (B,) cells of both nodes when scored, -1 to be scored
+    anew; ``fresh`` (B,) begins with those.  A node's borders are a list from ``head`` (M,) through
+    ``following`` (2 B,), slots 2 b and 2 b + 1 of border b, one for each end.  ``at`` (M,): the
+    border of a neighbour with the newest node, where that has ``seen`` (M,) it.
+    """
+
+    ends: Ints
+    between: Floats
+    version: Ints
+    sized: Floats
+    fresh: Ints
+    head: Ints
+    following: Ints
+    seen: Ints
+    at: Ints
+
+
+@compiled
+def _borders_of(pairs: Ints, between: Floats, nodes: int) -> _Borders:
+    """The borders between the first ``pairs`` (B, 2), room for so many ``nodes``; all are fresh."""
+    count = len(pairs)
+    head, following = np.full(nodes, -1, np.int64), np.full(2 * count, -1, np.int64)
+    for b in range(count):
+        for side in range(2):
+            following[2 * b + side] = head[pairs[b, side]]
+            head[pairs[b, side]] = 2 * b + side
+    return _Borders(
+        pairs.copy(),
+        between.copy(),
+        np.zeros(count, np.int64),
+        np.zeros(count),
+        np.arange(count),
+        head,
+        following,
+        np.full(nodes, -1, np.int64),
+        np.full(nodes, -1, np.int64),
+    )
+
+
+@innermost
+def _pass_on_borders(borders: _Borders, total: Floats, node: int, joined: tuple[int, int]) -> int:
+    """Give a new node the borders of the ``joined`` two; how many begin ``fresh`` now."""
+    count = 0
+    for old in joined:
+        slot = borders.head[old]
+        while slot >= 0:
+            after = borders.following[slot]
+            if borders.version[slot // 2] >= 0:
+                count = _pass_on(borders, total, node, slot, count)
+            slot = after
+    return count
+
+
+@innermost
+def _pass_on(borders: _Borders, total: Floats, node: int, slot: int, count: int) -> int:
+    """Give a new node the border of a slot; the new ``count`` of fresh ones."""
+    b, side = slot // 2, slot % 2
+    far = borders.ends[b, 1 - side]
+    borders.ends[b, side] = node
+    if borders.seen[far] == node:
+        # Both had this neighbour: their borders become one.
+        kept, changed = borders.at[far], True
+        for k in range(PAIR_WIDTH):
+            borders.between[kept, k] += borders.between[b, k]
+        borders.version[b] = -1
+    else:
+        borders.seen[far], borders.at[far] = node, b
+        borders.following[slot], borders.head[node] = borders.head[node], slot
+        grown = total[node, sums.COUNT] + total[far, sums.COUNT]
+        kept, changed = b, grown > GROWN * borders.sized[b]
+    if changed and borders.sized[kept] >= 0:
+        borders.sized[kept] = -1.0
+        borders.fresh[count] = kept
+        count += 1
+    return count
+
+
+@innermost
+def _smaller_first(total: Floats, ends: Ints, border: int) -> tuple[int, int]:
+    """Both nodes of a border, the one of fewer cells first."""
+    one, other = ends[border, 0], ends[border, 1]
+    return (other, one) if total[one, sums.COUNT] > total[other, sums.COUNT] else (one, other)
+
+
+@compiled
+def _best_border(waiting: list[tuple[float, int, int]], version: Ints) -> tuple[int, float]:
+    """Take the likeliest border of the heap and its log odds, outdated ones aside; -1 for none."""
+    while len(waiting) > 0:
+        minus, b, stamp = heapq.heappop(waiting)
+        if version[b] == stamp:
+            return b, -minus
+    return -1, 0.0
 
 
 @compiled
@@ -147,43 +246,28 @@ def _merge(
     first_pairs: Ints,
     first_between: Floats,
     area: float,
-    feature: NDArray[np.int16],
-    threshold: NDArray[np.float32],
-    left: NDArray[np.int32],
-    right: NDArray[np.int32],
-    roots: NDArray[np.int32],
+    model: Forest,
     most: int,
 ) -> tuple[Ints, Floats, Floats, Floats, Floats, Ints]:
-    count, borders = len(leaves), len(first_pairs)
+    count = len(leaves)
     nodes = max(2 * count - 1, 0)
     parent, made = np.full(nodes, -1, np.int64), np.full(nodes, np.inf)
     total = np.empty((nodes, WIDTH))
     total[:count] = leaves
-    ends, between = first_pairs.copy(), first_between.copy()
+    borders = _borders_of(first_pairs, first_between, nodes)
+    ends, version, fresh = borders.ends, borders.version, borders.fresh
     rows, scored = np.empty((most, FEATURES)), np.empty((most, 2), np.int64)
     noted = 0
     work, row = np.empty((3, WIDTH)), np.empty(FEATURES)
-    # A node's borders: a list through slots 2 b and 2 b + 1 of border b, one for each end.
-    head, following = np.full(nodes, -1, np.int64), np.full(2 * borders, -1, np.int64)
-    version, sized = np.zeros(borders, np.int64), np.zeros(borders)
-    first = np.empty(borders)
+    first = np.empty(len(ends))
     waiting = [(0.0, 0, 0)][:0]
-    fresh = np.empty(borders, np.int64)
-    for b in range(borders):
-        fresh[b] = b
-        for side in range(2):
-            following[2 * b + side] = head[ends[b, side]]
-            head[ends[b, side]] = 2 * b + side
-    seen, at = np.full(nodes, -1, np.int64), np.full(nodes, -1, np.int64)
-    fresh_count, node, begun = borders, count, False
+    fresh_count, node, begun = len(ends), count, False
     while True:
         for f in range(fresh_count):
             b = fresh[f]
-            one, other = ends[b, 0], ends[b, 1]
-            if total[one, sums.COUNT] > total[other, sums.COUNT]:
-                one, other = other, one
-            pair_features(total[one], total[other], between[b], area, work, row)
-            odds = answer(feature, threshold, left, right, roots, row)
+            one, other = _smaller_first(total, ends, b)
+            pair_features(total[one], total[other], borders.between[b], area, work, row)
+            odds = answer(model, row)
             if noted < most:
                 rows[noted] = row
                 scored[noted, 0], scored[noted, 1] = one, other
@@ -191,15 +275,10 @@ def _merge(
             if not begun:
                 first[b] = odds
             version[b] += 1
-            sized[b] = total[one, sums.COUNT] + total[other, sums.COUNT]
+            borders.sized[b] = total[one, sums.COUNT] + total[other, sums.COUNT]
             heapq.heappush(waiting, (-odds, b, version[b]))
-        begun, fresh_count = True, 0
-        found, odds = -1, 0.0
-        while len(waiting) > 0:
-            minus, b, stamp = heapq.heappop(waiting)
-            if version[b] == stamp:
-                found, odds = b, -minus
-                break
+        begun = True
+        found, odds = _best_border(waiting, version)
         if found < 0:
             break
         one, other = ends[found, 0], ends[found, 1]
@@ -207,32 +286,7 @@ def _merge(
         parent[one] = parent[other] = node
         made[node] = odds
         sums.add(total[one], total[other], total[node])
-        total[node, sums.PERIMETER] -= 2 * between[found, sums.EDGES]
-        grown = total[node, sums.COUNT]
-        for old in (one, other):
-            slot = head[old]
-            while slot >= 0:
-                after, b, side = following[slot], slot // 2, slot % 2
-                if version[b] >= 0:
-                    far = ends[b, 1 - side]
-                    ends[b, side] = node
-                    if seen[far] == node:
-                        # Both had this neighbour: their borders become one.
-                        kept = at[far]
-                        for k in range(PAIR_WIDTH):
-                            between[kept, k] += between[b, k]
-                        version[b] = -1
-                        if sized[kept] >= 0:
-                            sized[kept] = -1.0
-                            fresh[fresh_count] = kept
-                            fresh_count += 1
-                    else:
-                        seen[far], at[far] = node, b
-                        following[slot], head[node] = head[node], slot
-                        if sized[b] >= 0 and (grown + total[far, sums.COUNT] > GROWN * sized[b]):
-                            sized[b] = -1.0
-                            fresh[fresh_count] = b
-                            fresh_count += 1
-                slot = after
+        total[node, sums.PERIMETER] -= 2 * borders.between[found, sums.EDGES]
+        fresh_count = _pass_on_borders(borders, total, node, (one, other))
         node += 1
     return parent[:node], made[:node], total[:node], first, rows[:noted], scored[:noted]

@@ -43,24 +43,17 @@ def value_features(
 
 
 @compiled
-def values(
-    features: Floats,
-    feature: NDArray[np.int16],
-    threshold: NDArray[np.float32],
-    left: NDArray[np.int32],
-    right: NDArray[np.int32],
-    roots: NDArray[np.int32],
-) -> Floats:
+def values(features: Floats, model: Forest) -> Floats:
     """Return the expected IoU (n,) of candidates by their numbers (n, VALUES)."""
     result = np.empty(len(features))
     for i in range(len(features)):
-        result[i] = answer(feature, threshold, left, right, roots, features[i])
+        result[i] = answer(model, features[i])
     return result
 
 
 def expected_iou(features: Floats, model: Forest) -> Floats:
     """Return the expected IoU (n,), 0 to 1."""
-    return np.asarray(np.clip(values(features, *model), 0.0, 1.0))
+    return np.asarray(np.clip(values(features, model), 0.0, 1.0))
 
 
 @compiled

@@ -33,15 +33,9 @@ class Forest(NamedTuple):
 
 
 @innermost
-def answer(
-    feature: NDArray[np.int16],
-    threshold: NDArray[np.float32],
-    left: NDArray[np.int32],
-    right: NDArray[np.int32],
-    roots: NDArray[np.int32],
-    row: NDArray[np.float64],
-) -> float:
+def answer(model: Forest, row: NDArray[np.float64]) -> float:
     """Return the sum of the leaves that a row of numbers reaches."""
+    feature, threshold, left, right, roots = model
     total = 0.0
     for at in roots:
         while feature[at] >= 0:

@@ -180,6 +180,45 @@ def _pack_tables(frequency: NDArray[np.int64]) -> Bytes:
 
 
 @compiled
+def _token_table(frequency: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.uint8]:
+    """(CONTEXTS, SCALE) the token of each slot."""
+    token_of = np.zeros((CONTEXTS, SCALE), np.uint8)
+    for context in range(CONTEXTS):
+        for token in range(TOKENS):
+            first = start[context, token]
+            token_of[context, first : first + frequency[context, token]] = token
+    return token_of
+
+
+@compiled
+def _first_states(words: NDArray[np.uint16]) -> NDArray[np.int64]:
+    """(STATES,) the states of the coder, two words each."""
+    states = np.empty(STATES, np.int64)
+    for n in range(STATES):
+        states[n] = int(words[2 * n]) | int(words[2 * n + 1]) << WORD_BITS
+    return states
+
+
+@innermost
+def _with_low_bits(code: int, rest: Bytes, bit_at: int) -> tuple[int, int]:
+    """Value of a ``code`` with its low bits from ``bit_at``, -1 where they end; the next bit."""
+    bits = (code >> 2) + 2
+    if bit_at + bits > 8 * len(rest):
+        return -1, bit_at
+    value = (4 + (code & 3)) << bits
+    for bit in range(bits):
+        value |= ((int(rest[bit_at >> 3]) >> (bit_at & 7)) & 1) << bit
+        bit_at += 1
+    return value, bit_at
+
+
+@innermost
+def _unfolded(folded: int) -> int:
+    """The signed number of an unsigned one: 0, 1, 2, 3 … of 0, -1, 1, -2 …."""
+    return folded >> 1 if folded & 1 == 0 else -((folded + 1) >> 1)
+
+
+@compiled
 def _decode(
     image: Image,
     band: Band,
@@ -193,14 +232,8 @@ def _decode(
     down, across = band.down, band.across
     if len(words) < 2 * STATES:
         return False
-    token_of = np.zeros((CONTEXTS, SCALE), np.uint8)
-    for context in range(CONTEXTS):
-        for token in range(TOKENS):
-            first = start[context, token]
-            token_of[context, first : first + frequency[context, token]] = token
-    states = np.empty(STATES, np.int64)
-    for n in range(STATES):
-        states[n] = int(words[2 * n]) | int(words[2 * n + 1]) << WORD_BITS
+    token_of = _token_table(frequency, start)
+    states = _first_states(words)
     n, at, bit_at, last = 0, 2 * STATES, 0, 0
     for strip in range(band.row, band.stop, STRIP * down):
         end = min(strip + STRIP * down, band.stop)
@@ -224,15 +257,10 @@ def _decode(
                     continue
                 folded = token - 1
                 if folded >= DIRECT:
-                    code = folded - DIRECT
-                    bits = (code >> 2) + 2
-                    if bit_at + bits > 8 * len(rest):
+                    folded, bit_at = _with_low_bits(folded - DIRECT, rest, bit_at)
+                    if folded < 0:
                         return False
-                    folded = (4 + (code & 3)) << bits
-                    for bit in range(bits):
-                        folded |= ((int(rest[bit_at >> 3]) >> (bit_at & 7)) & 1) << bit
-                        bit_at += 1
-                last = expected + (folded >> 1 if folded & 1 == 0 else -((folded + 1) >> 1))
+                last = expected + _unfolded(folded)
                 image[row, column] = last
     return True
 

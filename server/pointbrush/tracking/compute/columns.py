@@ -56,15 +56,21 @@ def _slot(at: float, count: int) -> int:
 
 
 @compiled
-def columns(xyz: F64, tint: F32, weight: float) -> Columns:
-    """Sort points (N, 3) with ``tint`` (N, 3), times ``weight``, where that is not zero."""
-    count = len(xyz)
+def _extent(xyz: F64) -> tuple[F64, F64]:
+    """Lowest corner (3,) and size (3,) of the box around the finite points (N, 3)."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for i in range(count):
+    for i in range(len(xyz)):
         for a in range(3):
             if abs(xyz[i, a]) < np.inf:
                 low[a], high[a] = min(low[a], xyz[i, a]), max(high[a], xyz[i, a])
-    extent = np.maximum(high - low, 0.0)
+    return low, np.maximum(high - low, 0.0)
+
+
+@compiled
+def columns(xyz: F64, tint: F32, weight: float) -> Columns:
+    """Sort points (N, 3) with ``tint`` (N, 3), times ``weight``, where that is not zero."""
+    count = len(xyz)
+    low, extent = _extent(xyz)
     thin = 0
     for a in range(1, 3):
         if extent[a] <= extent[thin]:

@@ -125,20 +125,32 @@ def _pulled(
                 total[node] += part
                 for a in range(3):
                     pulls[node, a] += part * (grid.xyz[near, a] - surface[i, a])
-        for node in range(len(moved)):
-            for a in range(3):
-                pulls[node, a] /= total[node]
-        for node in range(len(moved)):
-            for a in range(3):
-                mean = 0.0
-                for other in around[node]:
-                    mean += pulls[other, a]
-                moved[node, a] = (1 - smooth_weight) * pulls[
-                    node, a
-                ] + smooth_weight * mean / around.shape[1]
-        for i in range(len(surface)):
-            for a in range(3):
-                offset[i, a] = 0.0
-                for k in range(link.shape[1]):
-                    offset[i, a] += share[i, k] * moved[link[i, k], a]
+        _smoothed(moved, pulls, total, around, smooth_weight)
+        _carry(offset, moved, link, share)
     return offset
+
+
+@compiled
+def _smoothed(moved: F64, pulls: F64, total: F64, around: I64, smooth_weight: float) -> None:
+    """Move the nodes (K, 3) by their mean ``pulls``, leaning on the nodes ``around`` each."""
+    for node in range(len(moved)):
+        for a in range(3):
+            pulls[node, a] /= total[node]
+    for node in range(len(moved)):
+        for a in range(3):
+            mean = 0.0
+            for other in around[node]:
+                mean += pulls[other, a]
+            moved[node, a] = (1 - smooth_weight) * pulls[
+                node, a
+            ] + smooth_weight * mean / around.shape[1]
+
+
+@compiled
+def _carry(offset: F64, moved: F64, link: I64, share: F64) -> None:
+    """Displace the points (M, 3) by the nodes that carry them."""
+    for i in range(len(offset)):
+        for a in range(3):
+            offset[i, a] = 0.0
+            for k in range(link.shape[1]):
+                offset[i, a] += share[i, k] * moved[link[i, k], a]

@@ -168,17 +168,9 @@ def agreed(
         change = 0.0
         for turn in range(count):
             i = turn if sweep % 2 == 0 else count - 1 - turn
-            newest = 0
-            for n in range(links.start[i], links.start[i + 1]):
-                newest = max(newest, moved[links.end[n]])
-            if sweep > 0 and newest < asked[i]:
+            if sweep > 0 and _newest(links, i, moved) < asked[i]:
                 continue
-            now[:] = 0.0
-            total = 0.0
-            for n in range(links.start[i], links.start[i + 1]):
-                total += links.length[n]
-                for k in range(many):
-                    now[k] += links.length[n] * share[links.end[n], k]
+            total = _sum_neighbours(links, i, share, now)
             scale = (
                 neighbour_weight * min(1.0, total / full_neighbours) / total if total > 0.0 else 0.0
             )
@@ -196,6 +188,27 @@ def agreed(
         if change < settled_change:
             break
     return share
+
+
+@compiled
+def _newest(links: Paths, cell: int, moved: I64) -> int:
+    """Latest turn in which a neighbour of a cell ``moved`` (N,)."""
+    newest = 0
+    for n in range(links.start[cell], links.start[cell + 1]):
+        newest = max(newest, moved[links.end[n]])
+    return newest
+
+
+@compiled
+def _sum_neighbours(links: Paths, cell: int, share: F64, out: F64) -> float:
+    """Weighted sum ``out`` (K,) of the shares (N, K) of a cell's neighbours; their total weight."""
+    out[:] = 0.0
+    total = 0.0
+    for n in range(links.start[cell], links.start[cell + 1]):
+        total += links.length[n]
+        for k in range(len(out)):
+            out[k] += links.length[n] * share[links.end[n], k]
+    return total
 
 
 @compiled

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.compute.graph import parts
-from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person
@@ -92,16 +92,7 @@ def come_back(
     """
     gone = [f for f in people if f.named and f.elsewhere(observation, now)]
     offers = _offers(observation, people, gone, usual, now) if gone else []
-    ranked = []
-    for person in gone:
-        for number, (cells, other, rest) in enumerate(offers):
-            if not _may_be(person, other):
-                continue
-            cost = _cost(observation, person, cells, other, now)
-            if cost is not None:
-                if other is not None and rest is not None:
-                    cost += _rather(observation, other, cells, rest)
-                ranked.append((cost, person.label, number))
+    ranked = _ranked(observation, gone, offers, now)
     found: set[int] = set()
     given: set[int] = set()
     gone_on: set[int] = set()
@@ -113,19 +104,13 @@ def come_back(
             if not f.named and f.since > now - observation.options.arrivals.recent_frames
         ),
     ]
-    for _, label, number in sorted(ranked):
+    for _, label, number in ranked:
         if label in found or number in given:
             continue
         found.add(label)
         given.add(number)
         cells, other, rest = offers[number]
-        taken = np.zeros(len(observation.owner), np.bool_)
-        taken[cells] = True
-        if other is None or not other.named:
-            bodies = np.unique(observation.bodies[cells])
-            taken |= np.isin(observation.bodies, bodies[bodies >= 0]) & np.isin(
-                observation.owner, young
-            )
+        taken = _taken(observation, cells, other, young)
         if other is not None and not other.named:
             gone_on.add(other.label)
         observation.owner[observation.owner == label] = 0
@@ -135,6 +120,38 @@ def come_back(
         if other is not None and rest is not None:
             person.doubt(other)
     return gone_on
+
+
+def _ranked(
+    observation: PersonObservation, gone: Sequence[Person], offers: Sequence[Offer], now: int
+) -> list[tuple[float, int, int]]:
+    """Cost, label of a missing person and number of an offer, the least cost first."""
+    ranked = []
+    for person in gone:
+        for number, (cells, other, rest) in enumerate(offers):
+            cost = None
+            if _may_be(person, other):
+                cost = _cost(observation, person, cells, other, now)
+            if cost is not None:
+                if other is not None and rest is not None:
+                    cost += _rather(observation, other, cells, rest)
+                ranked.append((cost, person.label, number))
+    return sorted(ranked)
+
+
+def _taken(
+    observation: PersonObservation, cells: I64, other: Person | None, young: Sequence[int]
+) -> Mask:
+    """Mark the cells (N,) that go along with those offered: of their bodies all that is free, or
+    whose owner is ``young``, unless they were a labelled person's."""
+    taken = np.zeros(len(observation.owner), np.bool_)
+    taken[cells] = True
+    if other is None or not other.named:
+        bodies = np.unique(observation.bodies[cells])
+        taken |= np.isin(observation.bodies, bodies[bodies >= 0]) & np.isin(
+            observation.owner, young
+        )
+    return taken
 
 
 def _may_be(person: Person, other: Person | None) -> bool:

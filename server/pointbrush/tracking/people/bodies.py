@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -30,47 +30,13 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
     options = view.options
     if len(moving) < options.body.min_claim_points or not tracks:
         return {}
-    size = float(
-        np.median(
-            [
-                max(
-                    options.body.cell_units * t.unit,
-                    options.body.cell_radius_share * t.span,
-                )
-                for t in tracks.values()
-            ]
-        )
-    )
-    foreground = Foreground.of(view, moving, size)
+    foreground = Foreground.of(view, moving, _cell_size(tracks.values(), options.body))
     bodies = foreground.bodies(2 * options.body.min_part_cells)
-    offers = []
-    for label, track in tracks.items():
-        # Who left the picture may have turned there.
-        either = (track.motion.predictions()[0], track.motion.poses[-1])
-        expected = np.vstack([transform(T, track.model.xyz) for T in either])
-        away, _ = cKDTree(expected).query(foreground.middle)
-        reach = track.span * (
-            options.arrivals.return_radii
-            + options.arrivals.return_radii_per_frame
-            * min(track.frames_unseen, options.body.clothes_max_frames)
-        )
-        for number, cells in enumerate(bodies):
-            gap = float(np.asarray(away)[cells].min())
-            if gap > reach:
-                continue
-            points = moving[np.isin(foreground.cell, cells)]
-            if (
-                len(points)
-                < options.track.hardly_share * options.arrivals.return_scrap_share * track.size
-            ):
-                continue
-            colour = view.colour(points[:: _step(len(points), options=options.arrivals)])
-            if track.appearance.share(colour) > options.arrivals.return_alike_share:
-                like = (
-                    track.appearance.likeness(colour)
-                    - options.arrivals.return_edge_cost * gap / reach
-                )
-                offers.append((like, label, number, points))
+    offers = [
+        (like, label, number, points)
+        for label, track in tracks.items()
+        for like, number, points in _alike_bodies(view, track, foreground, bodies)
+    ]
     found: dict[int, I64] = {}
     gone: set[int] = set()
     for _, label, number, points in sorted(offers, key=lambda o: (-o[0], o[1], o[2])):
@@ -78,6 +44,43 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
             found[label] = points
             gone.add(number)
     return found
+
+
+def _cell_size(tracks: Iterable[Track], options: BodyOptions) -> float:
+    """Metres of a cell of the foreground that large ``tracks`` share, a median."""
+    return float(
+        np.median(
+            [max(options.cell_units * t.unit, options.cell_radius_share * t.span) for t in tracks]
+        )
+    )
+
+
+def _alike_bodies(
+    view: View, track: Track, foreground: Foreground, bodies: Sequence[I64]
+) -> Iterator[tuple[float, int, I64]]:
+    """Yield the bodies within reach of a track, alike in colour: log likelihood, number, points."""
+    options = view.options
+    # Who left the picture may have turned there.
+    either = (track.motion.predictions()[0], track.motion.poses[-1])
+    expected = np.vstack([transform(T, track.model.xyz) for T in either])
+    away, _ = cKDTree(expected).query(foreground.middle)
+    reach = track.span * (
+        options.arrivals.return_radii
+        + options.arrivals.return_radii_per_frame
+        * min(track.frames_unseen, options.body.clothes_max_frames)
+    )
+    least = options.track.hardly_share * options.arrivals.return_scrap_share * track.size
+    for number, cells in enumerate(bodies):
+        gap = float(np.asarray(away)[cells].min())
+        if gap > reach:
+            continue
+        points = foreground.indices[np.isin(foreground.cell, cells)]
+        if len(points) < least:
+            continue
+        colour = view.colour(points[:: _step(len(points), options=options.arrivals)])
+        if track.appearance.share(colour) > options.arrivals.return_alike_share:
+            edge = options.arrivals.return_edge_cost * gap / reach
+            yield track.appearance.likeness(colour) - edge, number, points
 
 
 def recognised(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
@@ -135,17 +138,7 @@ def hang_together(
     }
     if not cores:
         return {}
-    size = float(
-        np.median(
-            [
-                max(
-                    associations.view.options.body.cell_units * tracks[n].unit,
-                    associations.view.options.body.cell_radius_share * tracks[n].span,
-                )
-                for n in cores
-            ]
-        )
-    )
+    size = _cell_size([tracks[n] for n in cores], associations.view.options.body)
     inside, ground = _before_and_behind(associations, cores, taken, size)
     other = _others(tracks, associations, cores, np.flatnonzero(inside & ~taken), ground, size)
     either = inside.copy()

@@ -163,17 +163,24 @@ def beneath_heads(
 
 
 @compiled
+def _highest_beside(cell: int, links: Paths, peak: I64, root: I64, height: F64) -> int:
+    """Highest peak that a neighbour of a cell is beneath; -1 where none is beneath any."""
+    highest = -1
+    for n in range(links.start[cell], links.start[cell + 1]):
+        if peak[links.end[n]] >= 0:
+            top = root_of(root, peak[links.end[n]])
+            if highest < 0 or height[top] > height[highest]:
+                highest = top
+    return highest
+
+
+@compiled
 def _peaks(order: I64, links: Paths, height: F64, ground: F64, least: float) -> I64:
     """(N,) the peak that each of the cells ``order`` (C,), highest first, is beneath, -1 for the
     others; a peak that stands out by less than ``least`` metres is a part of the one it meets."""
     peak, root = np.full(len(height), -1), np.arange(len(height))
     for i in order:
-        highest = -1
-        for n in range(links.start[i], links.start[i + 1]):
-            if peak[links.end[n]] >= 0:
-                top = root_of(root, peak[links.end[n]])
-                if highest < 0 or height[top] > height[highest]:
-                    highest = top
+        highest = _highest_beside(i, links, peak, root, height)
         if highest < 0:
             peak[i] = i
             continue

@@ -79,20 +79,21 @@ class Scene:
         self._noise = default_noise(options.noise)
         self.background: Background = PointBackground(options, reach)
         if self.lens is not None and not self._moves:
-            depth, lens = self._beside(painted), self.lens
-            if len(order) > 1:
-                noise = measure_noise(depth, self._look(order[1]).depth, options=options.noise)
-                # In a figure that was cut out of its room nothing need be at rest.
-                far = np.nanmedian(depth, keepdims=True)
-                if noise(far) < default_noise(options.noise)(far) or framed(
-                    self.first.frame, lens, options=options
-                ):
-                    self._noise = noise
-            unknown = np.full_like(depth, np.nan)
-            self.background = ImageBackground(
-                self.options, self._noise, unknown, unknown, np.ones_like(unknown)
-            )
+            self.background = self._picture_background(self.lens, painted)
         self._reach = reach
+
+    def _picture_background(self, lens: Lens, painted: I64 | None) -> ImageBackground:
+        """Begin the background of a depth camera at rest, its noise measured on two frames."""
+        depth, options = self._beside(painted), self.options
+        if len(self._order) > 1:
+            noise = measure_noise(depth, self._look(self._order[1]).depth, options=options.noise)
+            # In a figure that was cut out of its room nothing need be at rest.
+            far = np.nanmedian(depth, keepdims=True)
+            calm = noise(far) < default_noise(options.noise)(far)
+            if calm or framed(self.first.frame, lens, options=options):
+                self._noise = noise
+        unknown = np.full_like(depth, np.nan)
+        return ImageBackground(options, self._noise, unknown, unknown, np.ones_like(unknown))
 
     def _steady_it(self) -> None:
         """See a depth camera that only sways as one at rest."""

@@ -136,13 +136,10 @@ def find_lens(
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
     sample = xyz[:: max(1, len(xyz) // options.lens.sampled_points)].astype(np.float64) - eye
-    along, turn = _axis(sample, options=options.lens), None
-    if along is None:
-        turn = _facing(sample)
-        sample = sample @ turn.T
-        along = _axis(sample, options=options.lens)
-        if along is None:
-            return None
+    facing = _faced(sample, options=options.lens)
+    if facing is None:
+        return None
+    sample, along, turn = facing
     plane = _tangents(sample, *along)
     spacing = float(np.sqrt(np.ptp(plane[0]) * np.ptp(plane[1]) / len(xyz)))
     pitch = [
@@ -156,24 +153,27 @@ def find_lens(
         moves and reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
     ):
         return None
-    lens = _lens(
-        sample,
-        eye,
-        turn,
-        along,
-        (options.lens.pixel_spacings * spacing, options.lens.pixel_spacings * spacing),
-        options=options.lens,
-    )
-    least = (
-        0.0
-        if told
-        else options.lens.filled_share
-        if place is None
-        else options.lens.filled_share_sought
-    )
+    size = options.lens.pixel_spacings * spacing
+    lens = _lens(sample, eye, turn, along, (size, size), options=options.lens)
+    sought = options.lens.filled_share if place is None else options.lens.filled_share_sought
+    least = 0.0 if told else sought
     if lens is None or not _sees(lens, xyz, told, least, options=options.lens):
         return None
     return replace(lens, lattice=False)
+
+
+def _faced(local: F64, options: LensOptions) -> tuple[F64, tuple[int, float], F64 | None] | None:
+    """Points (N, 3) before an image, its axis, and the turn (3, 3) there; None as of ``_axis``.
+
+    Where they lie about none of the frame's axes they are turned to their mean ray.
+    """
+    along = _axis(local, options=options)
+    if along is not None:
+        return local, along, None
+    turn = _facing(local)
+    turned = local @ turn.T
+    along = _axis(turned, options=options)
+    return None if along is None else (turned, along, turn)
 
 
 def _told(lattice: PixelLattice, options: LensOptions) -> Lens:

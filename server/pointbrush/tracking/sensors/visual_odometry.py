@@ -61,28 +61,7 @@ def motion_between(
     begun = [_rigid(to @ start @ back) for start in starts]
     T = _followed(one, other, begun, options=options)
     if min(_shift(one[0], T, start) for start in begun) > options.visual_odometry.near_px:
-        begun += [turn @ begun[0] for turn in _turns(one[0].image, options=options.visual_odometry)]
-        tried = [
-            _mended(
-                one[0],
-                other[0].image,
-                start,
-                options.visual_odometry.tried_iterations,
-                options=options,
-            )
-            for start in begun
-        ]
-        T = _followed(
-            one,
-            other,
-            [
-                T,
-                *_best(one[0], other[0].image, tried, options=options)[
-                    : options.visual_odometry.starts_followed
-                ],
-            ],
-            options=options,
-        )
+        T = _followed(one, other, [T, *_turned_starts(one[0], other[0], begun, options)], options)
     off = _off(one[-1], other[-1].image, T, options=options.lens)
     scale = _scale(off, options=options.visual_odometry)
     before = _agreement(
@@ -99,6 +78,18 @@ def motion_between(
         off,
         scale,
     )
+
+
+def _turned_starts(
+    layer: Layer, target: Layer, begun: Sequence[F64], options: TrackerOptions
+) -> list[F64]:
+    """The best of the motions ``begun`` and of turns about the first, each mended a little."""
+    motion = options.visual_odometry
+    tried = [
+        _mended(layer, target.image, start, motion.tried_iterations, options=options)
+        for start in [*begun, *(turn @ begun[0] for turn in _turns(layer.image, options=motion))]
+    ]
+    return _best(layer, target.image, tried, options=options)[: motion.starts_followed]
 
 
 def _rigid(T: F64) -> F64:

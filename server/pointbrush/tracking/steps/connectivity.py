@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pointbrush.compiled import compiled
-from pointbrush.tracking.compute.columns import NONE, any_near, columns
+from pointbrush.tracking.compute.columns import NONE, Columns, any_near, columns
 from pointbrush.tracking.compute.grid import bounds, close_to, within
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.sensors.view import View
@@ -62,48 +62,73 @@ def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
 
     And whether they end within the ``limits``; else they are not all.
     """
-    reach, low, high = limits.reach, limits.low, limits.high
+    reach = limits.reach
     joined, order = np.zeros(len(rest), np.bool_), np.empty(len(rest), np.int64)
     count = _beside(core, rest, reach, joined, order)
     if count == 0:
         return joined, True
     first, grid = 0, columns(rest, NONE, 0.0)
-    steps = int(reach / grid.size) + 1
     # Of each column those that have not joined, so that none is asked again.
     left, ends = np.arange(len(rest)), grid.start[1:].copy()
     for _ in range(limits.steps):
         last = count
         if first == last:
             return joined, True
-        for k in range(first, last):
-            for a in range(3):
-                if not low[a] <= rest[order[k], a] <= high[a]:
-                    return joined, False
-        if count > limits.most:
+        if count > limits.most or not _all_inside(rest, order[first:last], limits):
             return joined, False
         for k in range(first, last):
-            at = rest[order[k]]
-            row = int((at[grid.axes[0]] - grid.low[0]) / grid.size)
-            column = int((at[grid.axes[1]] - grid.low[1]) / grid.size)
-            low_, high_ = max(column - steps, 0), min(column + steps, grid.across - 1)
-            for other in range(max(row - steps, 0), min(row + steps, grid.along - 1) + 1):
-                for here in range(other * grid.across + low_, other * grid.across + high_ + 1):
-                    i = grid.start[here]
-                    while i < ends[here]:
-                        point, square = grid.order[left[i]], 0.0
-                        for a in range(3):
-                            square += (rest[point, a] - at[a]) ** 2
-                        if not joined[point] and square >= reach * reach:
-                            i += 1
-                            continue
-                        if not joined[point]:
-                            joined[point] = True
-                            order[count] = point
-                            count += 1
-                        ends[here] -= 1
-                        left[i] = left[ends[here]]
+            count = _join_around(rest, order[k], grid, reach, (left, ends), joined, order, count)
         first = last
     return joined, first == count
+
+
+@compiled
+def _all_inside(rest: F64, some: I64, limits: Limits) -> bool:
+    """Whether ``some`` (M,) of the points (N, 3) lie in the box of the ``limits``."""
+    for i in some:
+        for a in range(3):
+            if not limits.low[a] <= rest[i, a] <= limits.high[a]:
+                return False
+    return True
+
+
+@compiled
+def _join_around(
+    rest: F64,
+    middle: int,
+    grid: Columns,
+    reach: float,
+    unasked: tuple[I64, I64],
+    joined: Mask,
+    order: I64,
+    count: int,
+) -> int:
+    """Join the points of ``rest`` (N, 3) less than ``reach`` metres from one; the new ``count``.
+
+    ``unasked``: numbers of each column's points, and the end of those that have not joined.
+    """
+    left, ends = unasked
+    at, steps = rest[middle], int(reach / grid.size) + 1
+    row = int((at[grid.axes[0]] - grid.low[0]) / grid.size)
+    column = int((at[grid.axes[1]] - grid.low[1]) / grid.size)
+    low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
+    for other in range(max(row - steps, 0), min(row + steps, grid.along - 1) + 1):
+        for here in range(other * grid.across + low, other * grid.across + high + 1):
+            i = grid.start[here]
+            while i < ends[here]:
+                point, square = grid.order[left[i]], 0.0
+                for a in range(3):
+                    square += (rest[point, a] - at[a]) ** 2
+                if not joined[point] and square >= reach * reach:
+                    i += 1
+                    continue
+                if not joined[point]:
+                    joined[point] = True
+                    order[count] = point
+                    count += 1
+                ends[here] -= 1
+                left[i] = left[ends[here]]
+    return count
 
 
 @compiled

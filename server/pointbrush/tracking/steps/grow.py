@@ -243,23 +243,7 @@ def closed_component(
             options.new_size_share * track.size - len(core),
         )
     )
-    around, (lo, hi) = fit.around, fit.box
-    if view.lens is not None and not track.motion.slow(track.unit):
-        lo, hi = (
-            lo - options.longer_radii * track.model.radius,
-            hi + options.longer_radii * track.model.radius,
-        )
-        around = view.box(lo, hi)
-    near = around[other[around]]
-    flies = view.lens is not None and not (track.motion.fresh or track.motion.slow(track.unit))
-    steps = (
-        options.max_steps
-        if track.seen_alone.frames >= options.known_frames
-        else options.max_steps_unknown
-    )
-    reach = options.step_units * track.unit
-    limits = Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
-    new = blob(view, core, near, limits)
+    new = blob(view, core, *_searched(track, view, fit, other, most))
     if new is None or not len(new):
         return new, replace(fit, isolated=new is not None)
     step = step_of(track, fit)
@@ -277,6 +261,29 @@ def closed_component(
     if along:
         fit = replace(fit, neutral=np.concatenate([fit.neutral, new[~before]]))
     return None, fit
+
+
+def _searched(
+    track: Track, view: View, fit: Registration, other: Mask, most: int
+) -> tuple[I64, Limits]:
+    """Points (M,) of ``other`` (N,) that may be connected with a track, and the limits of that.
+
+    What is on the move before a camera may be longer than it is known to be, and have more than
+    ``most`` new points.
+    """
+    options = track.options.growth
+    slow = track.motion.slow(track.unit)
+    around, (lo, hi) = fit.around, fit.box
+    if view.lens is not None and not slow:
+        longer = options.longer_radii * track.model.radius
+        lo, hi = lo - longer, hi + longer
+        around = view.box(lo, hi)
+    near = around[other[around]]
+    flies = view.lens is not None and not (track.motion.fresh or slow)
+    known = track.seen_alone.frames >= options.known_frames
+    steps = options.max_steps if known else options.max_steps_unknown
+    reach = options.step_units * track.unit
+    return near, Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
 
 
 def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:

@@ -110,43 +110,14 @@ def crop(
     if hypotheses is None:
         hypotheses = _distinct(track, track.motion.predictions())
     at = transform_each(hypotheses, track.motion.centre[None])[:, 0]
-    radius, unit, gap = (
-        track.span,
-        track.unit,
-        min(track.motion.gap, options.max_growing_frames),
-    )
-    margin = (
-        options.radii * radius
-        + options.units * unit
-        + (options.radii_unknown_motion * radius if track.motion.fresh else 0.0)
-    )
-    margin += (options.speed_share * track.motion.speed + options.units_per_frame * unit) * gap
+    margin = _search_margin(track)
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
     around = view.box(lo, hi)
     around = around[free[around]]
     near = moving = around
     faint = around[:0]
     if len(around):
-        far, still = background.static(view, around)
-        if track.large:
-            speed = track.motion.speed
-            stay = (
-                int(options.scenery_radii * radius / speed) + options.scenery_frames
-                if speed > unit
-                else options.never_frames
-            )
-            rest = np.flatnonzero(~far)
-            far[rest] = background.scenery(view, around[rest], stay)
-        # Only what is slow can be where something else was; what has just been revealed was not
-        # seen there before, and may be the object.
-        slow = track.motion.slow(unit)
-        own = ~far if slow else ~(far | still)
-        if slow and not track.large:
-            own = own | background.revealed(view, around)
-        hardly = np.zeros(len(around), np.bool_)
-        if slow and not track.large:
-            hardly = far & background.faint(view, around)
-        near, faint, moving = around[own | hardly], around[hardly], around[~(far | still)]
+        near, moving, faint = _before_background(track, view, background, around)
         if view.roams and not track.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if len(moving) < options.min_moving_points:
@@ -154,6 +125,47 @@ def crop(
     search = Search(track, view, hypotheses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
     return search
+
+
+def _search_margin(track: Track) -> float:
+    """Metres around the predicted middles of a track in which its points may lie."""
+    options = track.options.search
+    radius, unit = track.span, track.unit
+    gap = min(track.motion.gap, options.max_growing_frames)
+    margin = (
+        options.radii * radius
+        + options.units * unit
+        + (options.radii_unknown_motion * radius if track.motion.fresh else 0.0)
+    )
+    return (
+        margin + (options.speed_share * track.motion.speed + options.units_per_frame * unit) * gap
+    )
+
+
+def _before_background(
+    track: Track, view: View, background: Background, around: I64
+) -> tuple[I64, I64, I64]:
+    """Of the points ``around`` (P,) those ``near``, ``moving`` and ``faint``: see ``Search``."""
+    options = track.options.search
+    far, still = background.static(view, around)
+    if track.large:
+        speed = track.motion.speed
+        stay = (
+            int(options.scenery_radii * track.span / speed) + options.scenery_frames
+            if speed > track.unit
+            else options.never_frames
+        )
+        rest = np.flatnonzero(~far)
+        far[rest] = background.scenery(view, around[rest], stay)
+    # Only what is slow can be where something else was; what has just been revealed was not
+    # seen there before, and may be the object.
+    slow = track.motion.slow(track.unit)
+    own = ~far if slow else ~(far | still)
+    hardly = np.zeros(len(around), np.bool_)
+    if slow and not track.large:
+        own = own | background.revealed(view, around)
+        hardly = far & background.faint(view, around)
+    return around[own | hardly], around[~(far | still)], around[hardly]
 
 
 def _distinct(track: Track, hypotheses: F64) -> F64:
