@@ -17,7 +17,7 @@ from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.steps import relocate as relocation
-from pointbrush.tracking.steps.claim import Associations
+from pointbrush.tracking.steps.association import Associations
 from pointbrush.tracking.steps.predict import Search, crop
 from pointbrush.tracking.steps.register import find
 from pointbrush.tracking.steps.relocate import register_and_claim
@@ -62,8 +62,7 @@ def found_again(frames: list[scenes.Frame]) -> Iterator[tuple[Track, Association
     associations = Associations(view, run.background, np.ones(len(view.xyz), np.bool_))
     search = crop(track, view, associations.background, associations.free)
     assert search is not None
-    associations.put(1, *register_and_claim(track, view, search))
-    yield track, associations
+    yield track, associations.put(1, register_and_claim(track, view, search))
 
 
 def ious(frames: list[scenes.Frame]) -> list[float]:
@@ -139,10 +138,10 @@ def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
         astray: dict[int, int] = {}
         before = dict(vars(track))
         for cost in (0.3, 0.6):
-            associations.note(1, cost=cost)
-            place = associations.fits[1]
-            relocation.find_astray([track], astray, associations)
-            assert (associations.fits[1] is place) == (cost < 0.4)
+            one = associations.found[1]
+            one = replace(one, registration=replace(one.registration, cost=cost))
+            found = relocation.find_astray([track], astray, associations.put(1, one))
+            assert (found.found[1] is one) == (cost < 0.4)
             assert astray == ({1: 1} if cost < 0.4 else {})
             assert vars(track) == before
 
@@ -159,12 +158,13 @@ def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing
         frames.append(camera.shoot(bat, rng))
     truth = frames[1].truth == 1
     with found_again(frames) as (track, associations):
-        place, claim = associations.fits[1], associations.claims[1]
-        place.pose[0, 3] += 0.6
+        one = associations.found[1]
+        claim = one.claim
+        one.registration.pose[0, 3] += 0.6
         for share in (0.6, 0.2):
             some = claim.pick(np.arange(len(claim.indices)) < share * track.size)
-            associations.put(1, place, some)
-            relocation.find_astray([track], {}, associations)
-            assert (associations.fits[1] is place) == (share > 0.5)
-        assert truth[associations.claims[1].indices].mean() > 0.9
-        assert len(associations.claims[1].indices) > 0.8 * np.count_nonzero(truth)
+            here = replace(one, claim=some)
+            found = relocation.find_astray([track], {}, associations.put(1, here)).found[1]
+            assert (found is here) == (share > 0.5)
+        assert truth[found.claim.indices].mean() > 0.9
+        assert len(found.claim.indices) > 0.8 * np.count_nonzero(truth)

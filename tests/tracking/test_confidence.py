@@ -5,17 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 import scenes
 from runs import follow
 
-from pointbrush.tracking import TrackState
 from pointbrush.tracking import tracker as auto
 from pointbrush.tracking.model.confidence import Evidence, likelihood
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.steps.settle import settle
+from pointbrush.tracking.steps.settle import Outcome, settle
 
 OPTIONS = TrackerOptions()
 
@@ -128,11 +126,11 @@ def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air
 ) -> None:
     learnt = []
 
-    def noted(track: Track, *rest: Any) -> tuple[TrackState, np.ndarray]:
+    def noted(track: Track, *rest: Any) -> Outcome:
         before = track.seen_alone.cost
         found = settle(track, *rest)
-        place = rest[1]
-        learnt.append((place is not None and place.isolated, track.seen_alone.cost != before))
+        given = rest[2]
+        learnt.append((given is not None and given.isolated, track.seen_alone.cost != before))
         return found
 
     monkeypatch.setattr(auto, "settle", noted)

@@ -15,7 +15,8 @@ from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, claim, flying
+from pointbrush.tracking.steps.association import Association, Associations
+from pointbrush.tracking.steps.claim import claim, flying
 from pointbrush.tracking.steps.grow import grow
 
 OPTIONS = TrackerOptions()
@@ -70,12 +71,13 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
     box = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 1.9]))
     around = view.box(*box)
     world = track.model.xyz + step[:3, 3]
-    places = {1: Registration(step, world, box, around, around, around, 0.05)}
-    claims = {1: claim(view, core, world, track.model.colour, track.weight, 0.05)}
+    place = Registration(step, world, box, around, around, around, 0.05)
+    own = claim(view, core, world, track.model.colour, track.weight, 0.05)
     unknown = np.full_like(view.depth, np.nan)
     still = ImageBackground(
         OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    grown, _ = grow({1: track}, Associations(view, still, free, places, claims))
-    assert np.isin(beside, grown[1]).mean() > 0.8 if taken else not len(grown[1])
+    found = Associations(view, still, free, {1: Association(place, own)})
+    grown = grow({1: track}, found).labelled[1].grown
+    assert np.isin(beside, grown).mean() > 0.8 if taken else not len(grown)

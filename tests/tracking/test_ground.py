@@ -59,7 +59,7 @@ def test_ground_under_a_thing_is_taken_only_by_what_was_painted_with_it(with_it:
     track.unit, track.painted = 0.15, replace(track.painted, grounded=grounded)
     # Ground that was seen before is in no search; what drives on is on other ground.
     place = find(search_among(track, view, np.flatnonzero((truth == 1) | (beside & (not with_it)))))
-    view.labels = {1: own_points(track, view, place)[1].indices}
+    view.labels = {1: own_points(track, view, place).claim.indices}
     found = with_ground(view, {1: track}, {1: place}, np.ones(len(xyz), np.bool_))[1]
     assert (truth[found] == 1).sum() == 600
     assert (np.hypot(xyz[found, 0] - 2, xyz[found, 1] - 5.5) < 0.4).all()

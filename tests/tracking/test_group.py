@@ -451,7 +451,8 @@ def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
     observation.owner[:2] = 1
     person.follow(observation, np.zeros(3), 10)
     assert person.frames_unseen == 1
-    track, points = outcome(observation, person, None)
+    found = outcome(observation, person, None)
+    track, points = found.state, found.points
     assert track.state == "occluded"
     assert np.all(observation.owner[observation.cells.cell[points]] == 1)
     assert len(points) > 0

@@ -20,6 +20,7 @@ from pointbrush.tracking.scene.scans import PointBackground
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.scan_odometry import find_trajectory
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.association import LabelledPoints
 from pointbrush.tracking.steps.claim import Claim, claim
 from pointbrush.tracking.steps.predict import crop
 from pointbrush.tracking.steps.register import register
@@ -149,7 +150,7 @@ def test_what_shows_many_of_its_points_is_there_though_most_of_it_is_hidden() ->
 def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
     track, view, place, found, verdict = half_hidden()
     track.bending = Bending(share=0.5)
-    learn(track, Observation(view, place, found, np.empty(0, np.int64), verdict))
+    learn(track, Observation(view, place, LabelledPoints(found), verdict))
     assert track.bends
     assert np.ptp(track.model.xyz[:, 0]) > 7.5
 
@@ -175,7 +176,7 @@ def test_a_side_that_comes_into_view_beside_a_coarse_model_is_learnt() -> None:
     world = track.model.xyz
     found = claim(view, old, world, track.model.colour, 0.0, 3 * track.unit)
     verdict = judge(track, view, np.eye(4), world, found)
-    learn(track, Observation(view, place, found, grown, verdict))
+    learn(track, Observation(view, place, LabelledPoints(found, grown), verdict))
     assert track.model.xyz[:, 0].max() > 5.3
 
 

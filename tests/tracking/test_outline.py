@@ -13,7 +13,8 @@ from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise
-from pointbrush.tracking.steps.claim import Associations, claim, outline
+from pointbrush.tracking.steps.association import Association, Associations
+from pointbrush.tracking.steps.claim import claim, outline
 from pointbrush.tracking.steps.grow import grow
 
 OPTIONS = TrackerOptions()
@@ -60,17 +61,16 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     around = view.box(*limits)
     place = Registration(np.eye(4), track.model.xyz, limits, around, around, around, 0.05)
     found = claim(view, own, track.model.xyz, track.model.colour, track.weight, 1.0)
-    claims = {1: found}
     background = ImageBackground(
         OPTIONS, DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan)
     )
     free = np.ones(len(view.xyz), np.bool_)
-    associations = Associations(view, background, free, {1: place}, claims)
-    grown, _ = grow({1: track}, associations)
-    learnt = np.concatenate([claims[1].indices, grown[1]])
+    associations = Associations(view, background, free, {1: Association(place, found)})
+    given = grow({1: track}, associations).labelled[1]
+    learnt = given.points
     assert np.isin(top, found.indices).mean() > 0.8
     assert np.isin(top, learnt).mean() < 0.5
-    has = np.isin(top, np.concatenate([learnt, associations.fits[1].rim])).mean()
+    has = np.isin(top, np.concatenate([learnt, given.rim])).mean()
     assert has > 0.8 if painted else has < 0.5
 
 

@@ -17,6 +17,7 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps import update as bending
+from pointbrush.tracking.steps.association import LabelledPoints
 from pointbrush.tracking.steps.claim import Claim, claim
 from pointbrush.tracking.steps.update import Observation, learn
 from pointbrush.tracking.steps.verdict import Verdict, judge
@@ -154,7 +155,7 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     place = Registration(np.eye(4), xyz, box, mine, mine, mine, cost=0.1)
     found = claim(view, mine, xyz, track.model.colour, 0.0, track.reach)
     verdict = Verdict(True, 1.0, 1.0, none, none, 1.0)
-    observation = Observation(view, place, found, none, verdict)
+    observation = Observation(view, place, LabelledPoints(found), verdict)
     monkeypatch.setattr(bending, "strained", lambda *_: 0.5)  # a wrong pose
     bending.note_strain(track, observation)
     assert not track.soft
@@ -207,7 +208,7 @@ def test_the_rim_of_what_is_half_hidden_does_not_make_it_soft() -> None:
     place, found, verdict = found_where_it_was(track, view, mine)
     assert np.count_nonzero(~verdict.hidden) > 100
     assert (
-        bending.strained(track, Observation(view, place, found, mine[:0], verdict))
+        bending.strained(track, Observation(view, place, LabelledPoints(found), verdict))
         < OPTIONS.track.soft_strain
     )
 
@@ -218,5 +219,5 @@ def test_what_little_shows_of_a_thing_does_not_make_it_bend() -> None:
         for _ in range(6):
             place, found, verdict = found_where_it_was(track, view, mine)
             poor = replace(verdict, inliers=0.5, visible=visible)
-            learn(track, Observation(view, place, found, mine[:0], poor))
+            learn(track, Observation(view, place, LabelledPoints(found), poor))
         assert track.bends == bends

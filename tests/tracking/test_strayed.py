@@ -12,6 +12,7 @@ from pointbrush.tracking.interface import TrackOptions
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import OtherMovers
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.association import Association, LabelledPoints
 from pointbrush.tracking.steps.claim import claim
 from pointbrush.tracking.steps.settle import settle
 from pointbrush.tracking.steps.update import begin
@@ -50,8 +51,7 @@ def test_what_has_no_colours_and_is_found_elsewhere_is_doubted_until_it_is_alone
         model = track.model
         world = transform(pose, model.xyz)
         found = claim(now, own, world, model.colour, track.weight, 3 * track.reach)
-        place = Registration(
-            pose, world, (world.min(0), world.max(0)), own, own, own, 0.02, isolated=isolated
-        )
-        state, _ = settle(track, now, place, found, own[:0], TrackOptions())
-    assert (state.confidence > 0.5) == trusted
+        place = Registration(pose, world, (world.min(0), world.max(0)), own, own, own, 0.02)
+        given = LabelledPoints(found, isolated=isolated)
+        outcome = settle(track, now, Association(place, found), given, TrackOptions())
+    assert (outcome.state.confidence > 0.5) == trusted

@@ -18,7 +18,8 @@ from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise, measure_noise
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, claim
+from pointbrush.tracking.steps.association import Associations, LabelledPoints
+from pointbrush.tracking.steps.claim import claim
 from pointbrush.tracking.steps.grow import grow, own_points
 from pointbrush.tracking.steps.settle import hides
 
@@ -113,16 +114,17 @@ class Flight:
         model = self.track.model.xyz
         box = (model.min(axis=0) + [0.3, 0, 0] - 0.15, model.max(axis=0) + 0.45)
         around = self.view.box(*box)
-        self.fit = Registration(pose, model + [0.3, 0, 0], box, around, around, around, 0.05)
-        self.fit, self.core = own_points(self.track, self.view, self.fit)
+        fit = Registration(pose, model + [0.3, 0, 0], box, around, around, around, 0.05)
+        self.found = own_points(self.track, self.view, fit)
+        self.core = self.found.claim
 
     def grown(self) -> np.ndarray:
         """New surface of the club in the second frame."""
         free = np.ones(len(self.view.xyz), np.bool_)
-        found = Associations(self.view, self.background, free, {1: self.fit}, {1: self.core})
-        new = grow({1: self.track}, found)[0][1]
-        self.fit = found.fits[1]
-        return new
+        found = {1: replace(self.found, claim=self.core)}
+        associations = Associations(self.view, self.background, free, found)
+        self.given = grow({1: self.track}, associations).labelled[1]
+        return self.given.grown
 
 
 def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
@@ -131,13 +133,13 @@ def test_what_is_alone_is_taken_whole_however_little_of_it_was_known() -> None:
     truth = flight.view.frame.truth == 1
     track.size = 0.3 * float(truth.sum())
     flight.grown()
-    assert not flight.fit.isolated  # what was not beside it may be another
+    assert not flight.given.isolated  # what was not beside it may be another
     missed = np.setdiff1d(flight.mine, flight.painted)
     track.other_movers = OtherMovers(
         first.xyz[missed].astype(np.float64), first.colour(missed), track.weight
     )
     grown = flight.grown()
-    assert flight.fit.isolated
+    assert flight.given.isolated
     assert truth[grown].mean() > 0.95
     assert len(grown) + len(flight.core.indices) > 0.9 * truth.sum()
 
@@ -168,7 +170,7 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
     near = rest[view.xyz[rest, 1] > np.quantile(view.xyz[rest, 1], 0.6)]
     track.other_movers = rivals_of(flight, view, near, beside=beside)
     flight.grown()
-    assert flight.fit.isolated == isolated
+    assert flight.given.isolated == isolated
 
 
 @pytest.mark.parametrize("pliant", [True, False])
@@ -180,7 +182,7 @@ def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> N
     missed = np.setdiff1d(flight.mine, flight.painted)
     flight.track.other_movers = rivals_of(flight, flight.first, missed, beside=False)
     flight.grown()
-    assert flight.fit.isolated != pliant
+    assert flight.given.isolated != pliant
 
 
 def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
@@ -190,7 +192,7 @@ def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> Non
         flight.track.unit = 0.006  # over 20 steps to its other end
         flight.track.seen_alone = SeenAlone(seen_alone, OPTIONS.confidence.usual_cost)
         flight.grown()
-        assert flight.fit.isolated == isolated
+        assert flight.given.isolated == isolated
 
 
 @pytest.mark.parametrize("held", [False, True])
@@ -210,11 +212,11 @@ def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_al
         xyz = view.xyz[missed].astype(np.float64)
         track.other_movers = OtherMovers(xyz, view.colour(missed), track.weight)
     flight.grown()
-    assert not flight.fit.isolated
-    assert flight.fit.growth_refused == (seen_alone == 0 and not held)
-    track.last = replace(track.last, growth_refused=flight.fit.growth_refused)
+    assert not flight.given.isolated
+    assert flight.given.growth_refused == (seen_alone == 0 and not held)
+    track.last = replace(track.last, growth_refused=flight.given.growth_refused)
     flight.grown()
-    assert flight.fit.isolated == flight.fit.growth_refused
+    assert flight.given.isolated == flight.given.growth_refused
 
 
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
@@ -245,17 +247,9 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
     def taken_for_another(points: np.ndarray, isolated: bool = False) -> bool:
         xyz, colour = view.xyz[points].astype(float), view.colour(points)
         found = claim(view, points, xyz, colour, track.weight, 0.1)
-        place = Registration(
-            np.eye(4),
-            xyz,
-            (xyz.min(0), xyz.max(0)),
-            points,
-            points,
-            points,
-            cost=0.3,
-            isolated=isolated,
-        )
-        return hides(track, view, place, found)
+        box = (xyz.min(0), xyz.max(0))
+        place = Registration(np.eye(4), xyz, box, points, points, points, cost=0.3)
+        return hides(track, view, place, LabelledPoints(found, isolated=isolated))
 
     assert taken_for_another(turned)
     assert taken_for_another(skin)

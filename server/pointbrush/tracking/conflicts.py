@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,62 +12,56 @@ from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, decide, without
+from pointbrush.tracking.steps.association import Associations, LabelledPoints
+from pointbrush.tracking.steps.claim import decide, without
 from pointbrush.tracking.steps.predict import crop
 from pointbrush.tracking.steps.relocate import register_and_claim
 from pointbrush.tracking.steps.verdict import judge
 
 
-def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) -> None:
+def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) -> Associations:
     """Let claims share no point; an object that lost most of its is looked for in what is left."""
-    view, fits = associations.view, associations.fits
-    before, claims = (
-        associations.claims,
-        undisputed(associations.claims, tracks, options=associations.view.options.body),
-    )
+    view, options = associations.view, associations.view.options.relocate
+    found, before = dict(associations.found), associations.claims
+    claims = undisputed(before, tracks, options=view.options.body)
     decided = decide(len(view.xyz), claims)
-    for label in sorted(fits, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)):
-        if len(decided[label].indices) >= associations.view.options.relocate.kept_share * len(
-            before[label].indices
-        ):
+    for label in sorted(
+        found, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
+    ):
+        kept, all_ = len(decided[label].indices), len(before[label].indices)
+        if kept >= options.kept_share * all_:
             continue
-        others = [found for other, found in decided.items() if other != label]
+        others = [claim for other, claim in decided.items() if other != label]
         left = without(associations.free, others)
         search = crop(tracks[label], view, associations.background, left)
         if search is None:
             continue
-        fit, claim = register_and_claim(tracks[label], view, search)
-        again = {**claims, label: claim}
+        elsewhere = register_and_claim(tracks[label], view, search)
+        again = {**claims, label: elsewhere.claim}
         better = decide(len(view.xyz), again)
-        points_before, points_after = len(decided[label].indices), len(better[label].indices)
         # Where nearly all is another's, the other is, and not the object.
-        anothers = (
-            points_before
-            < associations.view.options.relocate.others_share * len(before[label].indices)
-            and fit.cost < fits[label].cost
+        cheaper = elsewhere.registration.cost < found[label].registration.cost
+        anothers = kept < options.others_share * all_ and cheaper
+        gain = options.others_share if anothers else options.gain
+        if len(better[label].indices) > gain * kept:
+            decided, claims, found[label] = better, again, elsewhere
+    settled = {
+        label: replace(
+            one,
+            claim=decided[label],
+            undisputed=len(decided[label].indices) / max(len(claims[label].indices), 1),
         )
-        if (
-            points_after
-            > (
-                associations.view.options.relocate.others_share
-                if anothers
-                else associations.view.options.relocate.gain
-            )
-            * points_before
-        ):
-            decided, claims, fits[label] = better, again, fit
-    for label in fits:
-        share = len(decided[label].indices) / max(len(claims[label].indices), 1)
-        associations.note(label, undisputed=share)
-    associations.claims = decided
+        for label, one in found.items()
+    }
+    return replace(associations, found=settled)
 
 
 def look_for(
     absent: Iterable[Track], tracks: Mapping[int, Track], associations: Associations
-) -> dict[int, I64]:
+) -> tuple[Associations, dict[int, I64]]:
     """Find large objects that were hidden in what the claims of the others leave.
 
-    ``associations`` take in those that were found; label → points (M,) where the others may be.
+    The associations with those that were found, and label → points (M,) where the others may be.
     """
     view, background = associations.view, associations.background
     loose: dict[int, I64] = {}
@@ -75,16 +70,17 @@ def look_for(
         search = None if track.lost else crop(track, view, background, free)
         if search is None:
             continue
-        fit, found = register_and_claim(track, view, search)
-        seen = judge(track, view, fit.pose, fit.world, found).found
-        if view.lens is not None and len(found.indices):
-            seen = seen and _surely(track.label, tracks, background, view, found.indices)
+        one = register_and_claim(track, view, search)
+        fit, points = one.registration, one.claim.indices
+        seen = judge(track, view, fit.pose, fit.world, one.claim).found
+        if view.lens is not None and len(points):
+            seen = seen and _surely(track.label, tracks, background, view, points)
         if seen:
-            associations.put(track.label, fit, found)
-            free[found.indices] = False
+            associations = associations.put(track.label, one)
+            free[points] = False
         else:
             loose[track.label] = search.moving
-    return loose
+    return associations, loose
 
 
 def _surely(
@@ -103,7 +99,7 @@ def bodies_left(
     loose: Mapping[int, I64],
     tracks: Mapping[int, Track],
     associations: Associations,
-    grown: Mapping[int, I64],
+    labelled: Mapping[int, LabelledPoints],
 ) -> dict[int, I64]:
     """The bodies no one has of objects so changed that they have to be learnt anew.
 
@@ -113,8 +109,8 @@ def bodies_left(
         return {}
     view = associations.view
     moving = np.unique(np.concatenate(list(loose.values())))
-    left = without(np.ones(len(view.xyz), np.bool_), associations.claims.values())
-    for points in grown.values():
-        left[points] = False
+    left = np.ones(len(view.xyz), np.bool_)
+    for found in labelled.values():
+        left[found.points] = False
     moving = moving[left[moving] & associations.background.certain(view, moving)]
     return reclaim(view, {label: tracks[label] for label in loose}, moving)

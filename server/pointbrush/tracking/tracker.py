@@ -40,14 +40,15 @@ from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, together
+from pointbrush.tracking.steps.association import Associations, LabelledPoints
+from pointbrush.tracking.steps.claim import together
 from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.identity import Swaps
 from pointbrush.tracking.steps.pieces import with_ground
 from pointbrush.tracking.steps.predict import Search, crop, share_out
 from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
-from pointbrush.tracking.steps.settle import settle
+from pointbrush.tracking.steps.settle import Outcome, settle
 from pointbrush.tracking.steps.smooth import Held, Smoother
 from pointbrush.tracking.steps.update import begin_anew, begin_label, corrected, withheld
 
@@ -98,20 +99,30 @@ class FrameTask:
 
 
 @dataclass(frozen=True, eq=False)
-class FrameClaims:
-    """Points that tracks have ``grown`` beside their claims, and those of large ones that have
-    ``emerged`` from hiding, so changed that they are learnt anew; by label."""
+class FrameAssociations:
+    """``associations`` of tracks in a frame; label → confidence at most in ``caps``, and moving
+    points (M,) among which a large track that is not found may be ``hidden``."""
 
-    grown: dict[int, I64]
-    emerged: dict[int, I64]
+    associations: Associations
+    caps: Mapping[int, float]
+    hidden: Mapping[int, I64]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameClaims:
+    """Points that tracks are given, ``labelled``, and those of large ones that have ``emerged``
+    from hiding, so changed that they are learnt anew; by label."""
+
+    labelled: Mapping[int, LabelledPoints]
+    emerged: Mapping[int, I64]
 
 
 @dataclass(frozen=True, eq=False)
 class FrameOutcomes:
-    """Outcome and points of the tracks that were ``settled``, and points of those ``emerged``."""
+    """Outcome of the tracks that were ``settled``, and points of those ``emerged``."""
 
-    settled: dict[int, tuple[TrackState, I64]]
-    emerged: dict[int, I64]
+    settled: Mapping[int, Outcome]
+    emerged: Mapping[int, I64]
 
 
 class Run:
@@ -200,12 +211,11 @@ class Run:
         """Track everything into the next frame; ``given`` labels' points are known."""
         frame = self._observe(number, given or {})
         searches = self._predict(frame)
-        associations = self._register(frame, searches)
-        hidden = self._associate(frame, associations)
-        claims = self._label(associations, hidden)
-        outcomes = self._judge(frame, associations, claims)
-        states = self._manage(frame, associations, outcomes)
-        return self._learn(frame, associations, states)
+        associated = self._associate(frame, self._register(frame, searches))
+        claims = self._label(associated)
+        outcomes = self._judge(frame, associated, claims)
+        states = self._manage(frame, associated, outcomes)
+        return self._learn(frame, associated, claims, states)
 
     def _observe(self, number: int, given: Mapping[int, I64]) -> FrameTask:
         """Read a frame, and find out which points are known and which may be taken."""
@@ -232,45 +242,47 @@ class Run:
 
     def _register(self, frame: FrameTask, searches: Mapping[int, Search]) -> Associations:
         """Register each track to its part of the frame, and claim points for it."""
-        associations = Associations(frame.view, self.background, frame.free)
-        for label, search in searches.items():
-            associations.put(label, *register_and_claim(self.tracks[label], frame.view, search))
-        return associations
+        found = {n: register_and_claim(self.tracks[n], frame.view, s) for n, s in searches.items()}
+        return Associations(frame.view, self.background, frame.free, found)
 
-    def _associate(self, frame: FrameTask, associations: Associations) -> dict[int, I64]:
+    def _associate(self, frame: FrameTask, registered: Associations) -> FrameAssociations:
         """Settle what several tracks claim, search elsewhere for those that lost it, and for large
-        ones that were hidden; label → moving points of those that are not found."""
-        settle_conflicts(self.tracks, associations)
-        find_astray(frame.sought, self.astray, associations)
-        for label, cap in self.swaps.meet(self.tracks, associations.fits).items():
-            associations.note(label, confidence_cap=cap)
-        return look_for([t for t in frame.sought if t.absent], self.tracks, associations)
+        ones that were hidden."""
+        settled = settle_conflicts(self.tracks, registered)
+        settled = find_astray(frame.sought, self.astray, settled)
+        caps = self.swaps.meet(self.tracks, settled.registrations)
+        absent = [track for track in frame.sought if track.absent]
+        associations, hidden = look_for(absent, self.tracks, settled)
+        return FrameAssociations(associations, caps, hidden)
 
-    def _label(self, associations: Associations, hidden: Mapping[int, I64]) -> FrameClaims:
+    def _label(self, associated: FrameAssociations) -> FrameClaims:
         """Add points to each track's claim."""
-        grown, taken = grow(self.tracks, associations)
-        grown |= hang_together(self.tracks, associations, taken)
-        return FrameClaims(grown, bodies_left(hidden, self.tracks, associations, grown))
+        associations = associated.associations
+        grown = grow(self.tracks, associations)
+        labelled = grown.labelled
+        labelled |= hang_together(self.tracks, associations, labelled, grown.taken)
+        emerged = bodies_left(associated.hidden, self.tracks, associations, labelled)
+        return FrameClaims(labelled, emerged)
 
     def _judge(
-        self, frame: FrameTask, associations: Associations, claims: FrameClaims
+        self, frame: FrameTask, associated: FrameAssociations, claims: FrameClaims
     ) -> FrameOutcomes:
         """Judge and update each track; people are followed together in what the others leave."""
-        outcomes = {}
+        outcomes: dict[int, Outcome] = {}
         for track in frame.sought:
             n = track.label
             if not (track.lost or n in claims.emerged):
-                fit, claim = associations.fits.get(n), associations.claims.get(n)
-                new = claims.grown.get(n, _EMPTY)
-                outcomes[n] = settle(track, frame.view, fit, claim, new, self.asked)
+                found, given = associated.associations.found.get(n), claims.labelled.get(n)
+                cap = associated.caps.get(n, 1.0)
+                outcomes[n] = settle(track, frame.view, found, given, self.asked, cap)
         left = frame.free.copy()
-        for _, points in outcomes.values():
-            left[points] = False
+        for outcome in outcomes.values():
+            left[outcome.points] = False
         outcomes |= self.people.step(frame.view, self.background, left, frame.fixed)
         return FrameOutcomes(outcomes, claims.emerged)
 
     def _manage(
-        self, frame: FrameTask, associations: Associations, outcomes: FrameOutcomes
+        self, frame: FrameTask, associated: FrameAssociations, outcomes: FrameOutcomes
     ) -> dict[int, TrackState]:
         """Conclude how each track fared, and begin those that a person has painted here."""
         view = frame.view
@@ -282,24 +294,28 @@ class Run:
             tell_apart(self.tracks, view, [label])
             self.people.join(view, self.background, label)
         if self._watch is not None:
+            fits = associated.associations.registrations
             for label in self.labels:
                 if label in states:
-                    fit, state = associations.fits.get(label), states[label]
-                    self._watch(explain(view, self.background, self.tracks[label], fit, state))
+                    track, fit, state = self.tracks[label], fits.get(label), states[label]
+                    self._watch(explain(view, self.background, track, fit, state))
         return states
 
     def _learn(
-        self, frame: FrameTask, associations: Associations, states: dict[int, TrackState]
+        self,
+        frame: FrameTask,
+        associated: FrameAssociations,
+        claims: FrameClaims,
+        states: dict[int, TrackState],
     ) -> Held:
         """Learn the background and what is beside each track; the result of the frame."""
-        view, fits = frame.view, associations.fits
-        note_beside(self.tracks, view, fits)
+        view, fits = frame.view, associated.associations.registrations
+        note_beside(self.tracks, view, associated.associations, claims.labelled)
         self.background.learn(view, keep=withheld(self.tracks, fits, view))
         found = with_ground(view, self.tracks, fits, frame.free)
         found = {n: points for n, points in found.items() if n in states}
         states |= {n: replace(states[n], points=len(points)) for n, points in found.items()}
-        caps = {n: fit.confidence_cap for n, fit in fits.items()}
-        return Held(view, frame.free, FrameResult(view.number, found, states), caps)
+        return Held(view, frame.free, FrameResult(view.number, found, states), associated.caps)
 
     def _set_aside(self, view: View, rules: FrameRules, fixed: dict[int, I64]) -> dict[int, I64]:
         """Labels that are not asked for, and whose stored points are far from what is: they have
@@ -348,8 +364,8 @@ class Run:
                 states[label] = self._emerge(track, view, outcomes.emerged[label])
                 view.labels[label] = outcomes.emerged[label]
             elif label in outcomes.settled:
-                states[label], points = outcomes.settled[label]
-                points = together(points, rules.anchors(label))
+                states[label] = outcomes.settled[label].state
+                points = together(outcomes.settled[label].points, rules.anchors(label))
                 if len(points) and states[label].state != "lost":
                     view.labels[label] = points
                     states[label] = replace(states[label], points=len(points))

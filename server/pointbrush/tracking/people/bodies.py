@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -16,7 +17,8 @@ from pointbrush.tracking.model.track import OtherMovers, Track
 from pointbrush.tracking.options import ArrivalOptions, BackgroundOptions, BodyOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, Claim
+from pointbrush.tracking.steps.association import Associations, LabelledPoints
+from pointbrush.tracking.steps.claim import Claim
 from pointbrush.tracking.steps.context import step_of
 
 
@@ -121,24 +123,27 @@ def undisputed(
 
 
 def hang_together(
-    tracks: Mapping[int, Track], associations: Associations, taken: Mask
-) -> dict[int, I64]:
-    """New surface of large objects: what hangs together with their claims, which may lose points.
+    tracks: Mapping[int, Track],
+    associations: Associations,
+    labelled: Mapping[int, LabelledPoints],
+    taken: Mask,
+) -> dict[int, LabelledPoints]:
+    """Points of large objects: what hangs together with their claims, which may lose points.
 
     ``taken`` (N,) are points that a person has.  What stood still, and what is where something
     unlabelled was, is the outside and spreads too: floor that a foot has just uncovered hangs
     together with the floor around it.
     """
     view, background = associations.view, associations.background
+    options = view.options
     cores = {
-        n: associations.claims[n].indices
-        for n in associations.fits
-        if tracks[n].large
-        and len(associations.claims[n].indices) >= associations.view.options.body.min_claim_points
+        n: found.claim.indices
+        for n, found in labelled.items()
+        if tracks[n].large and len(found.claim.indices) >= options.body.min_claim_points
     }
     if not cores:
         return {}
-    size = _cell_size([tracks[n] for n in cores], associations.view.options.body)
+    size = _cell_size([tracks[n] for n in cores], options.body)
     inside, ground = _before_and_behind(associations, cores, taken, size)
     other = _others(tracks, associations, cores, np.flatnonzero(inside & ~taken), ground, size)
     either = inside.copy()
@@ -147,28 +152,24 @@ def hang_together(
     foreground = Foreground.of(view, every, size)
     # What shows again as deep as it was before something nearer hid it is whose it was.
     again = np.where(inside[every], background.again(view, every), 0)
-    seeds = _seeds(len(view.xyz), cores, every, again, options=associations.view.options.background)
+    seeds = _seeds(len(view.xyz), cores, every, again, options=options.background)
     sure = (background.certain(view, every) | (again != 0)) & inside[every]
-    far = {
-        n: associations.view.options.body.way_radii * tracks[n].span for n in cores
-    } | _by_clothes(seeds, sure, foreground, tracks)
+    far = {n: options.body.way_radii * tracks[n].span for n in cores} | _by_clothes(
+        seeds, sure, foreground, tracks
+    )
     clothes = {n: t.appearance for n, t in tracks.items() if t.large and not t.lost}
-    outside = ~inside[every]
-    found = foreground.spread(seeds, outside, other[every], sure, far, clothes)
-    _note_others(associations, cores, every[found == OTHER])
-    grown = {label: _taken_over(associations, label, every[found == label]) for label in cores}
-    _note_owned(associations, grown, taken)
-    return grown
-
-
-def _note_owned(associations: Associations, grown: Mapping[int, I64], taken: Mask) -> None:
-    """Take note of what some object has, by its claim or ``grown``, or ``taken`` (N,) before."""
+    spread = foreground.spread(seeds, ~inside[every], other[every], sure, far, clothes)
+    movers = np.zeros(len(view.xyz), np.bool_)
+    movers[every[spread == OTHER]] = True
+    found = {n: _taken_over(view, labelled[n], every[spread == n]) for n in cores}
     owned = taken.copy()
-    for label, new in grown.items():
-        owned[associations.claims[label].indices] = owned[new] = True
-    for label in grown:
-        fit = associations.fits[label]
-        associations.note(label, owned=fit.moving[owned[fit.moving]])
+    for one in found.values():
+        owned[one.points] = True
+    for label, one in found.items():
+        moving = associations.found[label].registration.moving
+        beside = moving[movers[moving]]
+        found[label] = replace(one, beside=beside, owned=moving[owned[moving]])
+    return found
 
 
 def _before_and_behind(
@@ -181,7 +182,7 @@ def _before_and_behind(
     view = associations.view
     inside, outside = np.zeros(len(view.xyz), np.bool_), np.zeros(len(view.xyz), np.bool_)
     for label in cores:
-        fit = associations.fits[label]
+        fit = associations.found[label].registration
         outside[fit.around] = True
         inside[fit.moving] = True
     inside[taken] = False
@@ -206,7 +207,8 @@ def _others(
         moved = _movers(
             tracks[label].other_movers, scene, associations.view.options.body.scene_cells * size
         )
-        other[rest[_was_there(tracks[label], moved, view, associations.fits[label], rest)]] = True
+        fit = associations.found[label].registration
+        other[rest[_was_there(tracks[label], moved, view, fit, rest)]] = True
     return other
 
 
@@ -227,23 +229,13 @@ def _seeds(
     return seeds
 
 
-def _note_others(associations: Associations, cores: Mapping[int, I64], points: I64) -> None:
-    """Of ``points`` (M,) of other moving objects, those beside a large object are noted there."""
-    mask = np.zeros(len(associations.view.xyz), np.bool_)
-    mask[points] = True
-    for label in cores:
-        fit = associations.fits[label]
-        associations.note(label, beside=fit.moving[mask[fit.moving]])
-
-
-def _taken_over(associations: Associations, label: int, points: I64) -> I64:
-    """New surface of an object that has ``points`` (M,); its claim loses what it has not."""
-    own = np.zeros(len(associations.view.xyz), np.bool_)
+def _taken_over(view: View, found: LabelledPoints, points: I64) -> LabelledPoints:
+    """An object that has ``points`` (M,): new surface, and its claim without what it has not."""
+    own = np.zeros(len(view.xyz), np.bool_)
     own[points] = True
-    claim = associations.claims[label]
-    claim = associations.claims[label] = claim.pick(own[claim.indices])
+    claim = found.claim.pick(own[found.claim.indices])
     own[claim.indices] = False
-    return np.flatnonzero(own)
+    return replace(found, claim=claim, grown=np.flatnonzero(own))
 
 
 def _by_clothes(

@@ -25,6 +25,7 @@ from pointbrush.tracking.people.stature import across, ratio, upright
 from pointbrush.tracking.people.strides import Shares, shared_out, strides
 from pointbrush.tracking.scene.depth import Background, PictureBackground
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.settle import Outcome
 
 
 @dataclass(eq=False)
@@ -98,9 +99,7 @@ class Group:
         for person in self.people:
             person.identity.doubts.discard(label)
 
-    def step(
-        self, view: View, background: PictureBackground, free: Mask
-    ) -> dict[int, tuple[TrackState, I64]]:
+    def step(self, view: View, background: PictureBackground, free: Mask) -> dict[int, Outcome]:
         """Share out the ``free`` points (N,) of the next frame: label → state and points (M,)."""
         self.now += 1
         self.leave_behind(background)
@@ -239,7 +238,7 @@ def astray(
 
 def outcome(
     observation: PersonObservation, person: Person, looks: PersonEvidence | None
-) -> tuple[TrackState, I64]:
+) -> Outcome:
     """Conclude the state of a person in the frame, and their points."""
     options = observation.options
     identity, pose = person.identity, np.eye(4)
@@ -252,14 +251,16 @@ def outcome(
         # What shows of them is theirs, but too little to follow.
         identity.confidence = max(0.0, identity.confidence - options.confidence.regain)
         lost = person.frames_unseen > options.update.lost_frames
-        return TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded"), points
+        state = TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded")
+        return Outcome(state, points)
     identity.confidence = min(
         looks.likelihood(options=observation.view.options),
         identity.confidence + options.confidence.regain,
     )
     if identity.doubts:
         identity.confidence = min(identity.confidence, options.body.doubted_confidence)
-    return TrackState(pose, 0.0, looks.shown, identity.confidence, len(points), "tracked"), points
+    state = TrackState(pose, 0.0, looks.shown, identity.confidence, len(points), "tracked")
+    return Outcome(state, points)
 
 
 class JointTracking:
@@ -304,7 +305,7 @@ class JointTracking:
 
     def step(
         self, view: View, background: Background, free: Mask, painted: Mapping[int, I64]
-    ) -> dict[int, tuple[TrackState, I64]]:
+    ) -> dict[int, Outcome]:
         """Label → how people fared in the next frame, but for ``painted`` ones, and their points.
 
         ``free`` (N,) are the points that they may have.
@@ -312,9 +313,9 @@ class JointTracking:
         if self.group is None or not isinstance(background, PictureBackground):
             return {}
         found = self.group.step(view, background, free)
-        for label, (state, _) in found.items():
+        for label, one in found.items():
             track = self._tracks[label]
-            track.lost = state.state == "lost" and not self._continue_lost
+            track.lost = one.state.state == "lost" and not self._continue_lost
             if track.lost:
                 self.group.drop(label)
         return {label: each for label, each in found.items() if label not in painted}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,38 +12,8 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.columns import NONE, columns, nearest_three
 from pointbrush.tracking.compute.grid import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.model.registration import Registration
-from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.camera import I32
 from pointbrush.tracking.sensors.view import View
-
-
-@dataclass(eq=False)
-class Associations:
-    """Registrations and claimed points of tracks in ``view``, by label.
-
-    ``free`` (N,) points that the run may take, whoever of it has them; ``background`` knows what
-    stands still.
-    """
-
-    view: View
-    background: Background
-    free: Mask
-    fits: dict[int, Registration] = field(default_factory=dict)
-    claims: dict[int, Claim] = field(default_factory=dict)
-
-    def put(self, label: int, fit: Registration, claim: Claim) -> None:
-        """An object was found, or found elsewhere."""
-        self.fits[label], self.claims[label] = fit, claim
-
-    def note(self, label: int, **found: Any) -> None:
-        """Put a registration with other values of some fields in the place of an object's."""
-        self.fits[label] = replace(self.fits[label], **found)
-
-    def unclaimed(self, but: Collection[int] = ()) -> Mask:
-        """(N,) free points that no one claims, ``but`` for some labels."""
-        others = (claim for label, claim in self.claims.items() if label not in but)
-        return without(self.free, others)
 
 
 class FlyingRule(NamedTuple):
@@ -172,7 +142,7 @@ def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: Flyin
     return result
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Claim:
     """Points that an object would have: ``cost`` (M,) metres in place and colour.
 

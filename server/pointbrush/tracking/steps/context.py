@@ -15,6 +15,7 @@ from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import OtherMovers, Track
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.association import Associations, LabelledPoints
 from pointbrush.tracking.steps.claim import Claim
 
 
@@ -114,15 +115,21 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
     track.other_movers = OtherMovers(view.xyz[some].astype(np.float64), colour, track.weight, box)
 
 
-def note_beside(tracks: Mapping[int, Track], view: View, fits: Mapping[int, Registration]) -> None:
+def note_beside(
+    tracks: Mapping[int, Track],
+    view: View,
+    associations: Associations,
+    labelled: Mapping[int, LabelledPoints],
+) -> None:
     """Let what moves beside each object that was found, and is nothing's, be its other movers."""
     taken = view.labelled(but=view.people)
-    for label, fit in fits.items():
-        before = taken[fit.neutral]
-        taken[fit.neutral] = True
-        beside = fit.moving if fit.beside is None else fit.beside
+    for label, found in labelled.items():
+        fit = associations.found[label].registration
+        before = taken[found.neutral]
+        taken[found.neutral] = True
+        beside = fit.moving if found.beside is None else found.beside
         set_other_movers(tracks[label], view, beside[~taken[beside]], fit.box)
-        taken[fit.neutral] = before
+        taken[found.neutral] = before
 
 
 def tell_apart(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -> None:

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import carved
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.association import Association, Associations, LabelledPoints
 from pointbrush.tracking.steps.claim import (
-    Associations,
-    Claim,
     claim,
     cut_off,
     flying,
@@ -30,14 +29,14 @@ LABELS = 2**16
 """Labels that there can be."""
 
 
-def own_points(track: Track, view: View, fit: Registration) -> tuple[Registration, Claim]:
+def own_points(track: Track, view: View, fit: Registration) -> Association:
     """Claim points like the model at its place, and not more like something unlabelled."""
     # What is beside a large object is told by what hangs together.
     options = track.options
     wide = (options.claim.reaches if track.large else options.claim.new_reaches) * track.reach
     near = claim(view, fit.near, fit.world, track.model.colour, track.weight, wide)
     not_its = contested(view, near, track, fit)
-    fit = replace(fit, neutral=near.indices[~not_its])
+    neutral = near.indices[~not_its]
     not_its &= near.cost > track.reach
     moving = np.zeros(len(view.xyz), np.bool_)
     moving[fit.moving] = True
@@ -59,7 +58,8 @@ def own_points(track: Track, view: View, fit: Registration) -> tuple[Registratio
     firm = (track.model.hits[found.nearest] >= options.surface.sure_hits) & (
         found.gap < options.claim.firm_reaches * track.reach
     )
-    return fit, found.pick(firm | ~_carved(track, view, fit, found.indices))
+    found = found.pick(firm | ~_carved(track, view, fit, found.indices))
+    return Association(fit, found, neutral)
 
 
 def _hardly(view: View, fit: Registration) -> Mask:
@@ -69,44 +69,75 @@ def _hardly(view: View, fit: Registration) -> Mask:
     return hardly
 
 
-def grow(tracks: Mapping[int, Track], associations: Associations) -> tuple[dict[int, I64], Mask]:
-    """New surface: moving points that hang together with an object, free and no track's.
+@dataclass(frozen=True, slots=True, eq=False)
+class Grown:
+    """Label → points of each track; ``taken`` (N,) those that some track has."""
 
-    Of all but large objects; and which points (N,) a person has then.  Claims lose their flying
-    pixels, which are other movers of nothing.
+    labelled: dict[int, LabelledPoints]
+    taken: Mask
+
+
+def grow(tracks: Mapping[int, Track], associations: Associations) -> Grown:
+    """Add moving points that hang together with an object, free and no track's, to its claim.
+
+    Of all but large objects.  Claims lose their flying pixels, which are other movers of nothing.
     """
-    view, background, free = associations.view, associations.background, associations.free
-    fits, claims = associations.fits, associations.claims
+    view, background = associations.view, associations.background
     taken = ~associations.unclaimed()
-    shown, hider = background.uncovered(view)
-    grown: dict[int, I64] = {}
-    for label, fit in list(fits.items()):
-        track, core = tracks[label], claims[label].indices
-        rest = fit.moving[~taken[fit.moving]]
-        if len(core) < associations.view.options.claim.min_claim_points or track.large:
-            continue
-        new = None
-        if len(rest):
-            new, fit = closed_component(track, view, fit, core, taken, free)
-        if new is None:
-            new = _adjoin(track, view, fit, core, rest)
-            mine = (hider != label) & ~taken[shown]
-            uncovered = together(
-                _shown(track, view, core, shown[mine], hider[mine]),
-                lost_pieces(track, view, fit, core, taken, background),
-            )
-            fit = replace(fit, uncovered=uncovered)
-            new = together(new, uncovered)
-        taken[new] = True
-        fits[label], claims[label], grown[label] = _solid(track, view, fit, claims[label], new)
+    uncovered = background.uncovered(view)
+    labelled = {n: LabelledPoints.of(view, one) for n, one in associations.found.items()}
+    grown: list[int] = []
+    for label, association in associations.found.items():
+        track, few = tracks[label], view.options.claim.min_claim_points
+        if len(association.claim.indices) >= few and not track.large:
+            found = _with_new(track, associations, labelled[label], uncovered, taken)
+            taken[found.grown] = True
+            labelled[label] = _solid(track, view, found)
+            grown.append(label)
     for label in grown:
-        claims[label], grown[label] = _outlined(tracks[label], associations, grown[label], taken)
-    for label, new in grown.items():
+        labelled[label] = _outlined(tracks[label], associations, labelled[label], taken)
+    for label in grown:
         if not tracks[label].has_colour_key:
-            own, rest = np.concatenate([claims[label].indices, new]), fits[label].moving
-            border = _border(view, own, rest[~taken[rest]], tracks[label].unit)
-            associations.note(label, border=border)
-    return grown, taken
+            found, rest = labelled[label], associations.found[label].registration.moving
+            border = _border(view, found.points, rest[~taken[rest]], tracks[label].unit)
+            labelled[label] = replace(found, border=border)
+    return Grown(labelled, taken)
+
+
+def _with_new(
+    track: Track,
+    associations: Associations,
+    found: LabelledPoints,
+    uncovered: tuple[I64, I64],
+    taken: Mask,
+) -> LabelledPoints:
+    """New surface beside a claim: a closed component, or what adjoins and what was ``uncovered``.
+
+    ``uncovered``: see ``Background``; ``taken`` (N,) points that some track has.
+    """
+    view, background = associations.view, associations.background
+    fit, core = associations.found[track.label].registration, found.claim.indices
+    rest = fit.moving[~taken[fit.moving]]
+    new = None
+    if len(rest):
+        component = closed_component(track, view, fit, core, taken, associations.free)
+        new = component.points
+        found = replace(
+            found,
+            neutral=np.concatenate([found.neutral, component.neutral]),
+            isolated=component.isolated,
+            growth_refused=component.growth_refused,
+        )
+    if new is not None:
+        return replace(found, grown=new)
+    new = _adjoin(track, view, fit, core, rest)
+    shown, hider = uncovered
+    mine = (hider != track.label) & ~taken[shown]
+    known = together(
+        _shown(track, view, core, shown[mine], hider[mine]),
+        lost_pieces(track, view, fit, core, taken, background),
+    )
+    return replace(found, grown=together(new, known), uncovered=known)
 
 
 def _border(view: View, own: I64, rest: I64, unit: float) -> float:
@@ -120,48 +151,53 @@ def _border(view: View, own: I64, rest: I64, unit: float) -> float:
     )
 
 
-def _solid(
-    track: Track, view: View, fit: Registration, found: Claim, new: I64
-) -> tuple[Registration, Claim, I64]:
-    """A claim and new surface of what is on the move without flying pixels.
+def _solid(track: Track, view: View, found: LabelledPoints) -> LabelledPoints:
+    """The points of what is on the move without flying pixels.
 
     Thin parts and rims of what stays in its place are known; of what has just been painted little
     is known but that it is there.
     """
     if track.motion.fresh or track.motion.rests(track.unit):
-        return fit, found, new
-    count = len(found.indices)
-    points = np.concatenate([found.indices, new])
+        return found
+    points = found.points
     kept = ~flying(view, points, track.unit)
-    if kept.all():
-        return fit, found, new
-    fit = replace(fit, neutral=np.concatenate([fit.neutral, points[~kept]]))
-    return fit, found.pick(kept[:count]), new[kept[count:]]
+    return found if kept.all() else _kept(found, kept, points[~kept])
 
 
-def _outlined(track: Track, associations: Associations, new: I64, taken: Mask) -> tuple[Claim, I64]:
-    """The claim and new surface of what is slow without flying pixels.
+def _kept(found: LabelledPoints, kept: Mask, neutral: I64) -> LabelledPoints:
+    """The points that are ``kept`` (M,), and more that are ``neutral``."""
+    count = len(found.claim.indices)
+    return replace(
+        found,
+        claim=found.claim.pick(kept[:count]),
+        grown=found.grown[kept[count:]],
+        neutral=np.concatenate([found.neutral, neutral]),
+    )
 
-    The rim of its registration takes in missed outline, and flying pixels if painted with them.
+
+def _outlined(
+    track: Track, associations: Associations, found: LabelledPoints, taken: Mask
+) -> LabelledPoints:
+    """The points of what is slow without flying pixels.
+
+    Its rim takes in missed outline, and flying pixels if painted with them.
     """
     view, background = associations.view, associations.background
-    fit, found = associations.fits[track.label], associations.claims[track.label]
+    fit = associations.found[track.label].registration
     if view.lens is None or not track.motion.slow(track.unit):
-        return found, new
-    own = np.concatenate([found.indices, new])
+        return found
+    own = found.points
     rest = fit.around[~taken[fit.around]]
     rest = rest[~background.static(view, rest)[0] | background.faint(view, rest)]
     flies, rim = outline(view, own, rest, track.unit)
-    count = len(found.indices)
     missed = rest[rim]
     if track.painted.with_flying:
-        associations.note(track.label, rim=together(missed, own[flies]))
+        found = replace(_kept(found, ~flies, own[:0]), rim=together(missed, own[flies]))
     else:
-        neutral = np.concatenate([fit.neutral, own[flies]])
-        associations.note(track.label, rim=missed, neutral=neutral)
+        found = replace(_kept(found, ~flies, own[flies]), rim=missed)
         taken[own[flies]] = False
-    taken[rest[rim]] = True
-    return found.pick(~flies[:count]), new[~flies[count:]]
+    taken[missed] = True
+    return found
 
 
 def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
@@ -224,16 +260,30 @@ def _place_and_colour(view: View, indices: I64, weight: float) -> F64:
     return np.hstack([view.xyz[indices], view.colour(indices) * weight]).astype(np.float64)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedComponent:
+    """Connected component of moving points around a claim, if it ends all round.
+
+    ``points`` (M,) of it beside the claim, None where it is not one object; for ``isolated``,
+    ``growth_refused`` and ``neutral`` see ``LabelledPoints``.
+    """
+
+    points: I64 | None
+    isolated: bool = False
+    growth_refused: bool = False
+    neutral: I64 = field(default_factory=no_points)
+
+
 def closed_component(
     track: Track, view: View, fit: Registration, core: I64, taken: Mask, free: Mask
-) -> tuple[I64 | None, Registration]:
-    """Return the rest of a closed blob around the core, None where it is not one object.
+) -> ClosedComponent:
+    """Find the component of moving points around the claimed ones ``core`` (C,), if it is closed.
 
-    And the registration with what that tells.
+    ``taken`` (N,) some track has; ``free`` (N,) the run may take.
     """
     options = track.options.growth
     if track.bends:
-        return None, fit
+        return ClosedComponent(None)
     other = free.copy()
     other[core] = False
     more = options.new_share_moving_scanner if view.roams else options.new_share
@@ -245,7 +295,7 @@ def closed_component(
     )
     new = blob(view, core, *_searched(track, view, fit, other, most))
     if new is None or not len(new):
-        return new, replace(fit, isolated=new is not None)
+        return ClosedComponent(new, isolated=new is not None)
     step = step_of(track, fit)
     # What bends beyond doubt is held by a person, who goes along with it.
     before = was_there(track, view, new, step if track.surely_soft else None)
@@ -253,14 +303,14 @@ def closed_component(
     along = len(new) <= most or was_there(track, view, new, step).mean() >= options.along_share
     others = taken[new].any()
     its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
+    refused = False
     if not (its or others):
-        fit = replace(fit, growth_refused=_ends_all_round(track, view, core, new, before))
-        its = fit.growth_refused and track.last.growth_refused
+        refused = _ends_all_round(track, view, core, new, before)
+        its = refused and track.last.growth_refused
     if its:
-        return new, replace(fit, isolated=True)
-    if along:
-        fit = replace(fit, neutral=np.concatenate([fit.neutral, new[~before]]))
-    return None, fit
+        return ClosedComponent(new, isolated=True, growth_refused=refused)
+    neutral = new[~before] if along else new[:0]
+    return ClosedComponent(None, growth_refused=refused, neutral=neutral)
 
 
 def _searched(

@@ -73,9 +73,7 @@ class Swaps:
         for pair, meeting in self.meetings.items():
             for label in pair:
                 if label in fits:
-                    caps[label] = min(
-                        caps.get(label, fits[label].confidence_cap), meeting.confidence_cap
-                    )
+                    caps[label] = min(caps.get(label, 1.0), meeting.confidence_cap)
         return caps
 
     def forget(self, label: int) -> None:

@@ -44,8 +44,6 @@ class Search:
     """Numbers of those that the last iterations use."""
     target: Target = field(init=False)
     """Some of the moving points, to which the model is fitted."""
-    alternatives_failed: bool = False
-    """Other places were tried, and were no better."""
 
     @property
     def options(self) -> TrackerOptions:

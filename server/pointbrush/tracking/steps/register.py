@@ -30,24 +30,23 @@ from pointbrush.tracking.steps.verdict import costs_of, look
 def find(search: Search) -> Registration:
     """Register an object, and bend it where it bends."""
     track = search.track
-    pose, cost, tried, costs = register(search)
-    world = transform(pose, track.model.xyz)
+    best = register(search)
+    world = transform(best.pose, track.model.xyz)
     if track.bends or track.soft:
         world = bent(track, world, track.model.colour, search.target)
     return Registration(
-        pose,
+        best.pose,
         world,
         search.box,
         search.around,
         search.near,
         search.moving,
-        cost,
+        best.cost,
         predicted=search.hypotheses,
-        tried=tried,
-        costs=costs,
-        alternatives_failed=search.alternatives_failed,
+        tried=best.tried,
+        costs=best.costs,
+        alternatives_failed=best.alternatives_failed,
         faint=search.faint,
-        beside=search.near if search.view.roams else None,
     )
 
 
@@ -77,12 +76,16 @@ def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:
 
 
 class Registered(NamedTuple):
-    """The best ``pose`` (4, 4) and its ``cost``; those ``tried`` (H, 4, 4), and their ``costs``."""
+    """The best ``pose`` (4, 4) and its ``cost``; those ``tried`` (H, 4, 4), and their ``costs``.
+
+    ``alternatives_failed``: other poses than the predicted ones were tried, and were no better.
+    """
 
     pose: F64
     cost: float
     tried: F64
     costs: F64
+    alternatives_failed: bool
 
 
 def register(search: Search) -> Registered:
@@ -92,6 +95,7 @@ def register(search: Search) -> Registered:
     poses, scores = _repeated(search)
     doubt = options.doubt_body if search.track.large or search.track.bends else options.doubt
     doubtful = min(scores) > doubt and _asked(search)
+    failed = False
     unknown = motion.gap > 1 or (motion.fresh and min(scores) > options.clear_cost)
     if unknown or doubtful:
         before = min(scores)
@@ -108,14 +112,14 @@ def register(search: Search) -> Registered:
                 options.tries if motion.fresh and search.track.hand_sized else options.tries // 2
             )
             poses, scores = _try(search, others, tries, poses, scores)
-        search.alternatives_failed = min(scores) > before - options.rest_cost
+        failed = min(scores) > before - options.rest_cost
     elif min(scores) > doubt:
-        search.alternatives_failed = search.track.last.alternatives_failed
+        failed = search.track.last.alternatives_failed
     best = poses[np.argmin(scores)]
     if _rests(search, best, float(np.min(scores))):
         best = motion.resting_pose
         rest = _fits(search, search.many, best[None], (options.judged_units_rest,))
-        return Registered(best, float(rest.cost[0]), poses, scores)
+        return Registered(best, float(rest.cost[0]), poses, scores, bool(failed))
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
     near = search.target.around(
@@ -124,7 +128,7 @@ def register(search: Search) -> Registered:
         options=search.view.options.register,
     )
     fit = _fits(search, search.many, best[None], options.final_scales, target=near)
-    return Registered(fit.T[0], float(fit.cost[0]), poses, scores)
+    return Registered(fit.T[0], float(fit.cost[0]), poses, scores, bool(failed))
 
 
 def _elsewhere(search: Search) -> list[F64]:

@@ -15,7 +15,8 @@ from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, Claim
+from pointbrush.tracking.steps.association import Association, Associations
+from pointbrush.tracking.steps.claim import Claim
 from pointbrush.tracking.steps.grow import own_points
 from pointbrush.tracking.steps.predict import Search, crop
 from pointbrush.tracking.steps.propose import alike, turned_at
@@ -25,15 +26,15 @@ from pointbrush.tracking.steps.verdict import judge, look
 
 def find_astray(
     tracks: Iterable[Track], astray: dict[int, int], associations: Associations
-) -> None:
-    """Look for ``tracks`` that fit badly or not at all; ``associations`` take them in.
+) -> Associations:
+    """Look for ``tracks`` that fit badly or not at all; the associations with those found.
 
     ``astray`` label → frames for which an object was nowhere near where it should be; kept up.
     """
     view, background = associations.view, associations.background
     some = [track for track in tracks if _is_astray(track, astray, associations)]
     if not some:
-        return
+        return associations
     left = associations.unclaimed(but={track.label for track in some})
     points = np.flatnonzero(left)
     far, still = background.static(view, points)
@@ -44,9 +45,10 @@ def find_astray(
         if found is None:
             found = _best(track, background, view, left, points[left[points]], before)
         if found is not None:
-            associations.put(track.label, *found)
-            left[found[1].indices] = False
+            associations = associations.put(track.label, found)
+            left[found.claim.indices] = False
             astray.pop(track.label, None)
+    return associations
 
 
 def _is_astray(track: Track, astray: dict[int, int], associations: Associations) -> bool:
@@ -81,26 +83,27 @@ def _hidden_at_rest(track: Track, view: View) -> bool:
 
 
 def _own(track: Track, associations: Associations) -> Registration | None:
-    """The place of an object, None where it is another's, or hardly anything of it elsewhere."""
-    fit, claim = associations.fits.get(track.label), associations.claims.get(track.label)
-    if fit is None or claim is None or fit.undisputed < track.options.relocate.others_share:
+    """The registration of an object, None where it is at another's points, or hardly anything of
+    it shows far from where it should be."""
+    found = associations.found.get(track.label)
+    if found is None or found.undisputed < track.options.relocate.others_share:
         return None
-    return None if _scrap(track, fit, claim) else fit
+    return None if _scrap(track, found) else found.registration
 
 
-def _scrap(track: Track, fit: Registration, claim: Claim) -> bool:
+def _scrap(track: Track, found: Association) -> bool:
     """Whether hardly anything of an object shows at a place where no motion led."""
-    at = transform(fit.pose, track.motion.centre[None])
+    at = transform(found.registration.pose, track.motion.centre[None])
     away = np.linalg.norm(_expected(track) - at, axis=1).min()
     return bool(
         away > track.model.radius
-        and len(claim.indices) < track.options.relocate.shown_far_share * track.size
+        and len(found.claim.indices) < track.options.relocate.shown_far_share * track.size
     )
 
 
 def _alone(
     track: Track, background: Background, view: View, nobodys: Mask, before: Registration | None
-) -> tuple[Registration, Claim] | None:
+) -> Association | None:
     """The object where it should be, if something like it is alone there that no one has.
 
     It has to fit better than ``before``.
@@ -115,10 +118,10 @@ def _alone(
     if search is None:
         return None
     fit = find(search)
-    fit, claim = own_points(track, view, fit)
-    seen = judge(track, view, fit.pose, fit.world, claim).found
-    seen = seen and not _scrap(track, fit, claim)
-    return (fit, claim) if seen and fit.cost < most else None
+    found = own_points(track, view, fit)
+    seen = judge(track, view, fit.pose, fit.world, found.claim).found
+    seen = seen and not _scrap(track, found)
+    return found if seen and fit.cost < most else None
 
 
 def _expected(track: Track) -> F64:
@@ -165,16 +168,13 @@ def _best(
     left: Mask,
     points: I64,
     before: Registration | None,
-) -> tuple[Registration, Claim] | None:
+) -> Association | None:
     """Register the object to the clusters of ``points`` (M,) and take the best fit, if it is good
     and far better than ``before``."""
     options = track.options
-    best, most = (
-        None,
-        options.relocate.clear_cost
-        if before is None
-        else min(options.relocate.clear_cost, options.relocate.better_ratio * before.cost),
-    )
+    best, most = None, options.relocate.clear_cost
+    if before is not None:
+        most = min(most, options.relocate.better_ratio * before.cost)
     last = track.motion.poses[-1]
     hypotheses = [turned_at(track.model, last, at) for at in _clusters(track, view, points)]
     searches = [crop(track, view, background, left, some) for some in hypotheses]
@@ -186,17 +186,17 @@ def _best(
         cost = fit.cost + excess(fit.world, search.target, track.unit, options=options.register)
         if cost >= most:
             continue
-        fit, claim = own_points(track, view, fit)
-        if _scrap(track, fit, claim):
+        found = own_points(track, view, fit)
+        if _scrap(track, found):
             continue
-        verdict = judge(track, view, fit.pose, fit.world, claim)
+        verdict = judge(track, view, fit.pose, fit.world, found.claim)
         if (
             verdict.found
             and verdict.inliers > options.relocate.matched_share
-            and _looks_like(track, view, claim)
+            and _looks_like(track, view, found.claim)
         ):
-            fit = replace(fit, restarts_motion=_is_elsewhere(track, fit, before))
-            best, most = (fit, claim), cost
+            best = replace(found, restarts_motion=_is_elsewhere(track, fit, before))
+            most = cost
     return best
 
 
@@ -237,12 +237,12 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
     ]
 
 
-def register_and_claim(track: Track, view: View, search: Search) -> tuple[Registration, Claim]:
+def register_and_claim(track: Track, view: View, search: Search) -> Association:
     """Register an object and claim its points: none where it should be hidden, and nothing comes so
     fast."""
     fit = find(search)
     if track.body and _far_off(track, search, fit):
-        return fit, Claim.nothing()
+        return Association(fit, Claim.nothing())
     return own_points(track, view, fit)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,24 +11,33 @@ from pointbrush.tracking.compute.rigid import transform, transform_each
 from pointbrush.tracking.interface import F64, I64, State, TrackOptions, TrackState
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import Evidence, likelihood
-from pointbrush.tracking.model.registration import Registration
+from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import remember
 from pointbrush.tracking.model.track import LastObservation, SeenAlone, Track
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Claim, together
+from pointbrush.tracking.steps.association import Association, LabelledPoints
+from pointbrush.tracking.steps.claim import together
 from pointbrush.tracking.steps.context import unexplained
 from pointbrush.tracking.steps.update import Observation, learn, note_strain
 from pointbrush.tracking.steps.verdict import Verdict, judge
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """The ``state`` of a track in a frame, and its ``points`` (M,) there, sorted."""
+
+    state: TrackState
+    points: I64
+
+
 def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
     """Gather the features of a registration for the confidence; ``points`` (M,) are assigned."""
-    view, fit, found = observation.view, observation.fit, observation.found
-    verdict = observation.verdict
+    view, fit, given = observation.view, observation.fit, observation.given
+    found, verdict = given.claim, observation.verdict
     m = max(len(found.indices), 1)
     count = max(len(points), 1)
     some = points[:: max(1, len(points) // track.options.update.colour_points)]
-    left, others = _beside(track, view, fit, points)
+    left, others = _beside(track, view, fit, points, given.owned)
     return Evidence(
         inliers=verdict.inliers,
         sure=float((track.model.hits[found.nearest] >= track.options.surface.sure_hits).mean()),
@@ -38,7 +47,7 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         size=len(points) / max(track.size, 1.0),
         change=len(points) / max(track.last.points, 1),
         grown=1.0 - m / count,
-        isolated=fit.isolated,
+        isolated=given.isolated,
         share=m / max(len(fit.moving), 1),
         appearance=track.appearance.likeness(view.colour(some)) - track.appearance.usual
         if track.body
@@ -53,15 +62,17 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         tall=_height(track, view, fit, points),
         bend=track.bending.share,
         coarse=track.unit / max(track.model.radius, track.unit),
-        border=fit.border,
+        border=given.border,
     )
 
 
-def _beside(track: Track, view: View, fit: Registration, points: I64) -> tuple[int, int]:
+def _beside(
+    track: Track, view: View, fit: Registration, points: I64, others: I64
+) -> tuple[int, int]:
     """Count the moving points around an object's ``points`` (M,): those of no track, and those of
     others.
 
-    Asked of lidars alone.
+    ``others`` (O,) some track has.  Asked of lidars alone.
     """
     if not (track.scanned and len(points)):
         return 0, 0
@@ -71,9 +82,9 @@ def _beside(track: Track, view: View, fit: Registration, points: I64) -> tuple[i
     owned[points] = True
     rest = fit.moving[~owned[fit.moving]]
     rest = rest[within(view.xyz[rest], lo - margin, hi + margin)]
-    owned[fit.owned] = True
-    others = int(owned[rest].sum())
-    return len(rest) - others, others
+    owned[others] = True
+    count = int(owned[rest].sum())
+    return len(rest) - count, count
 
 
 def _height(track: Track, view: View, fit: Registration, points: I64) -> float:
@@ -87,28 +98,32 @@ def _height(track: Track, view: View, fit: Registration, points: I64) -> float:
 def settle(
     track: Track,
     view: View,
-    fit: Registration | None,
-    found: Claim | None,
-    grown: I64,
+    found: Association | None,
+    given: LabelledPoints | None,
     asked: TrackOptions,
-) -> tuple[TrackState, I64]:
-    """Judge the track in a frame, and update it: the state, and its points (M,)."""
+    confidence_cap: float = 1.0,
+) -> Outcome:
+    """Judge the track in a frame by its points, and update it."""
     options = track.options.update
-    pose, world = (None, None) if fit is None else (fit.pose, fit.world)
-    verdict = judge(track, view, pose, world, found)
-    seen = fit is not None and _seen(track, view, fit, verdict)
-    if fit is None or found is None or not seen or hides(track, view, fit, found):
-        return _unseen(track, pose, verdict, asked), np.empty(0, np.int64)
+    if found is None or given is None:
+        verdict = judge(track, view, None, None, None)
+        return Outcome(_unseen(track, None, verdict, asked), no_points())
+    fit, claim = found.registration, given.claim
+    verdict = judge(track, view, fit.pose, fit.world, claim)
+    if not _seen(track, view, fit, verdict) or hides(track, view, fit, given):
+        return Outcome(_unseen(track, fit.pose, verdict, asked), no_points())
     track.frames_unseen = 0
     if track.scanned and view.eye is not None:
         at = transform(fit.pose, track.motion.centre[None])[0]
         track.come_to(float(np.linalg.norm(at - view.eye)))
-    observation = Observation(view, fit, found, grown, verdict)
-    points = together(found.indices, grown)
+    observation = Observation(view, fit, given, verdict)
+    points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)
-    _trust(track, view, fit, features)
-    track.last = LastObservation(len(points), fit.alternatives_failed, fit.growth_refused, features)
-    _move(track, fit, verdict)
+    _trust(track, observation, features, _strays(track, view, found), confidence_cap)
+    track.last = LastObservation(
+        len(points), fit.alternatives_failed, given.growth_refused, features
+    )
+    _move(track, found, verdict)
     if fit.cost < options.motion_cost:
         note_strain(track, observation)
     # What bends fits badly as a whole, and well where it was bent.
@@ -116,12 +131,12 @@ def settle(
         track.soft and fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     )
     if fit.cost < options.teach_cost or track.bends or track.large or followed:
-        learn(track, replace(observation, found=_lesson(track, observation)))
+        learn(track, replace(observation, given=_lesson(track, observation)))
     if fit.cost < options.teach_cost and not (track.bends or track.large):
         remember(track.carving_views, view, fit.pose, fit.world)
-    rmse = float(np.sqrt(np.mean(found.gap**2))) if len(found.gap) else 0.0
+    rmse = float(np.sqrt(np.mean(claim.gap**2))) if len(claim.gap) else 0.0
     state = TrackState(fit.pose, rmse, verdict.inliers, track.confidence, len(points), "tracked")
-    return state, together(points, fit.rim)
+    return Outcome(state, together(points, given.rim))
 
 
 def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOptions) -> TrackState:
@@ -136,50 +151,49 @@ def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOption
     return TrackState(at, 0.0, verdict.inliers, 0.0, 0, state)
 
 
-def _trust(track: Track, view: View, fit: Registration, features: Evidence) -> None:
-    """Trust an object as far as this fit and the frames before allow."""
-    options = track.options
+def _trust(
+    track: Track, observation: Observation, features: Evidence, strays: bool, cap: float
+) -> None:
+    """Trust an object as far as this fit and the frames before allow, and at most as ``cap``."""
+    options, isolated = track.options, observation.given.isolated
     here = likelihood(features, track.body, options=options.confidence)
-    if fit.isolated and fit.cost < options.update.teach_cost:
+    if isolated and observation.fit.cost < options.update.teach_cost:
         cost = track.seen_alone.cost
         cost += options.update.usual_cost_rate * (features.cost - cost)
         track.seen_alone = SeenAlone(track.seen_alone.frames + 1, cost)
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
-    track.astray = not fit.isolated and (track.astray or _strays(track, view, fit))
-    cap = (
-        min(fit.confidence_cap, options.update.astray_confidence)
-        if track.astray
-        else fit.confidence_cap
-    )
+    track.astray = not isolated and (track.astray or strays)
+    if track.astray:
+        cap = min(cap, options.update.astray_confidence)
     track.confidence = min(here, track.confidence + regain, cap)
 
 
-def _strays(track: Track, view: View, fit: Registration) -> bool:
+def _strays(track: Track, view: View, found: Association) -> bool:
     """Whether what is in doubt, and has no colours to be known by, is found where no motion led.
 
     What bends has no shape that would tell it from an arm.  What rested, or was among people,
     and is found elsewhere when it is hidden may be something that looks like it.
     """
-    if fit.restarts_motion and (view.people or track.motion.rested is not None):
+    if found.restarts_motion and (view.people or track.motion.rested is not None):
         return True
     options = track.options.update
     if track.has_colour_key or track.large or track.confidence > options.astray_confidence:
         return False
     centre = track.motion.centre[None]
-    at = transform(fit.pose, centre)[0]
+    at = transform(found.registration.pose, centre)[0]
     expected = transform_each(track.motion.predictions(), centre)[:, 0]
     off = np.linalg.norm(expected - at, axis=1).min()
     return bool(off > options.astray_radii * track.model.radius)
 
 
-def _move(track: Track, fit: Registration, verdict: Verdict) -> None:
+def _move(track: Track, found: Association, verdict: Verdict) -> None:
     """Let the motion of an object take in where it was found."""
     # What was found so in the frame before too has moved from there to here.
-    options = track.options.update
+    options, fit = track.options.update, found.registration
     scrap = (
         track.large and track.last.points < options.scrap_share * track.size and not track.scanned
     )
-    if scrap or (fit.restarts_motion and not track.motion.fresh):
+    if scrap or (found.restarts_motion and not track.motion.fresh):
         track.motion.begin(fit.pose)
     else:
         track.motion.add(fit.pose, sure=track.large or fit.cost < options.motion_cost)
@@ -211,16 +225,16 @@ def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool
     return verdict.found and (track.frames_unseen == 0 or track.large or clear)
 
 
-def hides(track: Track, view: View, fit: Registration, found: Claim) -> bool:
+def hides(track: Track, view: View, fit: Registration, given: LabelledPoints) -> bool:
     """Whether what was found hides a small object, and is not the object: it fits badly, and has
     hardly the colours that were painted, nor those of the known surface, another side's too.
 
     What is alone in the air hides nothing.
     """
     options = track.options
-    if not track.has_colour_key or fit.cost < options.update.teach_cost or fit.isolated:
+    if not track.has_colour_key or fit.cost < options.update.teach_cost or given.isolated:
         return False
-    colour = view.colour(found.indices)
+    colour = view.colour(given.claim.indices)
     if not track.appearance.unlike(colour):
         return False
     known = ColourHistogram.of(
@@ -230,15 +244,16 @@ def hides(track: Track, view: View, fit: Registration, found: Claim) -> bool:
     return known.likeness(colour) < known.usual - options.update.hiding_log_colour
 
 
-def _lesson(track: Track, observation: Observation) -> Claim:
+def _lesson(track: Track, observation: Observation) -> LabelledPoints:
     """Select the points for the model to learn: no new ones explained by an unlabelled mover, or of
     colours that the object has not shown, since it may be held where it bends."""
-    view, fit, found = observation.view, observation.fit, observation.found
-    if fit.isolated or track.large:
-        return found
+    view, fit, given = observation.view, observation.fit, observation.given
+    if given.isolated or track.large:
+        return given
+    found = given.claim
     keep = found.gap < track.options.surface.new_spacings * track.model.spacing
     new = np.flatnonzero(~keep)
     keep[new] = ~track.strange(view.colour(found.indices[new]))
     if not track.bends:
         keep[new] &= unexplained(track, view, fit, found.indices[new])
-    return found.pick(keep)
+    return replace(given, claim=found.pick(keep))

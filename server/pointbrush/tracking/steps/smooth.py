@@ -12,20 +12,19 @@ from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.claim import Associations, together
+from pointbrush.tracking.steps.association import Associations
+from pointbrush.tracking.steps.claim import together
 from pointbrush.tracking.steps.context import set_other_movers
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.predict import crop
 from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
-from pointbrush.tracking.steps.settle import settle
+from pointbrush.tracking.steps.settle import Outcome, settle
 
 
 @dataclass(eq=False)
@@ -109,8 +108,8 @@ class Smoother:
             if known is None or known.state == "painted":  # where it was gone back from before
                 return
             cap = new.confidence_caps.get(label, 1.0)
-            state, points = _found_again(again, astray, held, background, cap, self._asked)
-            held.improve(label, state, points)
+            outcome = _found_again(again, astray, held, background, cap, self._asked)
+            held.improve(label, outcome.state, outcome.points)
 
 
 def _found_again(
@@ -120,7 +119,7 @@ def _found_again(
     background: Background,
     confidence_cap: float,
     asked: TrackOptions,
-) -> tuple[TrackState, I64]:
+) -> Outcome:
     """Find an object among what the others left in an earlier frame, and learn from it.
 
     ``astray``: see ``find_astray``.
@@ -133,19 +132,16 @@ def _found_again(
     associations = Associations(view, background, free)
     search = crop(track, view, background, free)
     if search is not None:
-        associations.put(label, *register_and_claim(track, view, search))
-    find_astray([track], astray, associations)
-    grown, taken = grow({label: track}, associations)
-    if label in associations.fits:
-        associations.note(
-            label, confidence_cap=min(associations.fits[label].confidence_cap, confidence_cap)
-        )
-    fit, claim = associations.fits.get(label), associations.claims.get(label)
-    state, points = settle(track, view, fit, claim, grown.get(label, _NONE), asked)
-    if fit is not None:
-        taken[fit.neutral] = True
+        associations = associations.put(label, register_and_claim(track, view, search))
+    associations = find_astray([track], astray, associations)
+    grown = grow({label: track}, associations)
+    found, given = associations.found.get(label), grown.labelled.get(label)
+    outcome = settle(track, view, found, given, asked, confidence_cap)
+    if found is not None and given is not None:
+        fit, taken = found.registration, grown.taken
+        taken[given.neutral] = True
         set_other_movers(track, view, fit.moving[~taken[fit.moving]], fit.box)
-    return state, points
+    return outcome
 
 
 def _stiff(track: Track) -> bool:
@@ -155,6 +151,3 @@ def _stiff(track: Track) -> bool:
 
 def _confidence(state: TrackState | None) -> float:
     return 0.0 if state is None else state.confidence
-
-
-_NONE: I64 = np.empty(0, np.int64)

@@ -15,6 +15,7 @@ from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.surface import Model
 from pointbrush.tracking.model.track import OtherMovers, Track, begin
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.association import LabelledPoints
 from pointbrush.tracking.steps.claim import Claim, claim, painted_with_flying
 from pointbrush.tracking.steps.context import set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.pieces import painted_with_ground
@@ -25,22 +26,15 @@ from pointbrush.tracking.steps.verdict import Verdict
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """A track registered (``fit``) in a ``view``.
+    """A track registered (``fit``) in a ``view``, with the points that it was given.
 
-    ``found`` points are on its model, ``grown`` (M,) are new surface beside them; ``verdict`` tells
-    how well that explains what the sensor saw.
+    ``verdict`` tells how well that explains what the sensor saw.
     """
 
     view: View
     fit: Registration
-    found: Claim
-    grown: I64
+    given: LabelledPoints
     verdict: Verdict
-
-    @property
-    def points(self) -> I64:
-        """(N,) all that were found, those on the model first."""
-        return np.concatenate([self.found.indices, self.grown])
 
 
 def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view: View) -> F64:
@@ -66,7 +60,7 @@ def _hidden_at_rest(track: Track, view: View) -> F64:
 
 def learn(track: Track, observation: Observation) -> None:
     """Take in the points found: a rigid model gathers them, one that bends is made anew."""
-    found, grown = observation.found, observation.grown
+    found, grown = observation.given.claim, observation.given.grown
     if observation.verdict.confidence > track.options.update.size_matched_share:
         track.size = max(track.size, float(len(found.indices) + len(grown)))
     was_rigid = not track.bends
@@ -80,7 +74,7 @@ def learn(track: Track, observation: Observation) -> None:
 def _make_anew(track: Track, observation: Observation) -> None:
     """Replace a model that bends by what was found, and what of the old one was not in sight."""
     options = track.options
-    view, fit, points = observation.view, observation.fit, observation.points
+    view, fit, points = observation.view, observation.fit, observation.given.points
     back = inverse(fit.pose)
     xyz = transform(back, view.xyz[points].astype(np.float64))
     unseen = observation.verdict.hidden
@@ -108,15 +102,15 @@ def _make_anew(track: Track, observation: Observation) -> None:
 
 def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     """Let a rigid model take in what was found on it and beside it, and drop what was not there."""
-    view, fit = observation.view, observation.fit
+    view, fit, given = observation.view, observation.fit, observation.given
     back = inverse(fit.pose)
     if track.soft:
-        track.model.xyz = transform(back, _settled_on(fit.world, view, observation.found))
+        track.model.xyz = transform(back, _settled_on(fit.world, view, given.claim))
     number = track.model.miss(observation.verdict.through)
     if not was_rigid:  # the claim was made by the model as it was bent
         number[:] = -1
     again = _claimed_again(track, observation, number)
-    if not fit.isolated:
+    if not given.isolated:
         again = again.pick(again.cost < 2 * track.reach)
     if not track.painted.flat:  # Ground beside what is known is no new surface.
         again = again.pick(
@@ -126,10 +120,10 @@ def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     xyz = transform(back, view.xyz[again.indices].astype(np.float64))
     colour = view.colour(again.indices)
     # No one holds what a lidar on the move sees ever new sides of.
-    sure = track.distinct(colour) | (fit.isolated or view.roams)
+    sure = track.distinct(colour) | (given.isolated or view.roams)
     own_eye = _eye_of(back, view)
     track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
-    _take_in_uncovered(track, view, fit.uncovered, back, own_eye)
+    _take_in_uncovered(track, view, given.uncovered, back, own_eye)
 
 
 def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim:
@@ -138,13 +132,14 @@ def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim
     ``number`` (M,) new number of each model point, -1 for those that have gone.
     """
     options = track.options.update
-    view, fit, found = observation.view, observation.fit, observation.found
+    view, fit, given = observation.view, observation.fit, observation.given
+    found = given.claim
     reach = (
-        options.teach_units_alone if fit.isolated or track.scanned else options.teach_units
+        options.teach_units_alone if given.isolated or track.scanned else options.teach_units
     ) * track.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
-    rest = np.concatenate([found.indices[~kept], observation.grown])
+    rest = np.concatenate([found.indices[~kept], given.grown])
     world = transform(fit.pose, track.model.xyz)
     new = claim(view, rest, world, track.model.colour, track.weight, reach)
     return Claim(
@@ -187,10 +182,10 @@ def _eye_of(back: F64, view: View) -> F64 | None:
 def note_looseness(track: Track, observation: Observation) -> None:
     """Take note of how much of what was found a rigid model does not explain."""
     options = track.options.strain
-    fit, found, grown = observation.fit, observation.found, observation.grown
-    verdict = observation.verdict
+    given, verdict = observation.given, observation.verdict
+    found, grown = given.claim, given.grown
     total = len(found.indices) + len(grown)
-    unlike = 0 if fit.isolated else len(grown) - len(fit.uncovered)
+    unlike = 0 if given.isolated else len(grown) - len(given.uncovered)
     loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * track.unit)) / max(
         total, 1
     )
@@ -233,7 +228,7 @@ def strained(track: Track, observation: Observation) -> float:
     far = options.strain.far_units * track.unit
     off = target.nearest(world, colour, far)[0] > options.strain.off_units * track.unit
     if track.motion.slow(track.unit):
-        off[off] = ~_beside_another(view, world[off], observation.points, far)
+        off[off] = ~_beside_another(view, world[off], observation.given.points, far)
     if off.mean() < options.strain.min_off_share:
         return 0.0
     moved = bent(track, world, colour, target)[off]
