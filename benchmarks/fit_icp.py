@@ -24,7 +24,7 @@ from pointbrush.tracking.model.icp_confidence import IcpEvidence
 from pointbrush.tracking.options import IcpConfidenceOptions
 from pointbrush.tracking.registry import COLOUR_NEIGHBOURS
 
-Samples = list[tuple[list[float], float]]
+Samples = list[tuple[dict[str, float], float]]
 SHOWN = (*((kind, 1) for kind in KINDS), ("table-top", 3), ("street", 1))
 """Kinds of recording, and of how many frames one is kept: at 30 a second little goes wrong on a
 table."""
@@ -64,7 +64,7 @@ def samples(frames: Sequence[Frame], k: int) -> Samples:
 
 def fitted(made: Samples) -> NDArray[np.float64]:
     """Weights and offset, by logistic regression on graded targets."""
-    x = np.array([[*features, 1.0] for features, _ in made])
+    x = np.array([[*features.values(), 1.0] for features, _ in made])
     y = np.clip([(iou - SURVIVING) / (GOOD - SURVIVING) for _, iou in made], 0.0, 1.0)
 
     def loss(w: NDArray[np.float64]) -> float:
@@ -92,7 +92,7 @@ def main() -> None:
                 made += samples(frames, k)
             print(f"{kind} {seed}: {len(made)} samples", flush=True)
     *weights, offset = np.round(fitted(made), 2).tolist()
-    print(f"weights: {tuple(weights)}, offset: {offset}")
+    print(dict(zip(made[0][0], weights, strict=True)), f"offset: {offset}")
 
 
 if __name__ == "__main__":

@@ -37,16 +37,31 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "painted end on": {"growth": {"end_on_ratio": float(NEVER)}},
     "uncovered by others": {"claim": {"uncovered_steps": 0}},
     "missed pieces": {"pieces": {"max_size_share": 0.0}},
-    "flying pixels": {"flying": {"min_pixels": NEVER}},
-    "unlabelled surface beside": {"context": {"max_points": 0}},
+    "flying pixels": {
+        "flying": {
+            "min_pixels": NEVER,
+            "level_units": float(NEVER),
+            "outline_level_units": float(NEVER),
+            "outline_behind_units": 0.0,
+            "outline_few": 0,
+        }
+    },
+    "unlabelled surface beside": {
+        "context": {
+            "max_points": 1,
+            "explained_units": 0.0,
+            "yield_ratio": 0.0,
+            "stayed_units": 0.0,
+        }
+    },
     "space carving": {"surface": {"carve_min_views": NEVER}},
-    "colours never shown": {"growth": {"strange_size_share": 1.0}},
+    "colours never shown": {"appearance": {"strange_share": -1.0}},
     "ground painted with it": {"ground_contact": {"min_points": NEVER}},
     # What is learnt of it, and how far it is trusted
     "bending": {"track": {"bent_share": 1.0, "bent_share_large": 1.0}},
     "soft surface": {"track": {"soft_strain": float(NEVER)}},
     "hidden by other colours": {"update": {"hiding_log_colour": float(NEVER)}},
-    "exchanged tracks": {"identity": {"meeting_units": 0.0}},
+    "exchanged tracks": {"identity": {"alike_share": 1.0}},
     # People
     "people together": {"body": {"limb_m": 0.0}},
     "strides by depth": {"step": {"evidence_weight": 0.0}},

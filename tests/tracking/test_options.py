@@ -12,6 +12,7 @@ import pointbrush.tracking
 from pointbrush.errors import BadInputError
 from pointbrush.tracking.options import (
     CompanionOptions,
+    ContextOptions,
     JumpOptions,
     Options,
     RegistrationOptions,
@@ -95,6 +96,8 @@ def test_a_value_out_of_its_bounds_is_named() -> None:
         CompanionOptions(most=-1)
     with pytest.raises(BadInputError, match=r"doubt: expected a number from 0 to inf, got nan"):
         RegistrationOptions(doubt=float("nan"))
+    with pytest.raises(BadInputError, match=r"max_points: expected a whole number above 0"):
+        ContextOptions(max_points=0)  # something is divided by it
     with pytest.raises(BadInputError, match=r"side_pixels: expected a whole .* got '64'"):
         JumpOptions(side_pixels="64")  # type: ignore[arg-type]
     with pytest.raises(BadInputError, match=r"asked_frames: expected a whole number"):

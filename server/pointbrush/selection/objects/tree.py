@@ -18,6 +18,13 @@ from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.weights import Forest, answer
 
 Floats = NDArray[np.float64]
+# Features of a pair: of the smaller piece a, the larger b, their boundary and their union.
+SIZE_A, SIZE_B, BORDER_A, BORDER_B, BORDER_WIDTH, BORDER_TURN, BORDER_LENGTH = 0, 1, 2, 3, 4, 5, 9
+LIGHTNESS, TINT, SPREAD_A, SPREAD_B, COLOUR = range(10, 15)
+ALIGNED_A, ALIGNED_B, NORMALS, AHEAD_A, AHEAD_B, AHEAD, APART = range(15, 22)
+THIN_A, LONG_A, THIN_B, THIN_UNION, LONGER, APART_OVER_LONG = range(22, 28)
+ROUGH_A, ROUGH_B, STEEP_A, STEEP_B, HIGHER, LOW_A, LOW_B, LOWER, TALLER = range(28, 37)
+UNION_BOX, WIDER, TALLER_BOX, HIGH_A, SIZES = 37, 40, 41, 42, 43
 FEATURES = 44
 """Numbers of a pair."""
 TINY = 1e-6
@@ -36,28 +43,30 @@ def pair_features(
     of a cell, square metres; ``work`` (3, WIDTH) scratch.
     """
     na, nb, m = a[sums.COUNT], b[sums.COUNT], pair[sums.EDGES]
-    out[0], out[1] = np.log(na * area), np.log(nb * area)
-    out[2] = m / max(a[sums.PERIMETER], 1.0)
-    out[3] = m / max(b[sums.PERIMETER], 1.0)
-    out[4] = m / np.sqrt(na)
+    out[SIZE_A], out[SIZE_B] = np.log(na * area), np.log(nb * area)
+    out[BORDER_A] = m / max(a[sums.PERIMETER], 1.0)
+    out[BORDER_B] = m / max(b[sums.PERIMETER], 1.0)
+    out[BORDER_WIDTH] = m / np.sqrt(na)
     for k in range(4):
-        out[5 + k] = pair[sums.TURN + k] / m
-    out[9] = pair[sums.LENGTH] / m / np.sqrt(area)
+        out[BORDER_TURN + k] = pair[sums.TURN + k] / m
+    out[BORDER_LENGTH] = pair[sums.LENGTH] / m / np.sqrt(area)
     _colours(a, b, out)
     _normals(a, b, out)
     _extents(a, b, work, out)
-    out[28], out[29] = a[sums.ROUGH] / na, b[sums.ROUGH] / nb
-    out[30], out[31] = a[sums.STEEP] / na, b[sums.STEEP] / nb
+    out[ROUGH_A], out[ROUGH_B] = a[sums.ROUGH] / na, b[sums.ROUGH] / nb
+    out[STEEP_A], out[STEEP_B] = a[sums.STEEP] / na, b[sums.STEEP] / nb
     z = sums.XYZ + 2
-    out[32] = b[z] / nb - a[z] / na
+    out[HIGHER] = b[z] / nb - a[z] / na
     low, high = sums.LOW + 2, sums.HIGH + 2
-    out[33], out[34] = a[low], b[low]
-    out[35], out[36] = b[low] - a[low], b[high] - a[high]
+    out[LOW_A], out[LOW_B] = a[low], b[low]
+    out[LOWER], out[TALLER] = b[low] - a[low], b[high] - a[high]
     sums.box(work[0], work[1])
-    out[37], out[38], out[39] = work[1][0], work[1][1], work[1][2]
+    for k in range(3):
+        out[UNION_BOX + k] = work[1][k]
     sums.box(b, work[1])
-    out[40], out[41] = out[37] - work[1][0], out[38] - work[1][1]
-    out[42], out[43] = a[high], np.log(na / nb)
+    out[WIDER] = out[UNION_BOX] - work[1][0]
+    out[TALLER_BOX] = out[UNION_BOX + 1] - work[1][1]
+    out[HIGH_A], out[SIZES] = a[high], np.log(na / nb)
 
 
 @innermost
@@ -66,12 +75,13 @@ def _colours(a: Floats, b: Floats, out: Floats) -> None:
     for k in range(3):
         step = abs(a[sums.LAB + k] / na - b[sums.LAB + k] / nb)
         if k == 0:
-            out[10] = step
+            out[LIGHTNESS] = step
         else:
             apart += step * step
-    out[11] = np.sqrt(apart)
-    out[12], out[13] = sums.colour_spread(a), sums.colour_spread(b)
-    out[14] = np.sqrt(out[10] * out[10] + apart) / (1.0 + out[12] + out[13])
+    out[TINT] = np.sqrt(apart)
+    out[SPREAD_A], out[SPREAD_B] = sums.colour_spread(a), sums.colour_spread(b)
+    step = np.sqrt(out[LIGHTNESS] * out[LIGHTNESS] + apart)
+    out[COLOUR] = step / (1.0 + out[SPREAD_A] + out[SPREAD_B])
 
 
 @innermost
@@ -86,25 +96,24 @@ def _normals(a: Floats, b: Floats, out: Floats) -> None:
         one += p * step
         other += q * step
     way = np.sqrt(way)
-    out[15], out[16] = sums.normal_length(a), sums.normal_length(b)
-    out[17] = dot / max(out[15] * out[16], TINY)
-    out[18], out[19] = one / max(way, TINY), other / max(way, TINY)
-    out[20] = out[18] - out[19]
-    out[21] = way
+    out[ALIGNED_A], out[ALIGNED_B] = sums.normal_length(a), sums.normal_length(b)
+    out[NORMALS] = dot / max(out[ALIGNED_A] * out[ALIGNED_B], TINY)
+    out[AHEAD_A], out[AHEAD_B] = one / max(way, TINY), other / max(way, TINY)
+    out[AHEAD] = out[AHEAD_A] - out[AHEAD_B]
+    out[APART] = way
 
 
 @innermost
 def _extents(a: Floats, b: Floats, work: Floats, out: Floats) -> None:
-    """Write how far a, b and both reach; leaves the union's sums in ``work[0]``."""
+    """Write the extents of a, b and both; leaves the union's sums in ``work[0]``."""
     sums.extents(a, work[1])
-    long_a = work[1][2]
-    out[22], out[23] = work[1][0], long_a
+    out[THIN_A], out[LONG_A] = work[1][0], work[1][2]
     sums.extents(b, work[1])
-    out[24] = work[1][0]
+    out[THIN_B] = work[1][0]
     sums.add(a, b, work[0])
     sums.extents(work[0], work[2])
-    out[25], out[26] = work[2][0], work[2][2] - work[1][2]
-    out[27] = out[21] / max(long_a + work[1][2], TINY)
+    out[THIN_UNION], out[LONGER] = work[2][0], work[2][2] - work[1][2]
+    out[APART_OVER_LONG] = out[APART] / max(out[LONG_A] + work[1][2], TINY)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

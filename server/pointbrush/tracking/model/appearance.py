@@ -95,7 +95,7 @@ class ColourHistogram:
         """Mark the colours (M, 3) without a similar hue in the histogram, be they brighter or
         darker."""
         return np.asarray(
-            self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.absent_share
+            self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.strange_share
         )
 
     def share(self, colour: F32) -> float:

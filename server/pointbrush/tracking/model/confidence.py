@@ -63,61 +63,43 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
     """0..1, of this frame by itself; ``body``: of a large object before a known scene."""
     if evidence.coarse >= options.pointlike_ratio:
         return 0.0
+    features = _features(evidence, options)
     if evidence.scans:
-        return squashed(
-            _scanned(evidence, options=options) - options.scan_middle,
-            options.scan_stretch,
-            options=options,
-        )
-    features = np.array(
-        [
-            evidence.inliers,
-            evidence.sure,
-            evidence.gap,
-            evidence.cost * min(1.0, options.usual_cost / evidence.usual),
-            min(evidence.fit, 1.0),
-            abs(log_ratio(evidence.size, options.max_log_size)),
-            abs(log_ratio(evidence.change, options.max_log_change)),
-            evidence.grown,
-            float(evidence.isolated),
-            evidence.share,
-            max(evidence.appearance, options.min_log_clothes),
-        ]
-    )
+        odds = options.scan_weights.odds(features) + options.scan_offset
+        return squashed(odds - options.scan_middle, options.scan_stretch, options=options)
     if body:
-        odds = (
-            float(np.array(options.body_weights) @ features)
-            + options.body_offset
-            - options.body_middle
-        )
-    else:
-        odds = float(np.array(options.weights) @ features[:-1]) + options.offset - options.middle
-        odds -= options.colourless_border_weight * evidence.border
-        odds -= (
-            options.bent_change_weight * abs(log_ratio(evidence.size, options.max_log_size))
-            if evidence.soft
-            else 0.0
-        )
-        if evidence.pixels:
-            odds += options.few_weight * min(
-                0.0,
-                log_ratio(evidence.points / options.many_points, options.max_log_few),
-            )
+        odds = options.body_weights.odds(features) + options.body_offset - options.body_middle
+        return squashed(odds, options.stretch, options=options)
+    odds = options.weights.odds(features) + options.offset - options.middle
+    odds -= options.colourless_border_weight * evidence.border
+    if evidence.soft:
+        odds -= options.bent_change_weight * features["size"]
+    if evidence.pixels:
+        few = log_ratio(evidence.points / options.many_points, options.max_log_few)
+        odds += options.few_weight * min(0.0, few)
     return squashed(odds, options.stretch, options=options)
 
 
-def _scanned(evidence: Evidence, options: ConfidenceOptions) -> float:
-    """Log odds of what a lidar saw."""
-    features = [
-        log_ratio(evidence.left, options.max_log_left),
-        log_ratio(evidence.others, options.max_log_left),
-        abs(log_ratio(evidence.tall, options.max_log_size)),
-        evidence.bend,
-        log_ratio(evidence.coarse, options.max_log_coarse),
-        abs(log_ratio(evidence.change, options.max_log_change)),
-        evidence.grown,
-    ]
-    return float(np.array(options.scan_weights) @ features) + options.scan_offset
+def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float]:
+    """Compute the features that have weights, by name."""
+    return {
+        "inliers": evidence.inliers,
+        "sure": evidence.sure,
+        "gap": evidence.gap,
+        "cost": evidence.cost * min(1.0, options.usual_cost / evidence.usual),
+        "fit": min(evidence.fit, 1.0),
+        "size": abs(log_ratio(evidence.size, options.max_log_size)),
+        "change": abs(log_ratio(evidence.change, options.max_log_change)),
+        "grown": evidence.grown,
+        "isolated": float(evidence.isolated),
+        "share": evidence.share,
+        "appearance": max(evidence.appearance, options.min_log_clothes),
+        "left": log_ratio(evidence.left, options.max_log_left),
+        "others": log_ratio(evidence.others, options.max_log_left),
+        "tall": abs(log_ratio(evidence.tall, options.max_log_size)),
+        "bend": evidence.bend,
+        "coarse": log_ratio(evidence.coarse, options.max_log_coarse),
+    }
 
 
 def squashed(odds: float, stretch: float, options: ConfidenceOptions) -> float:

@@ -27,15 +27,15 @@ class IcpEvidence:
     residual: float
     size: float
 
-    def features(self, options: IcpConfidenceOptions) -> list[float]:
-        """Compute the features in the order of their weights."""
-        return [
-            self.kept,
-            log_ratio(self.residual, options.max_log_residual),
-            abs(log_ratio(self.size, options.max_log_size)),
-        ]
+    def features(self, options: IcpConfidenceOptions) -> dict[str, float]:
+        """Compute the features that have weights, by name."""
+        return {
+            "kept": self.kept,
+            "residual": log_ratio(self.residual, options.max_log_residual),
+            "size": abs(log_ratio(self.size, options.max_log_size)),
+        }
 
     def likelihood(self, options: IcpConfidenceOptions) -> float:
         """0..1, of this step by itself."""
-        odds = float(np.array(options.weights) @ self.features(options)) + options.offset
+        odds = options.weights.odds(self.features(options)) + options.offset
         return float(1.0 / (1.0 + np.exp(-np.clip(odds, -options.max_odds, options.max_odds))))

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import ClassVar
+
+import numpy as np
 
 from pointbrush.errors import BadInputError
 
@@ -14,9 +17,12 @@ class Options:
 
     __slots__ = ()
     signed: ClassVar[frozenset[str]] = frozenset()
-    """Fields that may be below zero."""
+    """Fields that may be below zero; all of them where they are ``all_signed``."""
+    all_signed: ClassVar[bool] = False
     above_one: ClassVar[frozenset[str]] = frozenset()
     """Shares of something that may be more than all of it."""
+    divisors: ClassVar[frozenset[str]] = frozenset()
+    """Fields that something is divided by: above zero."""
 
     def __post_init__(self) -> None:
         """Check the values; raises BadInputError."""
@@ -38,19 +44,34 @@ class Options:
                 and not isinstance(number, bool)
                 and math.isfinite(number)
                 and low <= number <= high
+                and not (number == 0 and each.name in self.divisors)
                 for number in numbers
             )
             if not good:
+                least = "above 0" if each.name in self.divisors else f"from {low:g}"
                 raise BadInputError(
-                    f"{type(self).__name__}.{each.name}: expected {expected} from {low:g} to "
-                    f"{high:g}, got {value!r}"
+                    f"{type(self).__name__}.{each.name}: expected {expected} {least} to {high:g}, "
+                    f"got {value!r}"
                 )
 
     def _bounds(self, name: str) -> tuple[float, float]:
-        if name in self.signed:
+        if self.all_signed or name in self.signed:
             return -math.inf, math.inf
         if name.endswith("_cos"):
             return -1.0, 1.0
         if name.endswith("_share") and name not in self.above_one:
             return 0.0, 1.0
         return 0.0, math.inf
+
+
+class Weights(Options):
+    """Log odds that features of the same names add, each times its value."""
+
+    __slots__ = ()
+    all_signed: ClassVar[bool] = True
+
+    def odds(self, features: Mapping[str, float]) -> float:
+        """Log odds of the named ``features``; those without a weight add nothing."""
+        names = [each.name for each in fields(self)]  # type: ignore[arg-type]
+        weights = np.array([getattr(self, name) for name in names], np.float64)
+        return float(weights @ np.array([features[name] for name in names], np.float64))

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, Weights
 
 
 @dataclass(frozen=True, slots=True)
 class BodyOptions(Options):
     """Bodies before a known scene: cells, parts, people followed together."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {
+            "cell_units",
+            "colour_points",
+            "sampled_points",
+            "unlike_colour",
+            "colour_change",
+            "way_radii",
+            "nearest_m",
+        }
+    )
 
     cell_units: float = 3.0  # size of a cell in units
     cell_radius_share: float = 0.045  # share of the figure's radius that a cell is at least
@@ -81,6 +93,10 @@ class BodyOptions(Options):
 class StrideOptions(Options):
     """Strides of people, and whose each cell is."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"sampled_cells", "same_depth_m", "other_colour", "shade", "limbs_m", "body_sigma_m"}
+    )
+
     stride_m: float = 0.08  # metres by which a stride varies
     stride_share: float = 0.45  # share of the last stride by which it varies
     stride_m_per_frame: float = 0.05  # metres more for each frame unseen
@@ -131,6 +147,8 @@ class StrideOptions(Options):
 class ArrivalOptions(Options):
     """People who come, come back or were exchanged."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"return_points", "back_m"})
+
     min_cells: int = 12  # cells from which a body may be a new person
     min_share: float = 0.12  # share of the usual number of cells likewise
     back_min_cells: int = 6  # cells from which a body may be a missing person
@@ -171,6 +189,10 @@ class ArrivalOptions(Options):
 class StatureOptions(Options):
     """Stature of people, and the vertical."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"sampled_points", "sigma_m", "bent_range_m", "patch_m", "level_stride"}
+    )
+
     sampled_points: int = 50  # points that tell how far away a person is
     top_share: float = 0.01  # share of a person's most points above what is taken for their top
     # Metres above their top where only what lies behind may be seen.
@@ -195,13 +217,27 @@ class StatureOptions(Options):
 
 
 @dataclass(frozen=True, slots=True)
+class PersonWeights(Weights):
+    """Of people; features as of `PersonEvidence`."""
+
+    fit: float = -0.5
+    disputed: float = -3.0
+    size: float = -1.2
+    change: float = -0.3
+    like: float = 1.0
+    back: float = -0.5
+    touching: float = -5.0
+    wider: float = -20.0
+    astray: float = -1.4
+
+
+@dataclass(frozen=True, slots=True)
 class PersonConfidenceOptions(Options):
     """Confidence of a person, the same way."""
 
-    signed: ClassVar[frozenset[str]] = frozenset({"weights", "min_log_clothes"})
+    signed: ClassVar[frozenset[str]] = frozenset({"min_log_clothes"})
 
-    # Log odds of each of the features.
-    weights: tuple[float, ...] = (-0.5, -3.0, -1.2, -0.3, 1.0, -0.5, -5.0, -20.0, -1.4)
+    weights: PersonWeights = field(default_factory=PersonWeights)
     offset: float = 3.0  # log odds that are added
     max_log_size: float = 4.0  # greatest log ratio of size
     max_log_change: float = 1.0  # greatest log ratio of a sudden change of size

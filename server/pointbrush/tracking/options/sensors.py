@@ -12,6 +12,10 @@ from pointbrush.tracking.options.base import Options
 class LensOptions(Options):
     """Pinhole image of a depth camera."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"sampled_points", "pixel_spacings", "behind_ratio"}
+    )
+
     min_points: int = 500  # points from which a frame can have an image
     # Pixel of a sensor without a known lattice, in spacings of its points.
     pixel_spacings: float = 1.5
@@ -36,6 +40,10 @@ class LensOptions(Options):
 @dataclass(frozen=True, slots=True)
 class RangeImageOptions(Options):
     """Range image of a lidar."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"azimuth_deg", "elevations_deg", "spread_points", "up_points", "behind_ratio"}
+    )
 
     azimuth_deg: float = 0.4  # degrees of a cell around
     # Degrees of a cell up and down, the least that is mostly filled.
@@ -66,6 +74,10 @@ class RangeImageOptions(Options):
 @dataclass(frozen=True, slots=True)
 class ViewpointOptions(Options):
     """Place of a sensor that the recording does not tell."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"directions", "part_spacings", "coarse_points", "fine_points"}
+    )
 
     part_spacings: float = 4.0  # spacings of the points across a part of the image
     min_mean_ray: float = 0.6  # length of the mean ray of an image at least
@@ -105,6 +117,8 @@ class TintOptions(Options):
 class GroundOptions(Options):
     """Ground under a lidar."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"cell", "length_share"})
+
     length_share: float = 0.02  # share of the median distance that lengths are counted in
     cell: float = 6.0  # size of a cell, in such lengths
     thickness: float = 0.5  # height above the ground up to which something lies there
@@ -118,6 +132,7 @@ class GroundOptions(Options):
 class VisualOdometryOptions(Options):
     """Way of a depth camera: dense visual odometry."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_pixels", "robust_sigmas"})
     signed: ClassVar[frozenset[str]] = frozenset({"start_aside_px", "start_upward_px"})
 
     longest_side_px: int = 200  # pixels of the finest picture's longer side at most
@@ -146,6 +161,17 @@ class VisualOdometryOptions(Options):
 @dataclass(frozen=True, slots=True)
 class ScanOdometryOptions(Options):
     """Way of a lidar: planes registered point to plane."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {
+            "plane_points",
+            "planes",
+            "asked_per_plane",
+            "cell_share",
+            "cell_min_m",
+            "shift_pixel_cells",
+        }
+    )
 
     cell_share: float = 0.02  # size of a thinning cell, as a share of the median distance
     cell_min_m: float = 0.5  # metres of such a cell at least, of a lidar
@@ -211,6 +237,8 @@ class SwayOptions(Options):
 class BackgroundOptions(Options):
     """The scene at rest before a depth camera or a lidar."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"fill_cell_px", "block_px", "far_m"})
+
     # Share of the continued scene's depth from which a depth is the scene's.
     same_depth_share: float = 0.93
     seldom_share: float = 0.25  # share of the frames that must show the scene
@@ -267,6 +295,8 @@ class DepthNoiseOptions(Options):
 @dataclass(frozen=True, slots=True)
 class MappingOptions(Options):
     """The scene at rest before a camera that is carried."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_points"})
 
     beside_m: float = 0.4  # metres from an object's last place within which new surface may be its
     min_views: int = 2  # frames that have to show a surface element

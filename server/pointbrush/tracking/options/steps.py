@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, Weights
 
 
 @dataclass(frozen=True, slots=True)
 class SearchOptions(Options):
     """Prediction, and what is cut out of a frame around it."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"coarse_points", "fine_points", "target_points"}
+    )
 
     # Frames after which what rests beside a resting object is scenery: never.
     never_frames: int = 1_000_000
@@ -41,6 +45,9 @@ class SearchOptions(Options):
 class ProposalOptions(Options):
     """Pose hypotheses where no prediction fits."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"seeds", "palette_points", "vote_step_units", "max_steps_across", "min_radius_m"}
+    )
     signed: ClassVar[frozenset[str]] = frozenset({"slide_radii"})
 
     turn_deg: float = 40.0  # degrees of the turns that a cluster is tried with
@@ -68,6 +75,7 @@ class ProposalOptions(Options):
 class RelocationOptions(Options):
     """Search in the whole frame for a track that went astray."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"retry_frames"})
     above_one: ClassVar[frozenset[str]] = frozenset({"alone_size_share"})
 
     kept_share: float = 0.85  # share of its claim under which a track is looked for elsewhere
@@ -101,6 +109,23 @@ class RelocationOptions(Options):
 @dataclass(frozen=True, slots=True)
 class RegistrationOptions(Options):
     """Registration of a model to a frame, and the choice among hypotheses."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {
+            "retry_frames",
+            "nodes_per_radius",
+            "nodes_per_radius_soft",
+            "cap_scales",
+            "pair_scales",
+            "predicted_scales",
+            "anywhere_scales",
+            "final_scales",
+            "judged_units",
+            "judged_units_unfitted",
+            "judged_units_rest",
+            "surprise_radii",
+        }
+    )
 
     # Radii by which an object may come nearer; nearer surface is another's.
     nearer_radii: float = 1.0
@@ -162,6 +187,10 @@ class RegistrationOptions(Options):
 class DeformationOptions(Options):
     """Deformation graph of what bends."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"nodes_per_point", "nodes_around", "previous_weight"}
+    )
+
     nodes_per_point: int = 4  # nearest nodes that move a point
     nodes_around: int = 6  # nodes that smooth a node's motion, itself among them
     rounds: int = 3  # rounds of pairing
@@ -174,6 +203,8 @@ class DeformationOptions(Options):
 @dataclass(frozen=True, slots=True)
 class ClaimOptions(Options):
     """Points that a registered model claims."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"border_points"})
 
     hiding_units: float = 3.0  # units by which what may hide the surface beside a pixel is nearer
     hiding_px: int = 2  # pixels aside at which it is looked for
@@ -230,6 +261,7 @@ class GrowthOptions(Options):
 class PieceOptions(Options):
     """Missed pieces that are given back."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"slow_frames"})
     above_one: ClassVar[frozenset[str]] = frozenset({"max_size_share"})
 
     max_size_share: float = 1.1  # share of its size up to which a track is given pieces
@@ -253,6 +285,8 @@ class PieceOptions(Options):
 @dataclass(frozen=True, slots=True)
 class ContextOptions(Options):
     """Unlabelled surface beside a track."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"max_points"})
 
     explained_units: float = 4.0  # units from unlabelled surface within which it explains a point
     yield_ratio: float = 0.7  # share of its cost at which it takes a point from a claim
@@ -293,6 +327,8 @@ class GroundContactOptions(Options):
 class ComponentOptions(Options):
     """Connected components of points."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"cell_units"})
+
     cell_units: float = 1.5  # units of a cell of connected components
     touching_cells: float = 1.75  # cells between the middles of two that touch
     crumb_share: float = 0.04  # share of a label under which a piece apart is no part of it
@@ -303,6 +339,8 @@ class ComponentOptions(Options):
 @dataclass(frozen=True, slots=True)
 class MeanFieldOptions(Options):
     """Mean field over cells."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"full_neighbours"})
 
     sweeps: int = 30  # sweeps over the cells at most
     neighbour_weight: float = 8.0  # weight of all neighbours of a cell against its own cost
@@ -328,24 +366,66 @@ class VerdictOptions(Options):
 
 
 @dataclass(frozen=True, slots=True)
+class FitWeights(Weights):
+    """Of small objects before a camera, and others; features as of `Evidence`."""
+
+    inliers: float = 2.64
+    sure: float = 2.5
+    gap: float = -3.5
+    cost: float = -1.5
+    fit: float = -1.0
+    size: float = -1.07
+    change: float = 0.21
+    grown: float = -4.0
+    isolated: float = 1.79
+    share: float = -0.51
+
+
+@dataclass(frozen=True, slots=True)
+class BodyWeights(Weights):
+    """Of bodies before a known scene."""
+
+    inliers: float = 1.38
+    sure: float = 0.0
+    gap: float = -3.28
+    cost: float = -0.75
+    fit: float = 0.0
+    size: float = -1.73
+    change: float = -1.0
+    grown: float = 0.0
+    isolated: float = 0.0
+    share: float = 3.03
+    appearance: float = 1.76
+
+
+@dataclass(frozen=True, slots=True)
+class ScanWeights(Weights):
+    """Of scanned tracks."""
+
+    left: float = -0.9
+    others: float = -0.3
+    tall: float = -1.53
+    bend: float = -5.38
+    coarse: float = -0.65
+    change: float = -0.63
+    grown: float = -4.17
+
+
+@dataclass(frozen=True, slots=True)
 class ConfidenceOptions(Options):
     """Calibrated confidence: logistic regression of named features."""
 
-    signed: ClassVar[frozenset[str]] = frozenset(
-        {"weights", "body_weights", "scan_weights", "scan_offset", "min_log_clothes"}
-    )
+    divisors: ClassVar[frozenset[str]] = frozenset({"many_points", "usual_cost"})
+    signed: ClassVar[frozenset[str]] = frozenset({"scan_offset", "min_log_clothes"})
 
     stretch: float = 1.5  # stretch of the log odds about the middle
     middle: float = 1.1  # log odds of confidence 0.5
-    # Log odds of each feature, in the order of `likelihood`.
-    weights: tuple[float, ...] = (2.64, 2.5, -3.5, -1.5, -1.0, -1.07, 0.21, -4.0, 1.79, -0.51)
+    weights: FitWeights = field(default_factory=FitWeights)
     offset: float = 3.22  # log odds that are added
-    # The same for bodies before a known scene.
-    body_weights: tuple[float, ...] = (1.38, 0, -3.28, -0.75, 0, -1.73, -1.0, 0, 0, 3.03, 1.76)
+    body_weights: BodyWeights = field(default_factory=BodyWeights)
     body_offset: float = 4.99  # log odds that are added for bodies
     body_middle: float = 1.5  # log odds of confidence 0.5 for bodies
-    # The same for scanned tracks.
-    scan_weights: tuple[float, ...] = (-0.9, -0.3, -1.53, -5.38, -0.65, -0.63, -4.17)
+    scan_weights: ScanWeights = field(default_factory=ScanWeights)
     scan_offset: float = -2.7  # log odds that are added for scanned tracks
     scan_middle: float = 0.35  # log odds of confidence 0.5 for scanned tracks
     scan_stretch: float = 2.0  # stretch of the log odds of scanned tracks
@@ -369,6 +449,8 @@ class ConfidenceOptions(Options):
 @dataclass(frozen=True, slots=True)
 class UpdateOptions(Options):
     """Update of a track from a frame."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"colour_points"})
 
     correction_min_points: int = 20  # painted points from which a pose is found among them
     correction_max_cost: float = 0.3  # cost up to which a model is what a person painted

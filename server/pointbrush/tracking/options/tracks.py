@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, Weights
 
 
 @dataclass(frozen=True, slots=True)
 class CompanionOptions(Options):
     """Labels that go along with those that a run is asked for, and how near they are followed."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_points"})
 
     most: int = 12
     """Labels that go along, the nearest: a correction among a hundred cars costs no more."""
@@ -30,6 +32,8 @@ class CompanionOptions(Options):
 @dataclass(frozen=True, slots=True)
 class JumpOptions(Options):
     """Jumps of a sensor at rest: when one is assumed, and how it is found."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_points", "pixel_cells"})
 
     stride_frames: int = 8
     """Frames between two that are compared; where they differ, those between are."""
@@ -68,6 +72,7 @@ class JumpOptions(Options):
 class StrainOptions(Options):
     """Whether an object bends."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset({"bent_points", "target_points", "stiff_frames"})
     signed: ClassVar[frozenset[str]] = frozenset({"outline_offsets_px"})
 
     min_known_points: int = 100  # known points that have to be in sight
@@ -92,6 +97,10 @@ class StrainOptions(Options):
 class SurfaceOptions(Options):
     """Surface model of a track."""
 
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"max_points", "max_points_bent", "cell_spacings"}
+    )
+
     carve_views: int = 10  # earlier views kept of an object
     carve_units: float = 3.0  # units by which a measurement lies behind a place looked through
     carve_min_views: int = 2  # views that have to agree: one pose may be wrong
@@ -114,17 +123,25 @@ class SurfaceOptions(Options):
 class AppearanceOptions(Options):
     """Colour histograms."""
 
+    signed: ClassVar[frozenset[str]] = frozenset({"strange_share"})
+    divisors: ClassVar[frozenset[str]] = frozenset({"coarse_bins", "absent_share"})
+
     rather_ratio: float = 10.0  # times as common among painted colours that is rather the track's
     coarse_bins: int = 3  # bins, each way, of the cells of a histogram of few colours
     common_share: float = 0.02  # share of colours from which they are common
     # Mean log ratio by which colours may be rarer than its own and still like them.
     rarer_log: float = 2.0
     absent_share: float = 0.002  # share of colours that are nowhere among the painted ones
+    strange_share: float = 0.002  # share of hues, however bright, up to which they are strange
 
 
 @dataclass(frozen=True, slots=True)
 class ObjectOptions(Options):
     """Kind of object that a label is, and its tolerance."""
+
+    divisors: ClassVar[frozenset[str]] = frozenset(
+        {"sampled_points", "max_approach", "min_spacing_m", "min_colour_noise", "dense_points"}
+    )
 
     # Confidence of a label begun anew from what came out from behind another.
     emerged_confidence: float = 0.3
@@ -189,13 +206,21 @@ class SmoothingOptions(Options):
 
 
 @dataclass(frozen=True, slots=True)
+class IcpWeights(Weights):
+    """Of `icp` and `color-icp`; features as of `IcpEvidence`."""
+
+    kept: float = 0.77
+    residual: float = -2.18
+    size: float = -2.41
+
+
+@dataclass(frozen=True, slots=True)
 class IcpConfidenceOptions(Options):
     """Confidence of `icp` and `color-icp`: logistic regression of named features."""
 
-    signed: ClassVar[frozenset[str]] = frozenset({"weights", "offset"})
+    signed: ClassVar[frozenset[str]] = frozenset({"offset"})
 
-    # Log odds of each feature, in the order of `IcpEvidence.features`.
-    weights: tuple[float, ...] = (0.77, -2.18, -2.41)
+    weights: IcpWeights = field(default_factory=IcpWeights)
     offset: float = 0.52  # log odds that are added
     kept_spacings: float = 2.0  # spacings from a point within which painted surface lies on it
     max_log_residual: float = 3.0  # greatest log of a residual in spacings

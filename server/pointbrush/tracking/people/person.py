@@ -38,31 +38,25 @@ class PersonEvidence:
     wider: float
     astray: float
 
-    def features(self, options: PersonConfidenceOptions) -> list[float]:
-        """List the features of the logistic model, in the order of its weights."""
-        return [
-            self.fit,
-            self.disputed,
-            abs(log_ratio(self.size, options.max_log_size)),
-            abs(log_ratio(self.change, options.max_log_change)),
-            max(min(self.like, 0.0), options.min_log_clothes),
-            float(self.back),
-            self.touching,
-            self.wider,
-            self.astray,
-        ]
+    def features(self, options: PersonConfidenceOptions) -> dict[str, float]:
+        """Compute the features that have weights, by name."""
+        return {
+            "fit": self.fit,
+            "disputed": self.disputed,
+            "size": abs(log_ratio(self.size, options.max_log_size)),
+            "change": abs(log_ratio(self.change, options.max_log_change)),
+            "like": max(min(self.like, 0.0), options.min_log_clothes),
+            "back": float(self.back),
+            "touching": self.touching,
+            "wider": self.wider,
+            "astray": self.astray,
+        }
 
     def likelihood(self, options: TrackerOptions) -> float:
         """0..1, of this frame by itself."""
-        return squashed(
-            float(
-                np.array(options.person_confidence.weights)
-                @ self.features(options=options.person_confidence)
-            )
-            + options.person_confidence.offset,
-            stretch=1.0,
-            options=options.confidence,
-        )
+        learnt = options.person_confidence
+        odds = learnt.weights.odds(self.features(learnt)) + learnt.offset
+        return squashed(odds, stretch=1.0, options=options.confidence)
 
 
 @dataclass(eq=False)
