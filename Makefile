@@ -80,11 +80,12 @@ peers:
 
 CHECKS := types check-page lint
 
-# The set-up that is left and the checks go side by side: some wait for the network, some compute.
+# Set-up and checks go side by side as far as they can: some wait for the network, some compute.
 # The two parts of the tests go one after the other: pages that share two cores with two other
 # runners miss their deadlines.
-test: $(STAMPS)/dev  ## every check and every test; the runner's line comes last
-	@$(MAKE) --no-print-directory --output-sync --jobs 3 system $(STAMPS)/loops $(PAGE) $(CHECKS)
+test:  ## every check and every test; the runner's line comes last
+	@$(MAKE) --no-print-directory --output-sync --jobs 2 system $(STAMPS)/dev
+	@$(MAKE) --no-print-directory --output-sync --jobs 3 $(STAMPS)/loops $(PAGE) $(CHECKS)
 	@$(MAKE) --no-print-directory unit
 	@$(MAKE) --no-print-directory e2e
 
