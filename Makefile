@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench docs pictures format setup page system peers clean
+.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench release-check docs pictures format setup page system peers clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
@@ -91,7 +91,7 @@ test:  ## every check and every test; the runner's line comes last
 
 quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the fast tests, for each save
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
-	@$(PYTEST) --dist loadfile -m "not slow"
+	@$(PYTEST) --dist loadfile --ignore tests/release -m "not slow"
 
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
@@ -113,14 +113,16 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 	@$(NPM) run --silent lint
 	@$(NPM) run --silent test
 
-# Modules in the order of their names: by their number of tests the longest one, of one test, is last.
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@echo "== pytest: Python and services, on two cores"
-	@$(PYTEST) --dist loadfile --no-loadscope-reorder --ignore tests/e2e
+	@$(PYTEST) --dist loadfile --ignore tests/e2e --ignore tests/release
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
 	@$(PYTEST) --dist worksteal tests/e2e
+
+release-check: $(STAMPS)/dev $(STAMPS)/node  ## the published files: built, installed in a fresh environment, and used
+	@$(BIN)/python -m pytest -q tests/release
 
 torture: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## faults of every kind, and a table of what they came to
 	@OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m tests.torture

@@ -16,7 +16,7 @@ import httpx
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 NODE_MODULES = ROOT / "webxr_client" / "node_modules"
 TOKEN = "token-of-the-wheel-test"
 MINUTES = 60
@@ -40,7 +40,6 @@ def install(wheel: Path, folder: Path) -> Path:
     return programs
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(15 * MINUTES)
 def test_what_is_published_does_the_main_job_alone(tmp_path: Path) -> None:
     with tarfile.open(build(ROOT, "sdist", tmp_path / "dist")) as archive:
