@@ -13,10 +13,11 @@ from tests.forked import FORKSERVER
 from tests.waiting import PATIENCE
 
 # A busy machine must fail no test: how long something takes is the benchmarks' concern.
-settings.register_profile(
-    "any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
-settings.load_profile("any machine")
+anywhere = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# `--hypothesis-profile thorough` looks at more examples than each run of all tests can.
+settings.register_profile("thorough", anywhere, max_examples=500)
+settings.register_profile("short", anywhere, max_examples=25)
+settings.load_profile("short")
 # A call without a timeout of its own would give the server up after 5 s.
 for phase in ("connect", "read", "write", "pool"):
     setattr(DEFAULT_TIMEOUT_CONFIG, phase, PATIENCE)

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pointbrush.cli import main
-from tests.waiting import PATIENCE
+from tests.waiting import PATIENCE, eventually
 
 FORKSERVER = multiprocessing.get_context("forkserver")
 FORKSERVER.set_forkserver_preload(
@@ -39,6 +39,7 @@ class ForkedCommand:
         cwd: Path | None = None,
     ) -> None:
         """``environment``: all of it; what is printed is added to the files."""
+        stdout.touch()
         given = (
             tuple(arguments),
             dict(environment),
@@ -64,6 +65,12 @@ class ForkedCommand:
     def send_signal(self, number: signal.Signals) -> None:
         if self.poll() is None:
             os.kill(self.pid, number)
+
+
+def first_line(process: ForkedCommand | subprocess.Popen[bytes], stdout: Path) -> str:
+    """Wait for the line by which a server says that it is ready; "" when it has ended."""
+    eventually(lambda: "\n" in stdout.read_text() or process.poll() is not None)
+    return stdout.read_text().partition("\n")[0]
 
 
 def run(

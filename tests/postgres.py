@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import os
 import pwd
@@ -13,6 +14,7 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import psycopg
@@ -80,6 +82,24 @@ class PostgresServer:
         return self.url(name)
 
 
+@cache
+def _empty_cluster(binaries: Path, user: str | None) -> Path:
+    """Make the files of a server without databases, once: copying them takes a tenth of that."""
+    home = Path(tempfile.mkdtemp(prefix="pointbrush-cluster-"))
+    atexit.register(shutil.rmtree, home, ignore_errors=True)
+    if user is not None:
+        shutil.chown(home, user)
+    data = home / "data"
+    subprocess.run(
+        [binaries / "initdb", "-D", data, "-U", "postgres", "-A", "trust", "-N", "-E", "UTF8"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        cwd=home,
+        **_as_user(user),
+    )
+    return data
+
+
 @contextmanager
 def postgres() -> Iterator[PostgresServer]:
     """A running server until the context ends, or skip where no PostgreSQL is installed."""
@@ -93,13 +113,7 @@ def postgres() -> Iterator[PostgresServer]:
     if user is not None:
         shutil.chown(home, user)
     data = home / "data"
-    subprocess.run(
-        [binaries / "initdb", "-D", data, "-U", "postgres", "-A", "trust", "-N", "-E", "UTF8"],
-        check=True,
-        stdout=subprocess.DEVNULL,
-        cwd=home,
-        **_as_user(user),
-    )
+    subprocess.run(["cp", "-a", _empty_cluster(binaries, user), data], check=True)
     server = PostgresServer(binaries, data, free_port(), user)
     server.start()
     yield server

@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tomllib
@@ -29,6 +30,7 @@ from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests import forked
 from tests.serving import TOKEN, serving, surface
+from tests.waiting import PATIENCE
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -161,17 +163,16 @@ class Place:
     def _server(self, arguments: list[str]) -> None:
         """Start a server, and end it once it is ready."""
         few = ["--sample-frames", "1"] if arguments[0] == "demo" else []
-        with subprocess.Popen(
-            [sys.executable, "-m", "pointbrush.cli", *arguments, *few],
-            cwd=self.folder,
-            env=self._environment | {"POINTBRUSH_WORKSPACE": str(self.folder / "other")},
-            stdout=subprocess.PIPE,
-            text=True,
-        ) as server:
-            assert server.stdout is not None
-            line = server.stdout.readline()
-            server.terminate()
-        assert line.startswith("pointbrush ready at "), line
+        environment = self._environment | {"POINTBRUSH_WORKSPACE": str(self.folder / "other")}
+        said, complaints = self.folder / "said", self.folder / "complaints"
+        server = forked.ForkedCommand(
+            [*arguments, *few], environment, said, complaints, self.folder
+        )
+        line = forked.first_line(server, said)
+        server.send_signal(signal.SIGTERM)
+        server.wait(PATIENCE)
+        said.unlink()
+        assert line.startswith("pointbrush ready at "), complaints.read_text()
 
     @property
     def _environment(self) -> dict[str, str]:

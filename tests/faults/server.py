@@ -13,8 +13,8 @@ from pathlib import Path
 
 import httpx
 
-from tests.forked import ForkedCommand
-from tests.waiting import PATIENCE, eventually
+from tests.forked import ForkedCommand, first_line
+from tests.waiting import PATIENCE
 
 TOKEN = "test-token-of-the-owner"
 PLENTY = {"POINTBRUSH_REQUESTS_PER_SECOND": "100000", "POINTBRUSH_WORKERS": "1"}
@@ -54,8 +54,7 @@ class ServerProcess:
                 self.process = subprocess.Popen(command, stdout=out, stderr=err, env=environment)
         else:
             self.process = ForkedCommand(arguments, environment, stdout, stderr)
-        eventually(lambda: "\n" in stdout.read_text() or self.process.poll() is not None)
-        line = stdout.read_text()
+        line = first_line(self.process, stdout)
         assert line.startswith("pointbrush ready at "), self.stderr
         self.url = line.split()[-1].split("/?token=")[0]
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import laspy
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from plyfile import PlyData
 
@@ -180,7 +180,6 @@ def test_boxes_hold_their_points(tmp_path):
     assert boxes[0]["track"]["confidence"] == 0.5
 
 
-@settings(max_examples=60)
 @given(
     st.integers(0, 2**32 - 1),
     st.integers(1, 40),

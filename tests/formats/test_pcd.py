@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, TooLargeError
@@ -166,14 +166,12 @@ def encode(data: bytes) -> bytes:
     return bytes(out)
 
 
-@settings(max_examples=60)
 @given(st.lists(st.tuples(st.binary(max_size=40), st.integers(1, 30)), max_size=12))
 def test_lzf_round_trip(parts):
     data = b"".join(part * times for part, times in parts)
     assert lzf_decompress("a", encode(data), len(data)) == data
 
 
-@settings(max_examples=200)
 @given(st.binary(max_size=80), st.integers(0, 300))
 def test_lzf_garbage_raises_or_fills_the_size(data, size):
     with contextlib.suppress(BadInputError):

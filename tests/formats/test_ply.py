@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from plyfile import PlyData, PlyElement
@@ -161,7 +161,6 @@ finite = {
 }
 
 
-@settings(max_examples=40)
 @given(st.data(), st.sampled_from([np.float32, np.float64]), st.integers(0, 30))
 def test_what_is_written_reads_back_bit_for_bit(tmp_path_factory, data, dtype, count):
     elements = finite[np.dtype(dtype).itemsize * 8]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -82,7 +82,6 @@ def test_binary_data_is_not_text(tmp_path):
         list(read(tmp_path / "a.csv"))
 
 
-@settings(max_examples=40)
 @given(
     hnp.arrays(
         st.sampled_from([np.float32, np.float64]),

@@ -210,7 +210,6 @@ def stores(url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[LabelStor
 
 
 @settings(
-    max_examples=60,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(st.lists(st.tuples(st.integers(0, 1), OPERATIONS), min_size=4, max_size=40))

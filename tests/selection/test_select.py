@@ -56,7 +56,6 @@ def to_segment(
 
 
 @given(SEEDS, st.integers(1, 6), st.floats(0.02, 0.7))
-@settings(max_examples=60)
 def test_sphere_is_the_swept_ball(seed: int, samples: int, radius: float) -> None:
     rng, xyz = cloud(seed)
     path = rng.uniform(-1, 1, (samples, 3))
@@ -70,7 +69,6 @@ def test_sphere_is_the_swept_ball(seed: int, samples: int, radius: float) -> Non
 
 
 @given(SEEDS, st.floats(0.02, 0.4))
-@settings(max_examples=60)
 def test_ray_through_takes_everything_near_the_half_line(seed: int, radius: float) -> None:
     rng, xyz = cloud(seed)
     origin, direction = rng.uniform(-2, 2, 3), rng.normal(size=3)
@@ -82,7 +80,6 @@ def test_ray_through_takes_everything_near_the_half_line(seed: int, radius: floa
 
 
 @given(SEEDS)
-@settings(max_examples=40)
 def test_ray_paints_the_first_of_two_walls(seed: int) -> None:
     rng = np.random.default_rng(seed)
     wall = np.column_stack([rng.uniform(-1, 1, (4000, 2)), np.full(4000, -1.0)])
@@ -122,7 +119,6 @@ def test_rays_from_as_far_as_numbers_go_meet_nothing(far: float, way: list[float
 
 
 @given(SEEDS, st.sampled_from(["ray", "grow", "plane"]), st.floats(0.02, 0.3), st.booleans())
-@settings(max_examples=40, deadline=None)
 def test_many_rays_together_are_each_of_them_alone(
     seed: int, shape: str, radius: float, far: bool
 ) -> None:
@@ -165,7 +161,6 @@ def test_many_rays_together_are_each_of_them_alone(
 
 
 @given(SEEDS)
-@settings(max_examples=40)
 def test_box_is_every_point_inside(seed: int) -> None:
     rng, xyz = cloud(seed)
     turn = Rotation.random(rng=rng)
@@ -181,7 +176,6 @@ def test_box_is_every_point_inside(seed: int) -> None:
 
 
 @given(SEEDS)
-@settings(max_examples=40)
 def test_lasso_is_every_point_that_projects_inside(seed: int) -> None:
     rng, xyz = cloud(seed)
     near, far, f = 0.1, 10.0, 1.3
@@ -251,7 +245,6 @@ def test_grow_stops_at_a_corner() -> None:
 
 
 @given(SEEDS, st.sampled_from(["sphere", "ray"]), st.integers(1, 7))
-@settings(max_examples=40)
 def test_batches_of_samples_take_what_the_whole_stroke_takes(
     seed: int, shape: str, batch: int
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.frame import PointFrame
@@ -113,7 +113,6 @@ def clouds(draw: st.DrawFn) -> PointFrame:
     return PointFrame(xyz.astype(np.float32), rgb, intensity=intensity)
 
 
-@settings(max_examples=60)
 @given(clouds())
 def test_every_level_of_any_cloud_keeps_the_budget_and_the_stated_error(frame: PointFrame) -> None:
     encoded = encode_frame(frame, GridChooser()([frame]))
@@ -177,7 +176,6 @@ def test_colours_lose_their_noise_and_what_is_black_stays_black(
     assert len(chunk.data) <= BUDGET * 3000
 
 
-@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 900), st.integers(1, 7))
 def test_a_short_way_meets_every_point_once_and_stays_in_its_block(
     seed: int, count: int, fields: int

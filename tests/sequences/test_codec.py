@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
@@ -29,7 +29,6 @@ def vertices(seed: int, count: int, stride: int, spread: int) -> np.ndarray:
     return np.cumsum(steps, axis=0).astype(np.uint8)
 
 
-@settings(max_examples=60)
 @given(
     st.integers(0, 2**32 - 1),
     st.integers(0, 1500),
@@ -43,7 +42,6 @@ def test_round_trip(seed: int, count: int, stride: int, spread: int, words: int)
     assert np.array_equal(decode_vertices(stream, count, stride), data)
 
 
-@settings(max_examples=60)
 @given(st.sampled_from([b"\xa0", b"\xa1"]), st.binary(max_size=400), st.integers(0, 300))
 def test_noise_decodes_to_its_count_or_is_refused(head: bytes, noise: bytes, count: int) -> None:
     try:

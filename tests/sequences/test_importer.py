@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -120,7 +120,6 @@ def test_coordinates_are_exact_however_far(tmp_path: Path, dtype: type, far: flo
     assert np.abs(stored.to_source(stored.xyz) - local).max() < 1e-4
 
 
-@settings(max_examples=40)
 @given(
     arrays(
         np.float64,

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
@@ -21,7 +21,6 @@ def room(count: int, seed: int = 0) -> np.ndarray:
     return xyz[np.lexsort(xyz.T)]
 
 
-@settings(max_examples=40)
 @given(st.integers(0, 20_000), st.integers(1, 4096))
 def test_order_is_a_permutation_and_levels_double(count: int, level0: int) -> None:
     order, first = progressive(morton_order(room(count)), level0)

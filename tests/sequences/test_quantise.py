@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -23,13 +23,11 @@ def assert_within(xyz: np.ndarray, step: float) -> None:
         assert np.array_equal(exact.astype(np.float32).astype(np.float64), exact)
 
 
-@settings(max_examples=200)
 @given(arrays(np.float32, st.tuples(st.integers(0, 40), st.just(3)), elements=finite))
 def test_error_bound_holds_for_any_points(xyz: np.ndarray) -> None:
     assert_within(xyz, ROOM_STEP)
 
 
-@settings(max_examples=100)
 @given(st.integers(0, 2**32 - 1), st.floats(-12, 7), st.floats(-3, 7))
 def test_error_bound_holds_at_any_size_and_place(seed: int, size: float, place: float) -> None:
     rng = np.random.default_rng(seed)

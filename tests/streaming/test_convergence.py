@@ -226,7 +226,7 @@ async def play_out(workspace: Workspace, steps: list[tuple[int, str, int]]) -> N
 
 
 @given(steps=STEPS)
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_everybody_ends_with_what_is_stored(
     workspace: Workspace, steps: list[tuple[int, str, int]]
 ) -> None:
@@ -234,7 +234,7 @@ def test_everybody_ends_with_what_is_stored(
 
 
 @given(steps=STEPS)
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_everybody_does_so_too_where_deltas_give_way_to_values_in_several_runs(
     workspace: Workspace, steps: list[tuple[int, str, int]]
 ) -> None:

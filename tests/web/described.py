@@ -68,7 +68,7 @@ def exercise(
     callers: Callers,
     look: Look,
     *,
-    examples: int = 10,
+    examples: int = 5,
     seed: int = 0,
 ) -> None:
     """Call an operation with generated input by each caller; ``look`` is given each answer.

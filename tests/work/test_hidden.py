@@ -87,7 +87,6 @@ def inside(shape: str) -> NDArray[np.bool_]:
 
 
 @settings(
-    max_examples=40,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(

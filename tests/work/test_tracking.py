@@ -165,7 +165,6 @@ requests = st.builds(
 
 
 @settings(
-    max_examples=40,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(asked=requests, seed=st.integers(0, 99), share=st.sampled_from([0.0, 0.05, 0.5]))
