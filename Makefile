@@ -108,7 +108,7 @@ types: $(STAMPS)/dev
 	@$(BIN)/mypy
 
 check-page: $(STAMPS)/node $(STAMPS)/dev
-	@echo "== tsc, eslint, prettier, vitest"
+	@echo "== tsc, eslint, dependency-cruiser, prettier, vitest"
 	@$(NPM) run --silent check
 	@$(NPM) run --silent lint
 	@$(NPM) run --silent test

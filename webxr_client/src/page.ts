@@ -1,16 +1,19 @@
 /** Wiring only. */
-import { checking } from './checking/mode';
+import { checking } from './common/checking';
 import { installCameras } from './cameras/strip';
+import { installDesk } from './desktop/desk';
+import { CommandPalette } from './desktop/command-palette';
+import { Help } from './desktop/help';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { Flight } from './reviewing/flight';
-import { mountReview } from './reviewing/panel';
-import { state } from './state';
-import { installTheme } from './theme';
-import { follow } from './watch';
+import { mountReview, ReviewButton } from './reviewing/panel';
+import { state } from './store/state';
+import { installTheme } from './store/theme';
+import { follow } from './store/watch';
 
 /** Nobody waits longer for a picture before the rest is loaded. */
 const LONGEST_MS = 1500;
@@ -24,9 +27,10 @@ export function startPage(early: Early): void {
   installCameras(engine);
   installHook(engine);
   engine.start();
+  installDesk(engine);
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.
   void pictured(early).then(async () => {
-    mountPanels();
+    mountPanels({ buttons: [ReviewButton], dialogs: [Help, CommandPalette] });
     mountReview();
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');

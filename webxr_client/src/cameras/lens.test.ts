@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from 'vitest';
-import { frameOf } from '../cloud/testing';
+import { frameOf } from '../cloud/points/testing';
 import { Lens, type CameraPicture } from './lens';
 
 /** From a lidar (x ahead, z up) to a camera 10 cm above it. */

@@ -1,6 +1,6 @@
 /** A frame's points in a picture: the nearest one at each pixel of a raster, coloured by its label. */
-import type { CloudFrame } from '../cloud/frame';
-import { DELETED } from '../cloud/piece';
+import type { CloudFrame } from '../cloud/points/frame';
+import { DELETED } from '../cloud/points/piece';
 import type { Lens } from './lens';
 
 /** Points of a frame that are drawn at most: of the coarse levels, which are an even subsample. */

@@ -1,7 +1,7 @@
 /** State that the strip of cameras shares with the cloud: pictures and the place pointed at. */
+import type { Vec } from '../store/types';
 import { signal } from '@preact/signals';
-import type { CloudFrame } from '../cloud/frame';
-import type { Vec } from '../cloud/pick';
+import type { CloudFrame } from '../cloud/points/frame';
 import type { CameraPicture } from './lens';
 
 export interface Pointed {

@@ -1,10 +1,11 @@
 /** Brings a frame's pictures to the strip, and what is pointed at there to the cloud. */
+import type { Vec } from '../store/types';
 import { CanvasTexture, type Group, Sprite, SpriteMaterial, Vector3 } from 'three';
-import type { Vec } from '../cloud/pick';
+import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import { api } from '../net/rest';
-import { state } from '../state';
-import { watch } from '../watch';
+import { state } from '../store/state';
+import { watch } from '../store/watch';
 import type { CameraPicture, Lens } from './lens';
 import { pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
 
@@ -73,7 +74,7 @@ class CameraStrip {
     const far = Math.min(FAR, Math.max(NEAR, PART * back.length()), back.length());
     const eye = target.clone().addScaledVector(back.normalize(), far);
     this.engine.camera.lookAt(eye.applyMatrix4(room.matrix), target.applyMatrix4(room.matrix));
-    this.engine.aimAtMiddle();
+    actions.aimAtMiddle();
   }
 }
 

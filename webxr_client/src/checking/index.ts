@@ -1,8 +1,8 @@
 /** Checking a headset: the whole page as it is, with somebody who watches what happens in it. */
 import { h, render } from 'preact';
 import type { Engine } from '../engine/engine';
-import { state } from '../state';
-import { watch } from '../watch';
+import { state } from '../store/state';
+import { watch } from '../store/watch';
 import type { Headset } from '../xr/headset';
 import { CheckPage } from './page';
 import { makeLabels, openRecording } from './recording';

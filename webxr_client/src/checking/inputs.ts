@@ -1,8 +1,8 @@
 /** Input sources of a session that is checked: what they are, and what of them was pressed. */
 import type { HeadsetInput } from '../protocol/messages';
-import { pulsesBy } from '../xr/haptics';
-import { buttonValue } from '../xr/kind';
-import { kindOf } from '../xr/kinds';
+import { pulsesBy } from '../xr/input/haptics';
+import { buttonValue } from '../xr/input/kind';
+import { kindOf } from '../xr/input/kinds';
 
 /** From here on a button is pressed and an axis leaned. */
 const HALF = 0.5;

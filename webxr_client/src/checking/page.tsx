@@ -1,9 +1,9 @@
 /** The page beside a headset that is checked: what to do, what came of it, and the report. */
 import { useState } from 'preact/hooks';
-import { actions } from '../actions';
-import { Button } from '../panels/controls';
-import { Icon } from '../panels/icons';
-import { canEdit, state } from '../state';
+import { actions } from '../store/actions';
+import { Button } from '../panels/parts/controls';
+import { Icon } from '../common/icons';
+import { canEdit, state } from '../store/state';
 import { ready } from './recording';
 import { saveReport } from './report';
 import type { Findings } from './round';

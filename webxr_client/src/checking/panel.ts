@@ -1,12 +1,12 @@
 /** The panel of a headset that is checked: what to do next, how, and what is done. */
-import { actions } from '../actions';
-import { state } from '../state';
-import { watch } from '../watch';
+import { actions } from '../store/actions';
+import { state } from '../store/state';
+import { watch } from '../store/watch';
 import type { Cockpit } from '../xr/cockpit';
-import { tipsFor } from '../xr/lessons';
-import { Panel } from '../xr/panel';
-import { SIZES } from '../xr/sizes';
-import { INK, type Ui } from '../xr/ui';
+import { tipsFor } from '../xr/input/lessons';
+import { Panel } from '../xr/panels/panel';
+import { SIZES } from '../xr/drawing/sizes';
+import { INK, type Ui } from '../xr/drawing/ui';
 import type { Inputs } from './inputs';
 import { fail, leave, outcomeOf, outcomes, task, TASKS, tick, type Task } from './tasks';
 

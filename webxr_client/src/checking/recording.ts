@@ -1,12 +1,12 @@
 /** The recording in which a headset is checked: the sample, or the first one, with two labels. */
 import { computed } from '@preact/signals';
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import { attempt, sequencePath } from '../engine/recordings';
 import { firstOf } from '../net/early';
 import { api } from '../net/rest';
 import type { Label } from '../protocol/messages';
-import { canEdit, state } from '../state';
-import { follow } from '../watch';
+import { canEdit, state } from '../store/state';
+import { follow } from '../store/watch';
 
 /** Id of the sample recording. */
 const SAMPLE = 'juggling';

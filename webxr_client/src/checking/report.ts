@@ -1,8 +1,8 @@
 /** The file that a check ends in. */
 import { saveFile } from '../net/files';
 import type { HeadsetReport } from '../protocol/messages';
-import { state } from '../state';
-import type { Lesson } from '../xr/lessons';
+import { state } from '../store/state';
+import type { Lesson } from '../xr/input/lessons';
 import type { Findings } from './round';
 import { outcomeOf, TASKS } from './tasks';
 

@@ -1,11 +1,11 @@
 /** One session of a headset that is checked: notes what happens in it, and ticks what was done. */
-import { actions, bindActions } from '../actions';
+import { actions, bindActions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import type { HeadsetPictures, HeadsetSession } from '../protocol/messages';
-import { state } from '../state';
-import { peek, watch } from '../watch';
+import { state } from '../store/state';
+import { peek, watch } from '../store/watch';
 import type { Cockpit } from '../xr/cockpit';
-import type { Lesson } from '../xr/lessons';
+import type { Lesson } from '../xr/input/lessons';
 import { Inputs } from './inputs';
 import { CheckPanel } from './panel';
 import { Pictures } from './pictures';

@@ -1,5 +1,5 @@
 /** Facts of a session as it began: features, reference spaces, the layer that is drawn into. */
-import type { Viewer } from '../cloud/viewer';
+import type { Viewer } from '../cloud/picture/viewer';
 import type { HeadsetLayer, HeadsetSession, HeadsetSpace } from '../protocol/messages';
 import { wanted } from '../xr/headset';
 

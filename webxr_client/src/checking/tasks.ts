@@ -1,7 +1,7 @@
 /** Things to do in a headset that is checked: their words, and what came of each. */
 import { computed, signal } from '@preact/signals';
 import type { HeadsetTask } from '../protocol/messages';
-import type { Lesson } from '../xr/lessons';
+import type { Lesson } from '../xr/input/lessons';
 
 export type TaskName = HeadsetTask['name'];
 type Verdict = HeadsetTask['verdict'];

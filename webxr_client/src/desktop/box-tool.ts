@@ -1,17 +1,17 @@
 /** The box tool: drag a rectangle over the floor, adjust the box on it, and take what is inside. */
 import { type Matrix4, Vector3 } from 'three';
-import { clip } from '../clip';
-import type { CloudFrame } from '../cloud/frame';
-import { inBox } from '../cloud/pick';
-import type { Viewer } from '../cloud/viewer';
-import { isStroke, state } from '../state';
+import { clip } from '../tools/clip';
+import type { CloudFrame } from '../cloud/points/frame';
+import { inBox } from '../cloud/points/pick';
+import type { Viewer } from '../cloud/picture/viewer';
+import { isStroke, state } from '../store/state';
 import type { AheadPreview } from '../tools/preview';
 import { boxDraft, spanned, standing, toSource, type Volume } from '../tools/volume';
 import { brushFor, brushNow } from '../tools/brush';
 import type { Strokes } from '../tools/strokes';
 import { deskWay } from '../tools/ways';
-import { watch } from '../watch';
-import type { Aim } from './aim';
+import { watch } from '../store/watch';
+import type { Aim } from '../view/aim';
 
 /** A press that was hardly dragged makes a box so many brush radii wide. */
 const CLICKED = 8;

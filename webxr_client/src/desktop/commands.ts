@@ -2,14 +2,14 @@
  * Everything that can be asked for, as one table: the keyboard listens by it, the help lists its
  * shortcuts, and the command palette offers all of it.
  */
-import { actions, type ViewPreset } from '../actions';
+import { actions, type ViewPreset } from '../store/actions';
 import { stepFindings } from '../reviewing/store';
-import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/popover';
-import { pickFiles } from '../panels/import-files';
-import { frameRange } from '../panels/range';
-import { renaming } from '../panels/palette-list';
+import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/parts/popover';
+import { pickFiles } from '../panels/importing/files';
+import { frameRange } from '../store/range';
+import { renaming } from '../store/palette-list';
 import { beginTour } from '../panels/tour-steps';
-import { trackOpen } from '../panels/track-form';
+import { trackOpen } from '../panels/timeline/track-form';
 import {
   activeLabel,
   canEdit,
@@ -21,7 +21,7 @@ import {
   type ColorMode,
   type Tool,
   type ViewSettings,
-} from '../state';
+} from '../store/state';
 import { KEYS, type KeyBinding } from './keys';
 
 type Group = KeyBinding['group'];

@@ -1,6 +1,6 @@
 /** Cursors over the picture: a cross, and beside it the sign of the tool or of its shape. */
-import { type IconName, ICONS } from '../panels/icons';
-import { isStroke, type Tool } from '../state';
+import { type IconName, ICONS } from '../common/icons';
+import { isStroke, type Tool } from '../store/state';
 import type { Way } from '../tools/ways';
 import type { Handle } from '../tools/volume';
 

@@ -1,7 +1,7 @@
 /** Listens to the keyboard by the table of `commands.ts`. */
-import type { DeskCamera } from './camera';
+import type { DeskCamera } from '../view/camera';
 import { COMMANDS } from './commands';
-import { isForControl, releaseSlider } from './focus';
+import { isForControl, releaseSlider } from '../common/focus';
 import type { KeyBinding } from './keys';
 
 const table = new Map<string, KeyBinding>();

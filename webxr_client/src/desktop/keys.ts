@@ -1,8 +1,8 @@
 /** The keyboard, as data: the page listens by it and shows it. */
-import { actions } from '../actions';
-import { clip, scrollClip } from '../clip';
-import { openSearch } from '../panels/palette';
-import { isStroke, state, type BrushShape } from '../state';
+import { actions } from '../store/actions';
+import { clip, scrollClip } from '../tools/clip';
+import { openSearch } from '../panels/labels/palette';
+import { isStroke, state, type BrushShape } from '../store/state';
 import { nextOutlineKind } from '../tools/lasso';
 import { DESK_WAYS } from '../tools/ways';
 

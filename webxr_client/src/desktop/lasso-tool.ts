@@ -1,11 +1,11 @@
 /** The lasso tool at the desk: its outline, and the stroke that it makes. */
-import { state } from '../state';
+import { state } from '../store/state';
 import type { AheadPreview } from '../tools/preview';
 import { brushFor, brushNow } from '../tools/brush';
 import { LassoOutline } from '../tools/lasso';
 import type { Strokes } from '../tools/strokes';
 import { deskWay } from '../tools/ways';
-import type { Aim } from './aim';
+import type { Aim } from '../view/aim';
 
 export interface LassoToolDeps {
   readonly aim: Aim;

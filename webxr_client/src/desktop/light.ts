@@ -8,18 +8,18 @@ import {
   RingGeometry,
   Vector3,
 } from 'three';
-import { layers } from '../accumulation';
+import { layers } from '../cloud/points/accumulation';
 import { pointAt, pointAway } from '../cameras/state';
-import { clipMatrix } from '../clip';
-import { clipIn, placeIn } from '../cloud/layer';
-import { type Hit, inCapsule } from '../cloud/pick';
-import type { Viewer } from '../cloud/viewer';
+import { clipMatrix } from '../tools/clip';
+import { clipIn, placeIn } from '../cloud/points/layer';
+import { type Hit, inCapsule } from '../cloud/points/pick';
+import type { Viewer } from '../cloud/picture/viewer';
 import { FLOOR_SPOT } from '../engine/floor';
-import { peek } from '../watch';
-import { isStroke, sparesLabels, state } from '../state';
+import { peek } from '../store/watch';
+import { isStroke, sparesLabels, state } from '../store/state';
 import { brushColor } from '../tools/brush';
 import { deskWay } from '../tools/ways';
-import type { Aim } from './aim';
+import type { Aim } from '../view/aim';
 
 export class BrushLight {
   /** Place of the brush on the surface, room coordinates; null off the recording. */

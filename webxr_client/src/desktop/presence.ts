@@ -1,8 +1,8 @@
 /** Tells the others where the brush is: a few times a second, and only when it moved. */
 import type { Vector3 } from 'three';
 import type { Link } from '../net/link';
-import { peek } from '../watch';
-import { state } from '../state';
+import { peek } from '../store/watch';
+import { state } from '../store/state';
 
 const PERIOD_MS = 100;
 

@@ -12,11 +12,11 @@ import {
   type Ray,
   Vector3,
 } from 'three';
-import { clip } from '../clip';
-import type { Viewer } from '../cloud/viewer';
+import { clip } from '../tools/clip';
+import type { Viewer } from '../cloud/picture/viewer';
 import { boxDraft, dragged, type Handle, matrixOf, placeOf, type Volume } from '../tools/volume';
 import { brushColor } from '../tools/brush';
-import type { Aim } from './aim';
+import type { Aim } from '../view/aim';
 
 /** A handle is met so near to its middle, pixels. */
 const NEAR = 11;

@@ -1,12 +1,12 @@
 /** Lays the frames around the one on screen over it while time stands: asks where, and shows them. */
 import { Matrix4 } from 'three';
-import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../accumulation';
-import type { PlacedFrame } from '../cloud/layer';
-import type { Viewer } from '../cloud/viewer';
+import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../cloud/points/accumulation';
+import type { PlacedFrame } from '../cloud/points/layer';
+import type { Viewer } from '../cloud/picture/viewer';
 import { api, ApiError } from '../net/rest';
 import type { SequenceInfo } from '../protocol/messages';
-import { peek, watch } from '../watch';
-import { notify, state } from '../state';
+import { peek, watch } from '../store/watch';
+import { notify, state } from '../store/state';
 import type { Playback } from './playback';
 
 /** Points of all frames together that one picture can hold. */

@@ -1,6 +1,6 @@
 /** Tools and the brush: what the user chooses to work with. */
-import type { Actions } from '../actions';
-import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../state';
+import type { Actions } from '../store/actions';
+import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../store/state';
 
 type BrushActions = Pick<
   Actions,

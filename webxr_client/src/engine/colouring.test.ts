@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import type { TimelineRow } from '../state';
+import type { TimelineRow } from '../store/state';
 import { confidenceColour, mixed, PAINTED, provenanceColour, SURE, TRACKED, UNKNOWN, UNSURE } from './colouring'; // prettier-ignore
 
 /** Painted, surely tracked, doubtful, half painted, absent. */

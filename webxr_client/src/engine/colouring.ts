@@ -1,6 +1,6 @@
 /** Colours of labels: their own, or what is known of them in the frame on screen. */
 import type { Label } from '../protocol/messages';
-import { state, type TimelineRow } from '../state';
+import { state, type TimelineRow } from '../store/state';
 
 export const SURE = '#4cc38a';
 export const UNSURE = '#ff7b72';

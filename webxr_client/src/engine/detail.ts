@@ -1,10 +1,10 @@
 /** Large frames: asks for the chunks that are worth their points, drops others under the budget. */
 import { Box3, Frustum, Matrix4, Vector3, WebGLCoordinateSystem } from 'three';
-import { ALL_POINTS, type CloudFrame } from '../cloud/frame';
-import type { Viewer } from '../cloud/viewer';
+import { ALL_POINTS, type CloudFrame } from '../cloud/points/frame';
+import type { Viewer } from '../cloud/picture/viewer';
 import type { Link } from '../net/link';
 import { apiUrl } from '../net/rest';
-import { state } from '../state';
+import { state } from '../store/state';
 import type { Playback } from './playback';
 
 /** Points kept at once. */

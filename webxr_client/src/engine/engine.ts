@@ -1,40 +1,33 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
-import { actions, bindActions, type TrackRequest, type ViewPreset } from '../actions';
-import { layers } from '../accumulation';
-import { clip } from '../clip';
-import { ALL_POINTS, type CloudFrame, type Shown } from '../cloud/frame';
-import type { Vec } from '../cloud/pick';
-import { Viewer } from '../cloud/viewer';
-import { DeskCamera } from '../desktop/camera';
-import { isPlan, orthographic, viewOf } from '../desktop/framing';
-import { listenToKeys } from '../desktop/keyboard';
-import { DeskPointer } from '../desktop/pointer';
-import { DeskPresence } from '../desktop/presence';
-import { Listeners } from '../listeners';
+import type { Vec } from '../store/types';
+import { actions, bindActions, type TrackRequest, type ViewPreset } from '../store/actions';
+import { layers } from '../cloud/points/accumulation';
+import { ALL_POINTS, type CloudFrame } from '../cloud/points/frame';
+import { Viewer } from '../cloud/picture/viewer';
+import { DeskCamera } from '../view/camera';
+import { isPlan, viewOf } from '../view/framing';
+import { Listeners } from '../store/listeners';
 import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush, ClientMessage } from '../protocol/messages';
-import { activeLabel as active, canEdit, dismiss, isActive, state } from '../state';
+import { activeLabel as active, dismiss, isActive, state } from '../store/state';
 import { hiddenHere, seenIn } from '../tools/seen';
-import { AheadPreview } from '../tools/preview';
 import { brushNow } from '../tools/brush';
 import { ObjectTool } from '../tools/object';
 import { RegionPreview } from '../tools/region';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { roomWay, wayOf } from '../tools/ways';
 import { colouredLabels } from './colouring';
-import { theme } from '../theme';
-import { follow, watch } from '../watch';
-import { addBookmark, openBookmarks } from './bookmarks';
+import { theme } from '../store/theme';
+import { follow, watch } from '../store/watch';
+import { openBookmarks } from '../view/bookmarks';
 import { Accumulated } from './accumulated';
-import { Address } from './address';
+import { Address } from '../view/address';
 import { brushActions, setRadius } from './brush';
-import { Clipping } from './clipping';
 import { Detail } from './detail';
 import { floorActions } from './floor';
 import { Following } from './following';
-import { Going } from './going';
 import { Inbox } from './inbox';
 import { labelActions, partActions, stripActions } from './labels';
 import { Pacing } from './pacing';
@@ -61,41 +54,37 @@ export class Engine {
   readonly regions: RegionPreview;
   readonly pacing: Pacing;
   readonly camera: DeskCamera;
-  private readonly pointer: DeskPointer;
   private readonly address: Address;
-  private readonly presence: DeskPresence;
   private readonly detail: Detail;
-  private readonly going: Going;
-  private readonly clipping: Clipping;
   private readonly accumulated: Accumulated;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
-  /** Frame on screen when the mouse last looked. */
-  private seen: Shown | null = null;
+  /** The frame on screen. */
+  readonly frame = (): CloudFrame | null => this.playback.frame;
+  /** Source minus local coordinates. */
+  readonly shift = (): Vec => state.sequence.peek()?.shift ?? [0, 0, 0];
+  readonly changed = (): void => this.viewer.invalidate();
+  /** Whether a label's points stay as they are. */
+  readonly locked = (label: number): boolean => this.viewer.palette.isSpared(label);
 
   constructor(canvas: HTMLCanvasElement, early: Early) {
     this.link = early.link;
     this.viewer = new Viewer(canvas);
     this.playback = new Playback(this.viewer, this.link);
     this.pacing = new Pacing(this.viewer, this.playback);
-    const locked = (label: number): boolean => this.viewer.palette.isSpared(label);
-    const seen = seenIn(this.viewer.palette);
     this.strokes = new Strokes({
       send: (message) => this.link.send(message),
-      locked,
-      seen,
+      locked: this.locked,
+      seen: seenIn(this.viewer.palette),
       hidden: hiddenHere,
       layers: () => layers.peek(),
-      changed: () => this.viewer.invalidate(),
+      changed: this.changed,
       now: () => performance.now(),
     });
     this.camera = new DeskCamera(this.viewer.camera);
     this.address = new Address(this.camera);
-    const frame = (): CloudFrame | null => this.playback.frame;
-    const { viewer, camera, strokes } = this;
+    const { viewer, strokes, frame, shift, changed } = this;
     const send = (message: ClientMessage): void => this.link.send(message);
-    const changed = (): void => viewer.invalidate();
-    const shift = (): Vec => state.sequence.peek()?.shift ?? [0, 0, 0];
     this.objects = new ObjectTool({
       send,
       strokes,
@@ -119,13 +108,7 @@ export class Engine {
     const region = (): Brush | null => brushNow(roomWay(), state.brush.peek().radius);
     this.regions = new RegionPreview({ send, frame, shift, changed, brush: region });
     const { objects, regions } = this;
-    const ahead = new AheadPreview({ locked, seen, shift, changed });
-    this.pointer = new DeskPointer({ viewer, camera, strokes, objects, regions, ahead, frame });
-    this.presence = new DeskPresence(this.link);
     this.detail = new Detail(this.viewer, this.playback, this.link);
-    const seek = (index: number): void => actions.seek(index);
-    this.going = new Going({ viewer, camera, frame, seek });
-    this.clipping = new Clipping({ viewer, camera, frame });
     this.accumulated = new Accumulated(this.viewer, this.playback);
     const { playback, link } = this;
     const opened = (): void => {
@@ -153,7 +136,6 @@ export class Engine {
     heard.add((message) => inbox.receive(message));
     link.listen((message) => heard.run(message));
     this.follow();
-    listenToKeys(this.camera);
   }
 
   start(): void {
@@ -191,17 +173,6 @@ export class Engine {
       this.address.framed();
     }
     this.address.update(now);
-    const shown = state.shown.peek();
-    if (this.camera.update(now) || shown !== this.seen) {
-      this.seen = shown;
-      this.pointer.refresh();
-      this.viewer.invalidate();
-    }
-    this.going.update();
-    this.clipping.update();
-    orthographic.value = this.viewer.camera.orthographic;
-    this.pointer.update();
-    this.presence.update(now, this.pointer.brushAt);
   }
 
   // ── the store drives the picture ───────────────────────────────────────────────────────────
@@ -224,7 +195,6 @@ export class Engine {
       );
       this.viewer.invalidate();
     });
-    watch([state.frame, state.sequence, state.tool, canEdit], () => this.pointer.interrupt());
     follow(() => this.viewer.palette.setPreview(active.value?.color ?? '#ffffff'));
     watch([state.brush, state.activeLabel, state.frame, state.sequence], () => {
       this.objects.end();
@@ -235,14 +205,11 @@ export class Engine {
       this.objects.retool(state.tool.peek());
       this.regions.leave();
     });
-    const { tool, brush, activeLabel, palette, solo, view } = state;
-    watch([tool, brush, activeLabel, palette, solo, view, clip], () => this.pointer.refresh());
   }
 
   // ── actions ────────────────────────────────────────────────────────────────────────────────
 
   private bind(): void {
-    const { camera, viewer } = this;
     bindActions(recordingActions);
     bindActions(importActions);
     bindActions(labelActions);
@@ -256,21 +223,6 @@ export class Engine {
     bindActions(timeActions(this.playback));
     bindActions({
       viewFrom: (preset) => this.viewFrom(preset),
-      toggleOrthographic: () => {
-        camera.toggleOrthographic();
-        viewer.invalidate();
-      },
-      keepView: () => addBookmark(camera.view, state.frame.peek()),
-      goToView: ({ frame, view }) => {
-        if (frame !== state.frame.peek()) actions.seek(frame);
-        camera.restore(view);
-      },
-      goToObject: (label = state.activeLabel.peek(), frame) => this.going.goTo(label, frame),
-      cancelStroke: () => this.pointer.cancel() || this.objects.end(),
-      closeOutline: () => this.pointer.closeOutline(),
-      takeBackCorner: () => this.pointer.takeBackCorner(),
-      snapBox: () => this.pointer.snapBox(),
-      clipTo: (slab) => this.clipping.set(slab),
       undo: () => this.travel('undo'),
       redo: () => this.travel('redo'),
       stepObject: (levels) => this.objects.step(levels),
@@ -293,11 +245,6 @@ export class Engine {
       this.link.send({ type, id });
       showTravel(type, id);
     }
-  }
-
-  /** Put the desk's brush into the middle of the picture. */
-  aimAtMiddle(): void {
-    this.pointer.aimAtMiddle();
   }
 
   viewFrom(preset: ViewPreset, jump = false): void {

@@ -1,11 +1,10 @@
 /** The floor: people point at it, and the server stands the recording on it. */
+import type { PointerSample, Vec } from '../store/types';
 import { signal, type ReadonlySignal } from '@preact/signals';
-import type { Actions } from '../actions';
-import type { Vec } from '../cloud/pick';
+import type { Actions } from '../store/actions';
 import { api } from '../net/rest';
-import { canEdit, notify, state } from '../state';
-import type { PointerSample } from '../tools/path';
-import { watch } from '../watch';
+import { canEdit, notify, state } from '../store/state';
+import { watch } from '../store/watch';
 import { attempt, sequencePath } from './recordings';
 
 /** Places that level a floor: with one more the oldest goes. */

@@ -1,8 +1,8 @@
 /** `window.__pointbrush`: what tests and benchmarks may look at.  Nothing here changes labels. */
-import type { CloudFrame } from '../cloud/frame';
-import { DELETED } from '../cloud/piece';
+import type { CloudFrame } from '../cloud/points/frame';
+import { DELETED } from '../cloud/points/piece';
 import { SCHEMA_HASH } from '../protocol/messages';
-import { state } from '../state';
+import { state } from '../store/state';
 import type { Engine } from './engine';
 
 export function installHook(engine: Engine): void {

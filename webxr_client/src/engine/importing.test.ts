@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { SequenceInfo } from '../protocol/messages';
-import { onPage, orderCounts } from '../panels/import-found';
-import { state } from '../state';
+import { onPage, orderCounts } from '../panels/importing/found';
+import { state } from '../store/state';
 import { importActions } from './importing';
 
 const upload = vi.hoisted(() => vi.fn());

@@ -1,6 +1,6 @@
 /** Files that come in: what they are is shown first, can be corrected, and then they are taken. */
-import type { Actions } from '../actions';
-import { count as shown, plural } from '../panels/format';
+import type { Actions } from '../store/actions';
+import { count as shown, plural } from '../common/format';
 import { api, ApiError, upload } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import {
@@ -12,7 +12,7 @@ import {
   type ImportOptions,
   type ImportPreview,
   type LabelsFound,
-} from '../state';
+} from '../store/state';
 import {
   attempt,
   commonName,

@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
-import { bindActions } from '../actions';
+import { bindActions } from '../store/actions';
 import type { Error as ErrorMessage, Job, SequenceInfo } from '../protocol/messages';
 import {
   canEdit,
@@ -8,7 +8,7 @@ import {
   state,
   type SequenceSummary,
   type TimelineRow,
-} from '../state';
+} from '../store/state';
 import { refusal } from '../tools/brush';
 import { Inbox, type InboxDeps } from './inbox';
 import { runAsked } from './review';

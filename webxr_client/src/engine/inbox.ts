@@ -1,13 +1,13 @@
 /** Dispatch of the worker's messages: to the cache, the store, strokes, notices. */
 import type { Following } from './following';
-import { actions } from '../actions';
-import type { CloudFrame } from '../cloud/frame';
-import type { Viewer } from '../cloud/viewer';
+import { actions } from '../store/actions';
+import type { CloudFrame } from '../cloud/points/frame';
+import type { Viewer } from '../cloud/picture/viewer';
 import { firstOf } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type { SequenceInfo, ServerPresence } from '../protocol/messages';
-import { isActive, isTracking, notify, state } from '../state';
+import { isActive, isTracking, notify, state } from '../store/state';
 import type { ObjectTool } from '../tools/object';
 import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';

@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
-import { bindActions } from '../actions';
+import { bindActions } from '../store/actions';
 import type { Label, Labels } from '../protocol/messages';
-import { state } from '../state';
+import { state } from '../store/state';
 import { finishLabel, isNew, labelActions, newLabel, takeLabels } from './labels';
 
 const pin = { id: 1, name: 'pin 1', color: '#ff5d5d', category: 'pin' } as Label;

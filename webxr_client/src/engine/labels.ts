@@ -1,9 +1,9 @@
 /** The palette and the timeline: what the server says, and what the user asks for. */
 import { signal } from '@preact/signals';
-import { type Actions, actions, type LabelPatch } from '../actions';
+import { type Actions, actions, type LabelPatch } from '../store/actions';
 import { api } from '../net/rest';
-import { suggestColor, suggestName } from '../panels/colors';
-import { listed } from '../panels/palette-list';
+import { suggestColor, suggestName } from '../common/colors';
+import { listed } from '../store/palette-list';
 import type { Label, Labels, Timeline } from '../protocol/messages';
 import {
   canEdit,
@@ -13,7 +13,7 @@ import {
   notify,
   state,
   type TimelineRow,
-} from '../state';
+} from '../store/state';
 import { attempt, sequencePath } from './recordings';
 
 type LabelActions = Pick<

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ALL_POINTS } from '../cloud/frame';
+import { ALL_POINTS } from '../cloud/points/frame';
 import { FEWEST_POINTS, PointBudget } from './pacing';
 
 const TARGET = 1000 / 72;

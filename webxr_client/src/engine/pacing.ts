@@ -1,7 +1,7 @@
 /** Keeps pictures in time: the budget of points, from the pictures' own times, at desk and in XR. */
-import { ALL_POINTS } from '../cloud/frame';
-import type { Viewer } from '../cloud/viewer';
-import { state } from '../state';
+import { ALL_POINTS } from '../cloud/points/frame';
+import type { Viewer } from '../cloud/picture/viewer';
+import { state } from '../store/state';
 import type { Playback } from './playback';
 
 const DESK_MS = 1000 / 60;

@@ -1,9 +1,9 @@
 /** Palettes from templates and files, and as a file; the order of the palette. */
 import { signal } from '@preact/signals';
-import type { Actions } from '../actions';
+import type { Actions } from '../store/actions';
 import { saveFile } from '../net/files';
 import { api } from '../net/rest';
-import { notify, state } from '../state';
+import { notify, state } from '../store/state';
 import { attempt, sequencePath } from './recordings';
 
 export interface Template {

@@ -1,16 +1,16 @@
 /** Time: the playhead, the clock, which frame is on screen, and what the cache keeps. */
-import { PlayClock } from '../cloud/clock';
-import type { CloudFrame } from '../cloud/frame';
-import { FrameStore } from '../cloud/store';
-import type { Viewer } from '../cloud/viewer';
-import { Listeners } from '../listeners';
-import { frameRange, ordered } from '../panels/range';
+import { PlayClock } from '../cloud/picture/clock';
+import type { CloudFrame } from '../cloud/points/frame';
+import { FrameStore } from '../cloud/points/store';
+import type { Viewer } from '../cloud/picture/viewer';
+import { Listeners } from '../store/listeners';
+import { frameRange, ordered } from '../store/range';
 import type { Link } from '../net/link';
-import type { Segment } from '../net/segment';
+import type { Segment } from '../net/chunk/segment';
 import type { LabelUpdate, Pace } from '../net/wire';
 import type { SequenceInfo } from '../protocol/messages';
-import { peek } from '../watch';
-import { state } from '../state';
+import { peek } from '../store/watch';
+import { state } from '../store/state';
 
 /** Part of the device's memory (its own figure, GiB; a headset has 8) for cached frames. */
 const CACHE_BYTES = 0.09 * 2 ** 30 * ((navigator as { deviceMemory?: number }).deviceMemory ?? 4);

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { SequenceInfo, ServerMessage } from '../protocol/messages';
-import { bindActions } from '../actions';
-import { state } from '../state';
+import { bindActions } from '../store/actions';
+import { state } from '../store/state';
 import { Inbox, type InboxDeps } from './inbox';
 import { recordingActions } from './recordings';
 

@@ -1,6 +1,6 @@
 /** Recordings: the list, export, change, delete. */
 import { signal } from '@preact/signals';
-import { actions, type Actions } from '../actions';
+import { actions, type Actions } from '../store/actions';
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError } from '../net/rest';
 import type { Job } from '../protocol/messages';
@@ -11,7 +11,7 @@ import {
   type DeletedSequence,
   type SequenceSummary,
   type Upload,
-} from '../state';
+} from '../store/state';
 
 type RecordingActions = Pick<
   Actions,

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { CELL_STATES, type TimelineRow } from '../state';
+import { CELL_STATES, type TimelineRow } from '../store/state';
 import { againOver, stretchAt } from './review';
 
 /** A label frame by frame: p painted, t tracked, d doubtful, l lost, . nothing. */

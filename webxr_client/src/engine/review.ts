@@ -1,10 +1,10 @@
 /** Doubt: what a person should look at here, a run that stopped for it, and how it goes on. */
 import { computed, type ReadonlySignal, signal } from '@preact/signals';
-import { actions, type Actions, type TrackRequest } from '../actions';
+import { actions, type Actions, type TrackRequest } from '../store/actions';
 import { api } from '../net/rest';
-import { cellKind, wantsLook } from '../panels/timeline-layout';
-import { dismiss, notify, state, type TimelineRow } from '../state';
-import { follow } from '../watch';
+import { cellKind, wantsLook } from '../store/cells';
+import { dismiss, notify, state, type TimelineRow } from '../store/state';
+import { follow } from '../store/watch';
 import { attempt, sequencePath } from './recordings';
 
 interface Halt {

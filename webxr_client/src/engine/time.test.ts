@@ -1,7 +1,7 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
-import { bindActions } from '../actions';
+import { bindActions } from '../store/actions';
 import type { Label, SequenceInfo } from '../protocol/messages';
-import { state } from '../state';
+import { state } from '../store/state';
 import { labelIn, showTravel } from './time';
 
 const seek = vi.fn();

@@ -1,10 +1,10 @@
 /** Moving through time: play, step, seek, the next frame that wants a look, what an undo changed. */
-import { actions, type Actions } from '../actions';
+import { actions, type Actions } from '../store/actions';
 import { api } from '../net/rest';
-import { frameRange, ordered } from '../panels/range';
-import { cellKind, nextUnlabelled, wantsLook } from '../panels/timeline-layout';
-import { type HistoryEntry, notify, state } from '../state';
-import { follow } from '../watch';
+import { frameRange, ordered } from '../store/range';
+import { cellKind, nextUnlabelled, wantsLook } from '../store/cells';
+import { type HistoryEntry, notify, state } from '../store/state';
+import { follow } from '../store/watch';
 import type { Playback } from './playback';
 import { sequencePath } from './recordings';
 

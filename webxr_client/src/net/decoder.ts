@@ -1,11 +1,11 @@
 /** The worker between the socket and the page: decodes points, and hands all on in the order it came. */
-import { decodeFrame, ready } from './decode';
+import { decodeFrame, ready } from './chunk/decode';
 import { DepthDecoder } from './depth/decode';
 import { readPicture } from './depth/pictures';
 import { InOrder } from './in-order';
 import { buffersOf, Pairing } from './pairing';
-import { BufferPool } from './pool';
-import type { Segment } from './segment';
+import { BufferPool } from './chunk/pool';
+import type { Segment } from './chunk/segment';
 import type { Decoded, FromPage, FromWorker, ToDecoder } from './wire';
 
 const POOL_BYTES = 64 << 20;

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { Pairing } from './pairing';
-import type { Segment } from './segment';
+import type { Segment } from './chunk/segment';
 import type { FromWorker, LabelUpdate } from './wire';
 
 function labels(frame: number, revision: number): LabelUpdate {

@@ -1,5 +1,5 @@
 /** Points and the labels that come just ahead of them go to the page together: one wake-up, not two. */
-import type { Segment } from './segment';
+import type { Segment } from './chunk/segment';
 import type { FromWorker, LabelUpdate } from './wire';
 
 type Post = (message: FromWorker, transfer: Transferable[]) => void;

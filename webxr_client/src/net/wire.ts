@@ -1,6 +1,6 @@
 /** Messages between the page, the socket's worker and the decoder. */
 import type { ClientMessage, Depth, Frame, Open, ServerMessage } from '../protocol/messages';
-import type { Segment } from './segment';
+import type { Segment } from './chunk/segment';
 
 export type ToWorker =
   /** The way to the decoder. */

@@ -1,6 +1,6 @@
 /** An upright box round each labelled object of the frame on screen. */
 import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Matrix4, type Object3D } from 'three'; // prettier-ignore
-import { reaches } from '../cloud/clipping';
+import { reaches } from '../cloud/points/clipping';
 import { colorOf, isShown } from './shown';
 import { at, BOX, HALF, type Summary } from './summary';
 

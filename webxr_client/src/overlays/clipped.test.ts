@@ -1,11 +1,11 @@
 import { DataTexture, Matrix4, Object3D } from 'three';
 import { afterEach, describe, expect, it } from 'vitest';
-import { clip, clipInRoom } from '../clip';
-import { type CloudFrame } from '../cloud/frame';
-import { PointUniforms } from '../cloud/material';
-import { frameOf } from '../cloud/testing';
+import { clip, clipInRoom } from '../tools/clip';
+import { type CloudFrame } from '../cloud/points/frame';
+import { PointUniforms } from '../cloud/picture/material';
+import { frameOf } from '../cloud/points/testing';
 import type { SequenceInfo } from '../protocol/messages';
-import { state } from '../state';
+import { state } from '../store/state';
 import { Boxes } from './boxes';
 import { Summaries } from './summary';
 import { Trails } from './trails';

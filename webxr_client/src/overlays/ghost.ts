@@ -1,8 +1,8 @@
 /** Ghost of the labelled objects a frame before: their points, faint, while one steps and paints. */
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
-import { type CloudFrame } from '../cloud/frame';
-import { dotMaterial, type PointUniforms } from '../cloud/material';
-import { DELETED } from '../cloud/piece';
+import { type CloudFrame } from '../cloud/points/frame';
+import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
+import { DELETED } from '../cloud/points/piece';
 import { colorOf, isShown } from './shown';
 
 const MOST = 20_000;

@@ -1,9 +1,9 @@
 /** Overlays on the recording, at the desk and in the headset: boxes, trails, a ghost. */
-import { clipInRoom } from '../clip';
-import type { CloudFrame } from '../cloud/frame';
+import { clipInRoom } from '../tools/clip';
+import type { CloudFrame } from '../cloud/points/frame';
 import type { Engine } from '../engine/engine';
-import { peek, watch } from '../watch';
-import { state } from '../state';
+import { peek, watch } from '../store/watch';
+import { state } from '../store/state';
 import { Boxes } from './boxes';
 import { Ghost } from './ghost';
 import { Summaries, type Summary } from './summary';

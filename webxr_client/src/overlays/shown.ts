@@ -1,7 +1,7 @@
 /** Labels that are shown now, and their colours: looked up for every frame that plays. */
 import { Color } from 'three';
 import type { Label } from '../protocol/messages';
-import { state } from '../state';
+import { state } from '../store/state';
 
 const WHITE = new Color('#ffffff');
 const known = new Map<number, { readonly color: Color; readonly visible: boolean }>();

@@ -1,8 +1,8 @@
 import { Matrix4 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { type CloudFrame } from '../cloud/frame';
-import { DELETED } from '../cloud/piece';
-import { frameOf } from '../cloud/testing';
+import { type CloudFrame } from '../cloud/points/frame';
+import { DELETED } from '../cloud/points/piece';
+import { frameOf } from '../cloud/points/testing';
 import { at, BOX, HALF, MIDDLE, Summaries, type Summary } from './summary';
 
 type Vector = [number, number, number];

@@ -1,7 +1,7 @@
 /** Summary of each label in a frame: the middle of its points, and an upright box round them. */
 import { Matrix4 } from 'three';
-import { type CloudFrame } from '../cloud/frame';
-import { DELETED, type Piece } from '../cloud/piece';
+import { type CloudFrame } from '../cloud/points/frame';
+import { DELETED, type Piece } from '../cloud/points/piece';
 
 /** Numbers kept for each label. */
 const FIELDS = 9;

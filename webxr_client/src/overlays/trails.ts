@@ -1,7 +1,7 @@
 /** The ways of the labelled objects through the frames near the playhead. */
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, type Color, type Matrix4, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
-import { shows } from '../cloud/clipping';
-import { dotMaterial, type PointUniforms } from '../cloud/material';
+import { shows } from '../cloud/points/clipping';
+import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
 import { colorOf, isShown } from './shown';
 import { at, MIDDLE, type Summary } from './summary';
 

@@ -2,12 +2,12 @@
 import { signal } from '@preact/signals';
 import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import { exportFormats, type ExportFormat } from '../engine/recordings';
-import { state } from '../state';
-import { Check } from './controls';
-import { frameRange, ordered } from './range';
-import { Popover } from './popover';
+import { state } from '../store/state';
+import { Check } from './parts/controls';
+import { frameRange, ordered } from '../store/range';
+import { Popover } from './parts/popover';
 
 const onlyRange = signal(true);
 /** Frames for validation in formats for training: a range, "none", or empty for the default. */

@@ -1,11 +1,11 @@
 /** History of changes, with author and time; a line leads to its frame. */
 import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import { labelIn } from '../engine/time';
-import { state, type HistoryEntry } from '../state';
-import { plural } from './format';
-import { Popover } from './popover';
+import { state, type HistoryEntry } from '../store/state';
+import { plural } from '../common/format';
+import { Popover } from './parts/popover';
 
 /** Edits without frames that changed something all the same. */
 const PALETTE: ReadonlySet<string> = new Set(['label', 'undo', 'redo']);

@@ -1,33 +1,39 @@
 /** The desk's panels, around the canvas of `index.html`. */
 import { render, type ComponentChild } from 'preact';
-import { state } from '../state';
-import { CommandPalette } from './command-palette';
-import { Help } from './help';
-import { ImportDialog } from './import-dialog';
-import { acceptDrops } from './import-files';
+import { state } from '../store/state';
+import { ImportDialog } from './importing/dialog';
+import { acceptDrops } from './importing/files';
 import { InsecureHeadset } from './insecure';
-import { Palette } from './palette';
-import { Stage } from './stage';
-import { Timeline } from './timeline';
+import { Palette } from './labels/palette';
+import { Stage } from './stage/stage';
+import { Timeline } from './timeline/timeline';
 import { Toolbar } from './toolbar';
-import { Tooltip } from './tooltip';
+import { Tooltip } from './parts/tooltip';
 import { Tour } from './tour';
-import { follow } from '../watch';
+import { follow } from '../store/watch';
 
 /** Nobody looks at these from inside a headset, and they would be drawn anew for every frame. */
 function AtTheDesk({ panel: Panel }: { panel: () => ComponentChild }) {
   return state.xr.value.session === 'running' ? null : <Panel />;
 }
 
+type Panel = () => ComponentChild;
+
+/** Additions to the panels by the floors above. */
+export interface MorePanels {
+  readonly buttons: readonly Panel[];
+  readonly dialogs: readonly Panel[];
+}
+
 /** Fill the places of the page; the result empties them again. */
-export function mountPanels(): () => void {
+export function mountPanels({ buttons, dialogs }: MorePanels): () => void {
   const page = document;
   const places: [string, ComponentChild][] = [
-    ['toolbar', <Toolbar />],
+    ['toolbar', <Toolbar buttons={buttons} />],
     ['palette', <AtTheDesk panel={Palette} />],
     ['overlay', <Stage />],
     ['timeline', <AtTheDesk panel={Timeline} />],
-    ['panels', [<Tooltip />, <Help />, <CommandPalette />, <ImportDialog />, <InsecureHeadset />, <AtTheDesk panel={Tour} />]], // prettier-ignore
+    ['panels', [<Tooltip />, dialogs.map((Dialog) => <Dialog />), <ImportDialog />, <InsecureHeadset />, <AtTheDesk panel={Tour} />]], // prettier-ignore
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
   const layout = follow(() => {

@@ -1,7 +1,7 @@
 /** Other people here, and the state of the server. */
 import { signal } from '@preact/signals';
-import { state, type Person } from '../state';
-import { inkOn } from './colors';
+import { state, type Person } from '../store/state';
+import { inkOn } from '../common/colors';
 
 const SHOWN = 4;
 

@@ -1,6 +1,6 @@
 /** The second row: how the tool takes points; beside it, how the recording is shown. */
 import { signal } from '@preact/signals';
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import { floorPlaces } from '../engine/floor';
 import {
   activeLabel,
@@ -10,15 +10,15 @@ import {
   RADIUS_MIN,
   sparesLabels,
   state,
-} from '../state';
+} from '../store/state';
 import { boxDraft } from '../tools/volume';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
-import { Button, Check, Slider } from './controls';
-import { metres } from './format';
-import { PopoverButton } from './popover';
-import { RadioGroup, type RadioOption } from './radio-group';
-import { ViewOptions } from './view-options';
+import { Button, Check, Slider } from './parts/controls';
+import { metres } from '../common/format';
+import { PopoverButton } from './parts/popover';
+import { RadioGroup, type RadioOption } from './parts/radio-group';
+import { ViewOptions } from './stage/view-options';
 
 export function ToolOptions() {
   const tool = state.tool.value;

@@ -1,18 +1,18 @@
 /** Above the canvas: recording, tools, history, tracking, export, people. */
+import type { ComponentChild } from 'preact';
 import { useRef } from 'preact/hooks';
-import { actions } from '../actions';
-import { canEdit, notify, state, trackingJob, type Tool } from '../state';
-import { chooseTheme, theme } from '../theme';
-import { ReviewButton } from '../reviewing/panel';
-import { Button } from './controls';
+import { actions } from '../store/actions';
+import { canEdit, notify, state, trackingJob, type Tool } from '../store/state';
+import { chooseTheme, theme } from '../store/theme';
+import { Button } from './parts/controls';
 import { ExportMenu } from './export-menu';
 import { HistoryMenu } from './history-menu';
-import { exportOpen, helpOpen, historyOpen } from './popover';
+import { exportOpen, helpOpen, historyOpen } from './parts/popover';
 import { ConnectionStatus, People } from './people';
-import { RadioGroup, type RadioOption } from './radio-group';
-import { SequenceMenu } from './sequence-menu';
+import { RadioGroup, type RadioOption } from './parts/radio-group';
+import { SequenceMenu } from './importing/sequence-menu';
 import { ToolOptions } from './tool-options';
-import { TrackForm, trackOpen } from './track-form';
+import { TrackForm, trackOpen } from './timeline/track-form';
 
 const TOOLS: readonly RadioOption<Tool>[] = [
   {
@@ -41,7 +41,7 @@ const TOOLS: readonly RadioOption<Tool>[] = [
   },
 ];
 
-export function Toolbar() {
+export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[] }) {
   if (!state.sequence.value) return <WelcomeBar />;
   return (
     <>
@@ -53,7 +53,9 @@ export function Toolbar() {
         <History />
         <span class="spacer" />
         <TrackButton />
-        <ReviewButton />
+        {buttons.map((More) => (
+          <More />
+        ))}
         <ExportButton />
         <People />
         <ConnectionStatus />

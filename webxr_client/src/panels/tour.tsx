@@ -2,11 +2,11 @@
 import { computed } from '@preact/signals';
 import { createPortal } from 'preact/compat';
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
-import { actions } from '../actions';
-import { checking } from '../checking/mode';
-import { canEdit, state } from '../state';
-import { follow, watch } from '../watch';
-import { Button } from './controls';
+import { actions } from '../store/actions';
+import { checking } from '../common/checking';
+import { canEdit, state } from '../store/state';
+import { follow, watch } from '../store/watch';
+import { Button } from './parts/controls';
 import {
   beginTour,
   leaveTour,

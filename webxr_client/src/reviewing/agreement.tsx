@@ -2,9 +2,9 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { attempt, sequencePath } from '../engine/recordings';
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import { api, apiUrl } from '../net/rest';
-import { state } from '../state';
+import { state } from '../store/state';
 import { type Agreement, percent, worstFrames } from './model';
 import { visit } from './store';
 

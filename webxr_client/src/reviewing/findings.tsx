@@ -1,8 +1,8 @@
 /** Suspicious things, and the way from one to the next. */
-import { Button } from '../panels/controls';
-import { plural } from '../panels/format';
-import { Icon, type IconName } from '../panels/icons';
-import { canReview } from '../state';
+import { Button } from '../panels/parts/controls';
+import { plural } from '../common/format';
+import { Icon, type IconName } from '../common/icons';
+import { canReview } from '../store/state';
 import { type Finding, framesOf } from './model';
 import { checking, checks, current, goTo, reviewTab, settle, step, waiting } from './store';
 import { draft } from './frame-states';

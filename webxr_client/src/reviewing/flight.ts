@@ -1,9 +1,9 @@
 /** Places of the recording: flying to one, marking it, pointing at one. */
 import { Vector3 } from 'three';
-import { Aim } from '../desktop/aim';
+import { Aim } from '../view/aim';
 import type { Engine } from '../engine/engine';
-import { state } from '../state';
-import { follow } from '../watch';
+import { state } from '../store/state';
+import { follow } from '../store/watch';
 import type { Place } from './model';
 import { marked, pointing } from './store';
 

@@ -1,9 +1,9 @@
 /** States of frames: what they are, who said so, and what one says oneself. */
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
-import { Button } from '../panels/controls';
-import { Icon } from '../panels/icons';
-import { canEdit, canReview, state } from '../state';
+import { Button } from '../panels/parts/controls';
+import { Icon } from '../common/icons';
+import { canEdit, canReview, state } from '../store/state';
 import {
   framesOf,
   notesOf,

@@ -2,9 +2,9 @@
 import { render } from 'preact';
 import { sequencePath } from '../engine/recordings';
 import { apiUrl } from '../net/rest';
-import { Button } from '../panels/controls';
-import { state } from '../state';
-import { follow } from '../watch';
+import { Button } from '../panels/parts/controls';
+import { state } from '../store/state';
+import { follow } from '../store/watch';
 import { AgreementTab } from './agreement';
 import { Findings } from './findings';
 import { FrameStates } from './frame-states';

@@ -1,9 +1,9 @@
 /** Assignment of frames to people. */
 import { signal } from '@preact/signals';
-import { Button } from '../panels/controls';
-import { plural } from '../panels/format';
-import { Icon } from '../panels/icons';
-import { canManage, state } from '../state';
+import { Button } from '../panels/parts/controls';
+import { plural } from '../common/format';
+import { Icon } from '../common/icons';
+import { canManage, state } from '../store/state';
 import { assignmentsOf, framesOf, type Standing } from './model';
 import { FrameRange } from './frame-states';
 import { overview, put, visit } from './store';

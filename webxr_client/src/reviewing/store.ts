@@ -1,10 +1,10 @@
 /** State of the review panel, and its requests to the server. */
 import { computed, signal } from '@preact/signals';
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import { attempt, sequencePath } from '../engine/recordings';
 import { api } from '../net/rest';
-import { notify, state } from '../state';
-import { follow } from '../watch';
+import { notify, state } from '../store/state';
+import { follow } from '../store/watch';
 import {
   acceptances,
   type Checks,

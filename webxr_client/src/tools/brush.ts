@@ -1,10 +1,10 @@
 /** Brush of a stroke: the store's settings in the words of the wire. */
-import { framesAround } from '../accumulation';
-import { actions } from '../actions';
-import { clipBox } from '../clip';
+import { framesAround } from '../cloud/points/accumulation';
+import { actions } from '../store/actions';
+import { clipBox } from './clip';
 import type { Brush } from '../protocol/messages';
-import { peek } from '../watch';
-import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../state';
+import { peek } from '../store/watch';
+import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../store/state';
 import { hiddenHere } from './seen';
 import type { Way } from './ways';
 

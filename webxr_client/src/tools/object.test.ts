@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
-import { PREVIEW } from '../cloud/palette';
-import { frameOf, wall } from '../cloud/testing';
-import { state } from '../state';
+import { PREVIEW } from '../cloud/picture/palette';
+import { frameOf, wall } from '../cloud/points/testing';
+import { state } from '../store/state';
 import type { Ask, Brush, Candidates, ClientMessage } from '../protocol/messages';
 import { numbersOf, ObjectTool } from './object';
 import { Strokes } from './strokes';

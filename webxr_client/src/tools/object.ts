@@ -2,13 +2,13 @@
  * The object tool: asks the server what a click means, walks through the levels of the answer, and
  * takes one.  Mouse, controller and hand use it alike.
  */
-import type { CloudFrame } from '../cloud/frame';
-import { PREVIEW } from '../cloud/palette';
-import { DELETED } from '../cloud/piece';
-import type { Vec } from '../cloud/pick';
+import type { PointerSample, Vec } from '../store/types';
+import type { CloudFrame } from '../cloud/points/frame';
+import { PREVIEW } from '../cloud/picture/palette';
+import { DELETED } from '../cloud/points/piece';
 import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
-import { state } from '../state';
-import { sourceSample, type PointerSample } from './path';
+import { state } from '../store/state';
+import { sourceSample } from './path';
 import type { Strokes } from './strokes';
 
 /** Overlay of what a click would take. */

@@ -1,12 +1,6 @@
 /** Samples of a pointing device, and the path of a stroke that they make. */
-import type { Vec } from '../cloud/pick';
 import type { Sample } from '../protocol/messages';
-
-/** Ray of a mouse, a controller or a hand, metres of the recording; `direction` of unit length. */
-export interface PointerSample {
-  readonly origin: Vec;
-  readonly direction: Vec;
-}
+import type { PointerSample, Vec } from '../store/types';
 
 /** A sample in the source's coordinates. */
 export function sourceSample({ origin, direction }: PointerSample, shift: Vec): Sample {

@@ -1,14 +1,14 @@
 /** Preview of a stroke, found on the page's own points, shown until the server has answered. */
+import type { PointerSample, Vec } from '../store/types';
 import { Matrix4, Quaternion } from 'three';
-import { layers } from '../accumulation';
-import { cubeOf } from '../cloud/clipping';
-import type { CloudFrame } from '../cloud/frame';
-import { insideOutline } from '../cloud/inside';
-import { clipIn, directionIn, firstHitAmong, type Layer, placeIn } from '../cloud/layer';
-import { alongRay, inBox, inCapsule, type Vec } from '../cloud/pick';
-import { DELETED } from '../cloud/piece';
+import { layers } from '../cloud/points/accumulation';
+import { cubeOf } from '../cloud/points/clipping';
+import type { CloudFrame } from '../cloud/points/frame';
+import { insideOutline } from '../cloud/points/inside';
+import { clipIn, directionIn, firstHitAmong, type Layer, placeIn } from '../cloud/points/layer';
+import { alongRay, inBox, inCapsule } from '../cloud/points/pick';
+import { DELETED } from '../cloud/points/piece';
 import type { Brush } from '../protocol/messages';
-import type { PointerSample } from './path';
 import type { Seen } from './seen';
 import { Touched } from './touched';
 

@@ -1,6 +1,6 @@
 import { describe, expect, it, vi } from 'vitest';
-import { PREVIEW } from '../cloud/palette';
-import { frameOf, wall } from '../cloud/testing';
+import { PREVIEW } from '../cloud/picture/palette';
+import { frameOf, wall } from '../cloud/points/testing';
 import type { Ask, Brush, Candidates, ClientMessage } from '../protocol/messages';
 import { RegionPreview } from './region';
 

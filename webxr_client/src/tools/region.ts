@@ -1,11 +1,11 @@
 /** Preview of regions under the pointer, asked of the server and shown before the click. */
-import type { CloudFrame } from '../cloud/frame';
-import { PREVIEW } from '../cloud/palette';
-import type { Vec } from '../cloud/pick';
-import { DELETED } from '../cloud/piece';
+import type { PointerSample, Vec } from '../store/types';
+import type { CloudFrame } from '../cloud/points/frame';
+import { PREVIEW } from '../cloud/picture/palette';
+import { DELETED } from '../cloud/points/piece';
 import type { Brush, Candidates, ClientMessage } from '../protocol/messages';
 import { numbersOf } from './object';
-import { sourceSample, type PointerSample } from './path';
+import { sourceSample } from './path';
 
 const OVERLAY = 'region';
 

@@ -1,8 +1,8 @@
 import { afterEach, describe, expect, it } from 'vitest';
-import { PaletteTexture } from '../cloud/palette';
-import { DELETED } from '../cloud/piece';
+import { PaletteTexture } from '../cloud/picture/palette';
+import { DELETED } from '../cloud/points/piece';
 import type { Label } from '../protocol/messages';
-import { patch, state } from '../state';
+import { patch, state } from '../store/state';
 import { hiddenHere, seenIn } from './seen';
 
 const label = (id: number, visible: boolean): Label =>

@@ -1,7 +1,7 @@
 /** Points that are shown now: rays meet them, and strokes may change them. */
-import type { PaletteTexture } from '../cloud/palette';
-import { DELETED } from '../cloud/piece';
-import { state } from '../state';
+import type { PaletteTexture } from '../cloud/picture/palette';
+import { DELETED } from '../cloud/points/piece';
+import { state } from '../store/state';
 
 /** Whether points of a label value are seen. */
 export type Seen = (label: number) => boolean;

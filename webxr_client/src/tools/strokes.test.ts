@@ -1,8 +1,8 @@
 import { describe, expect, it, vi } from 'vitest';
-import { DELETED } from '../cloud/piece';
+import { DELETED } from '../cloud/points/piece';
 import { Matrix4 } from 'three';
-import { firstHitAmong, layersOf, type Layer, type PlacedFrame } from '../cloud/layer';
-import { frameOf, wall } from '../cloud/testing';
+import { firstHitAmong, layersOf, type Layer, type PlacedFrame } from '../cloud/points/layer';
+import { frameOf, wall } from '../cloud/points/testing';
 import type { Brush, ClientMessage, StrokeResult } from '../protocol/messages';
 import { Strokes } from './strokes';
 

@@ -2,9 +2,9 @@
  * Strokes on their way: samples go to the server in batches, the preview shows meanwhile, and the
  * server's answer replaces it.
  */
-import type { CloudFrame } from '../cloud/frame';
-import type { Layer } from '../cloud/layer';
-import type { Vec } from '../cloud/pick';
+import type { PointerSample, Vec } from '../store/types';
+import type { CloudFrame } from '../cloud/points/frame';
+import type { Layer } from '../cloud/points/layer';
 import type {
   Brush,
   ClientMessage,
@@ -12,9 +12,8 @@ import type {
   StrokeResult,
   StrokeSamples,
 } from '../protocol/messages';
-import { Listeners } from '../listeners';
+import { Listeners } from '../store/listeners';
 import { type Locked, StrokePreview } from './preview';
-import type { PointerSample } from './path';
 import type { Seen } from './seen';
 
 /** The preview stays at most this long after the answer, should the delta not come. */

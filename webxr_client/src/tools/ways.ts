@@ -2,11 +2,11 @@
  * The ways of taking points, one object each: tool bar, keys, pointer, controller and palette are
  * made from this table.
  */
-import { peek } from '../watch';
-import type { IconName } from '../panels/icons';
+import { peek } from '../store/watch';
+import type { IconName } from '../common/icons';
 import type { Brush } from '../protocol/messages';
-import { state, type BrushShape } from '../state';
-import { xrSettings } from '../xr/settings';
+import { state, type BrushShape } from '../store/state';
+import { xrSettings } from '../store/xr-settings';
 
 /** Name of a way: the shape of its strokes. */
 export type WayName = NonNullable<Brush['shape']>;

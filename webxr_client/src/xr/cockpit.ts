@@ -2,34 +2,34 @@
  * Everything that is there while one is inside: hands, brush, panels, moving about.  `update` runs
  * before each picture and allocates nothing unless something happens.
  */
-import { actions } from '../actions';
+import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
-import { Listeners } from '../listeners';
-import { follow, peek } from '../watch';
-import { state } from '../state';
+import { Listeners } from '../store/listeners';
+import { follow, peek } from '../store/watch';
+import { state } from '../store/state';
 import { roomWay } from '../tools/ways';
-import { Buttons, LabelSwitch } from './buttons';
-import { Cues } from './cues';
-import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './haptics';
-import { Hud } from './hud';
+import { Buttons, LabelSwitch } from './input/buttons';
+import { Cues } from './painting/cues';
+import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './input/haptics';
+import { Hud } from './panels/hud';
 import { followInterruptions } from './interruptions';
-import { Locomotion } from './locomotion';
-import { Painter } from './painter';
-import type { Panel } from './panel';
-import { Place } from './place';
-import type { Pointer } from './pointer';
-import { Pointers } from './pointers';
-import type { Poses } from './poses';
-import { Presence } from './presence';
-import { Pulse } from './pulse';
-import { Rig } from './rig';
-import { RoomPanels } from './room-panels';
-import { xrSettings } from './settings';
-import { standBefore } from './standing';
-import { RoomScale } from './room-scale';
-import { TipSign } from './tip-sign';
-import { Lessons } from './lessons';
-import { resetWorld, WorldGrab } from './world';
+import { Locomotion } from './moving/locomotion';
+import { Painter } from './painting/painter';
+import type { Panel } from './panels/panel';
+import { Place } from './painting/place';
+import type { Pointer } from './input/pointer';
+import { Pointers } from './bodies/pointers';
+import type { Poses } from './input/poses';
+import { Presence } from './bodies/presence';
+import { Pulse } from './panels/pulse';
+import { Rig } from './moving/rig';
+import { RoomPanels } from './panels/room-panels';
+import { xrSettings } from '../store/xr-settings';
+import { standBefore } from './moving/standing';
+import { RoomScale } from './moving/room-scale';
+import { TipSign } from './painting/tip-sign';
+import { Lessons } from './input/lessons';
+import { resetWorld, WorldGrab } from './moving/world';
 
 /** Metres from the floor to the eyes of somebody who stands. */
 const EYES = 1.6;

@@ -1,8 +1,8 @@
 import { PerspectiveCamera } from 'three';
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import type { Engine } from '../engine/engine';
-import { actions } from '../actions';
-import { state } from '../state';
+import { actions } from '../store/actions';
+import { state } from '../store/state';
 import { Headset } from './headset';
 
 /** A browser that has these modes, and whose sessions end when they are told to. */

@@ -1,13 +1,13 @@
 /** The headset session: whether there can be one, its beginning and its end. */
 import { Matrix4 } from 'three';
-import { bindActions } from '../actions';
+import { bindActions } from '../store/actions';
 import type { Engine } from '../engine/engine';
-import { follow, peek } from '../watch';
-import { isStroke, notify, patch, state } from '../state';
+import { follow, peek } from '../store/watch';
+import { isStroke, notify, patch, state } from '../store/state';
 import { Cockpit } from './cockpit';
-import { Poses } from './poses';
+import { Poses } from './input/poses';
 import { RefreshRate } from './refresh';
-import { xrSettings } from './settings';
+import { xrSettings } from '../store/xr-settings';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 

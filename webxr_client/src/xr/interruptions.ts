@@ -1,7 +1,7 @@
 /** Events from outside that interrupt what one does in the headset. */
-import { actions } from '../actions';
-import { state } from '../state';
-import { follow, peek } from '../watch';
+import { actions } from '../store/actions';
+import { state } from '../store/state';
+import { follow, peek } from '../store/watch';
 
 export interface Interrupted {
   /** The headset's space, or the recording, lies elsewhere from now on. */

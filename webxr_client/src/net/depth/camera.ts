@@ -1,6 +1,6 @@
 /** A recording's lattice, and WebAssembly that decodes its bands in memory that all frames share. */
 import type { Lattice } from '../../protocol/messages';
-import { STRIDE } from '../segment';
+import { STRIDE } from '../chunk/segment';
 import {
   ENTRIES,
   lowBytes,

@@ -1,8 +1,8 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import type { Depth, DepthChunk, Lattice, SequenceInfo } from '../../protocol/messages';
-import { BufferPool } from '../pool';
-import { spacingOf, type Segment } from '../segment';
+import { BufferPool } from '../chunk/pool';
+import { spacingOf, type Segment } from '../chunk/segment';
 import { DepthDecoder } from './decode';
 import type { Picture } from './pictures';
 

@@ -1,7 +1,7 @@
 /** A depth message → vertices, as `decodeFrame` makes them of a frame message. */
 import type { Depth, SequenceInfo } from '../../protocol/messages';
-import type { BufferPool } from '../pool';
-import { STRIDE, type Segment, type SegmentChunk } from '../segment';
+import type { BufferPool } from '../chunk/pool';
+import { STRIDE, type Segment, type SegmentChunk } from '../chunk/segment';
 import { Camera, type Known } from './camera';
 import { Numbers, partsOf, readListed, type Parts } from './codec';
 import { gridOf } from './grid';

@@ -1,5 +1,5 @@
 /** The grid of 16 bits that points are rounded to, and what a lattice's pixels are on it. */
-import { sizeCode, MAX_CHUNKS, SIZE_CODES } from '../segment';
+import { sizeCode, MAX_CHUNKS, SIZE_CODES } from '../chunk/segment';
 import type { Lattice } from '../../protocol/messages';
 import type { Band } from './lattice';
 

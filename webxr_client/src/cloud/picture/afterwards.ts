@@ -1,0 +1,29 @@
+/**
+ * Work that can wait until a picture has gone to the display: messages above all, since posting one wakes
+ * another thread, which may take this one's place on a busy processor.
+ */
+import { Listeners } from '../../store/listeners';
+import { Timing } from './timing';
+
+export class Afterwards {
+  /** Work that is done each time that somebody asks for it. */
+  readonly runs = new Listeners();
+  readonly ms = new Timing();
+  /** Whether times are taken. */
+  measuring = false;
+  private asked = false;
+
+  /** Run everything soon after this picture. */
+  ask(): void {
+    if (this.asked) return;
+    this.asked = true;
+    setTimeout(this.run);
+  }
+
+  private readonly run = (): void => {
+    const started = this.measuring ? performance.now() : 0;
+    this.asked = false;
+    this.runs.run();
+    if (this.measuring) this.ms.add(performance.now() - started);
+  };
+}

@@ -1,0 +1,78 @@
+/** Buffers of our own that three draws from. */
+import { BufferGeometry, GLBufferAttribute, InterleavedBufferAttribute, Sphere } from 'three';
+import type { InterleavedBuffer } from 'three';
+import { STRIDE } from '../../net/chunk/segment';
+import type { Piece } from '../points/piece';
+
+/** Vertices (12 bytes) and labels (uint16) of up to `capacity` points. */
+export class PointBuffers {
+  readonly vertices: WebGLBuffer;
+  readonly labels: WebGLBuffer;
+
+  constructor(
+    readonly gl: WebGL2RenderingContext,
+    readonly capacity: number,
+  ) {
+    this.vertices = this.allocate(capacity * STRIDE);
+    this.labels = this.allocate(capacity * 2);
+  }
+
+  private allocate(bytes: number): WebGLBuffer {
+    const { gl } = this;
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, bytes, gl.DYNAMIC_DRAW);
+    return buffer;
+  }
+
+  /** `count` points, from a piece on; those of its segment lie together. */
+  writeVertices(first: number, { segment, words }: Piece, count: number): void {
+    const { gl } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.vertices);
+    const { byteOffset } = words;
+    gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, segment, byteOffset, count * STRIDE);
+  }
+
+  /** The first `count` values, to the start of the labels. */
+  writeLabels(values: Uint16Array, count: number): void {
+    const { gl } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.labels);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, values, 0, count);
+  }
+
+  geometry(): BufferGeometry {
+    const { gl, capacity } = this;
+    const geometry = new BufferGeometry();
+    const words = interleaved(this.vertices, gl.UNSIGNED_SHORT, 2, 6, capacity);
+    const bytes = interleaved(this.vertices, gl.UNSIGNED_BYTE, 1, 12, capacity);
+    const ids = interleaved(this.labels, gl.UNSIGNED_SHORT, 2, 1, capacity);
+    geometry.setAttribute('quantised', new InterleavedBufferAttribute(words, 3, 0));
+    geometry.setAttribute('colour', new InterleavedBufferAttribute(bytes, 4, 6, true));
+    geometry.setAttribute('stamp', new InterleavedBufferAttribute(words, 1, 5));
+    geometry.setAttribute('label', new InterleavedBufferAttribute(ids, 1, 0));
+    geometry.boundingSphere = new Sphere();
+    geometry.setDrawRange(0, 0);
+    return geometry;
+  }
+
+  dispose(): void {
+    this.gl.deleteBuffer(this.vertices);
+    this.gl.deleteBuffer(this.labels);
+  }
+}
+
+/**
+ * A view of our own GL buffer that three takes for the data of an interleaved attribute.
+ * three's `GLBufferAttribute` knows no stride and its `InterleavedBuffer` insists on a second
+ * copy of the points in memory; together they say all that it needs.
+ */
+function interleaved(
+  buffer: WebGLBuffer,
+  type: GLenum,
+  bytes: 1 | 2,
+  stride: number,
+  count: number,
+): InterleavedBuffer {
+  const data = new GLBufferAttribute(buffer, type, stride, bytes, count);
+  return Object.assign(data, { stride, array: [] }) as unknown as InterleavedBuffer;
+}

@@ -1,0 +1,183 @@
+/** A frame too large for memory: its chunks live in pages of the GPU, under a budget of points. */
+import { Group, Points, Vector3 } from 'three';
+import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
+import { ALL_POINTS, type CloudFrame } from '../points/frame';
+import { lowerBound, type Piece } from '../points/piece';
+import { PointBuffers } from './gpu';
+import { ChunkTable, pointMaterial, type PointUniforms } from './material';
+
+export const PAGE_POINTS = 65536;
+/** Somewhat more than the half that each level brings: not all below a chunk is refined. */
+const REFINED = 0.6;
+
+class Page {
+  readonly points: Points<BufferGeometry, RawShaderMaterial>;
+  piece: Piece | null = null;
+  private labelsVersion = -1;
+  /** Values are shown over the server's own. */
+  private overlaid = false;
+  private readonly buffers: PointBuffers;
+
+  constructor(
+    gl: WebGL2RenderingContext,
+    uniforms: PointUniforms,
+    private readonly table: ChunkTable,
+    private readonly row: number,
+  ) {
+    this.buffers = new PointBuffers(gl, PAGE_POINTS);
+    this.points = new Points(this.buffers.geometry(), pointMaterial(uniforms, table, row));
+    this.points.visible = false;
+    this.points.matrixAutoUpdate = false;
+  }
+
+  load(piece: Piece): void {
+    this.buffers.writeVertices(0, piece, piece.count);
+    const sphere = this.points.geometry.boundingSphere!;
+    sphere.center.fromArray(piece.lo).add(corner.fromArray(piece.hi)).multiplyScalar(0.5);
+    sphere.radius = sphere.center.distanceTo(corner);
+    this.points.geometry.setDrawRange(0, piece.count);
+    this.piece = piece;
+    this.labelsVersion = -1;
+  }
+
+  /** Bring the labels over, if an edit or an overlay met this chunk. */
+  loadLabels(frame: CloudFrame): void {
+    const { piece } = this;
+    if (!piece) return;
+    const { first, count } = piece;
+    let overlaid = false;
+    for (const { indices } of frame.overlays.values()) {
+      const at = indices[lowerBound(indices, first)];
+      overlaid ||= at !== undefined && at < first + count;
+    }
+    if (this.labelsVersion === piece.labelsVersion && !overlaid && !this.overlaid) return;
+    this.labelsVersion = piece.labelsVersion;
+    this.overlaid = overlaid;
+    if (piece.labels) scratch.set(piece.labels);
+    else scratch.fill(0, 0, count);
+    for (const { indices, values } of frame.overlays.values()) {
+      const single = values.length === 1;
+      const stop = lowerBound(indices, first + count);
+      for (let i = lowerBound(indices, first); i < stop; i++) {
+        scratch[indices[i]! - first] = values[single ? 0 : i]!;
+      }
+    }
+    this.buffers.writeLabels(scratch, count);
+  }
+
+  /** Shrink coarse points to the size of finer chunks that cover the same place. */
+  setDensity(factor: number): void {
+    const { piece } = this;
+    if (piece) this.table.setRow(this.row, piece.origin, piece.scale, factor);
+  }
+
+  clear(): void {
+    this.piece = null;
+    this.points.visible = false;
+  }
+
+  dispose(): void {
+    this.points.removeFromParent();
+    this.points.material.dispose();
+    this.points.geometry.dispose();
+    this.buffers.dispose();
+  }
+}
+
+const corner = new Vector3();
+const scratch = new Uint16Array(PAGE_POINTS);
+
+export class LargeCloud {
+  readonly group = new Group();
+  /** Points that are drawn. */
+  drawn = 0;
+  private readonly pages: Page[] = [];
+  private readonly table: ChunkTable;
+  /** Chunk → the chunk above it in the octree, −1 at the root. */
+  private parents: readonly number[] = [];
+  /** Chunk → how many are worth more from where one stands. */
+  private ranks = new Map<number, number>();
+  private limit = ALL_POINTS;
+
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    private readonly uniforms: PointUniforms,
+  ) {
+    this.table = new ChunkTable(renderer);
+    this.group.matrixAutoUpdate = false;
+  }
+
+  /** See `Viewer.setOrder`. */
+  setOrder(order: readonly number[], parents: readonly number[]): void {
+    this.parents = parents;
+    this.ranks = new Map(order.map((index, rank) => [index, rank]));
+    this.select();
+  }
+
+  /** Draw at most about so many points. */
+  setLimit(limit: number): void {
+    this.limit = limit;
+    this.select();
+  }
+
+  /** Make the pages hold exactly the frame's chunks. */
+  update(frame: CloudFrame): void {
+    const here = new Set(frame.pieces);
+    for (const page of this.pages) if (page.piece && !here.has(page.piece)) page.clear();
+    const shown = new Set(this.pages.map((page) => page.piece));
+    for (const piece of frame.pieces) {
+      if (!shown.has(piece)) this.freePage().load(piece);
+    }
+    for (const page of this.pages) page.loadLabels(frame);
+    this.select();
+  }
+
+  /** Show what the limit allows of what is here. */
+  private select(): void {
+    const rank = (page: Page): number => this.ranks.get(page.piece!.index) ?? Infinity;
+    const held = this.pages.filter((page) => page.piece);
+    if (this.limit < ALL_POINTS) held.sort((a, b) => rank(a) - rank(b));
+    let points = 0;
+    for (const page of held) {
+      const { count } = page.piece!;
+      // The chunk that covers everything is always there.
+      page.points.visible = points === 0 || points + count <= this.limit;
+      if (page.points.visible) points += count;
+    }
+    this.drawn = points;
+    this.setDensities(held.filter((page) => page.points.visible));
+  }
+
+  /** A coarse chunk's points become as small as those of the finest chunks below it. */
+  private setDensities(shown: readonly Page[]): void {
+    const depths = new Map<number, number>();
+    const indices = shown.map((page) => page.piece!.index).sort((one, other) => other - one);
+    // A chunk's number is above its parent's: from the last to the first, children come first.
+    for (const index of indices) {
+      const parent = this.parents[index] ?? -1;
+      const depth = (depths.get(index) ?? 0) + 1;
+      depths.set(parent, Math.max(depths.get(parent) ?? 0, depth));
+    }
+    for (const page of shown) {
+      page.setDensity(0.9 * REFINED ** (depths.get(page.piece!.index) ?? 0));
+    }
+    this.table.upload();
+  }
+
+  private freePage(): Page {
+    const free = this.pages.find((page) => !page.piece);
+    if (free) return free;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    const page = new Page(gl, this.uniforms, this.table, this.pages.length);
+    page.points.layers.mask = this.group.layers.mask;
+    this.pages.push(page);
+    this.group.add(page.points);
+    return page;
+  }
+
+  dispose(): void {
+    for (const page of this.pages) page.dispose();
+    this.table.dispose();
+    this.group.removeFromParent();
+  }
+}

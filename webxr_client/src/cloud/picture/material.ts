@@ -1,0 +1,295 @@
+/** The points' material: every slot draws with its own, all share one set of settings. */
+import { Box2, DataTexture, FloatType, GLSL3, Matrix4, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
+import type { Color, IUniform, Vector3, WebGLRenderer } from 'three';
+import type { ColorMode, ViewSettings } from '../../store/state';
+import { MAX_CHUNKS } from '../../net/chunk/segment';
+import { writeDensity, type CloudFrame } from '../points/frame';
+import type { PlacedFrame } from '../points/layer';
+import { DOT_FRAGMENT, DOT_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
+
+/** Modes that colour labels only and leave the points themselves plain. */
+const COLOR_MODES = {
+  rgb: 0,
+  intensity: 1,
+  height: 2,
+  plain: 3,
+  distance: 4,
+  label: 3,
+  confidence: 3,
+  provenance: 3,
+} as const;
+const LABELS_ONLY: readonly string[] = ['label', 'confidence', 'provenance'];
+const RAMPS = { even: 0, grey: 1, rainbow: 2 } as const;
+
+/** Return the mode of a recording with these fields when `wanted` is asked for. */
+export function colorModeOf(wanted: ColorMode, fields: readonly string[]): ColorMode {
+  let mode = wanted;
+  if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
+  if (mode === 'intensity' && !fields.includes('intensity')) mode = 'height';
+  return mode;
+}
+
+/** Points fill a surface when each is somewhat wider than the distance to the next. */
+const FILL = 1.85;
+
+/** Rows of the shader's array in `PointUniforms.settings`. */
+const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
+const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
+const HEIGHT_ROW = 8;
+const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
+const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
+const INTENSITY_FIT = 36;
+const CLIP = 40;
+const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
+
+/** Region that the brush lights up: a ball, or the surroundings of a half-line. */
+const [NONE, BALL, RAY] = [0, 1, 2];
+
+/**
+ * Settings that all points share, read at every draw.  One array of numbers for all: three.js hands
+ * it on as it is, while each number or vector of its own would be boxed and compared.
+ */
+export class PointUniforms {
+  readonly settings = { value: new Float32Array(4 * SETTING_ROWS) };
+  readonly palette: IUniform<DataTexture>;
+  private pointSize = 1;
+
+  constructor(palette: DataTexture) {
+    this.palette = { value: palette };
+    const { value } = this.settings;
+    value.fill(1, BRUSH_COLOUR, BRUSH_COLOUR + 3);
+    value[GAIN] = value[INTENSITY_FIT] = 1;
+    this.setViewport(500);
+  }
+
+  set(view: ViewSettings, fields: readonly string[]): void {
+    const { value } = this.settings;
+    value[COLOUR_MODE] = COLOR_MODES[colorModeOf(view.color, fields)];
+    value[HAS_INTENSITY] = fields.includes('intensity') ? 1 : 0;
+    this.pointSize = view.pointSize;
+    // Brightness is a factor of light; colours are stored with a gamma of about 2.2.
+    value[GAIN] = view.brightness ** (1 / 2.2);
+    value[LABEL_BLEND] = LABELS_ONLY.includes(view.color) ? 1 : view.labelBlend;
+    value[RAMP_LOW] = view.rampLow;
+    value[RAMP_SCALE] = 1 / Math.max(0.01, view.rampHigh - view.rampLow);
+    value[RAMP_KIND] = RAMPS[view.ramp];
+    value[HIDE_UNLABELED] = view.hideUnlabeled ? 1 : 0;
+    value[SHOW_DELETED] = view.showDeleted ? 1 : 0;
+  }
+
+  /** Height of the viewport that is drawn into, in pixels. */
+  setViewport(height: number): void {
+    const { value } = this.settings;
+    const scale = Math.max(1, height / 900);
+    value[PIXELS_PER_METRE] = (height / 2) * FILL * this.pointSize;
+    value[HALF_HEIGHT] = height / 2;
+    value[PIXEL_LIMITS] = 1.4 * scale * Math.min(1, this.pointSize);
+    value[PIXEL_LIMITS + 1] = 26 * scale * this.pointSize;
+  }
+
+  /** The intensity ramp runs over these values, 0..1. */
+  setIntensity(low: number, high: number): void {
+    const span = Math.max(1 / 255, high - low);
+    this.settings.value[INTENSITY_FIT] = 1 / span;
+    this.settings.value[INTENSITY_FIT + 1] = -low / span;
+  }
+
+  /** The height ramp runs over these heights, metres of the room. */
+  setHeight(room: Matrix4, low: number, high: number): void {
+    const e = room.elements;
+    const span = Math.max(1e-3, high - low);
+    this.settings.value.set([e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span], HEIGHT_ROW); // prettier-ignore
+  }
+
+  /** The distance ramp runs from the sensor, at the local origin, to the greatest distance, metres. */
+  setDistance(greatest: number): void {
+    this.settings.value.set([0, 0, 0, 1 / Math.max(1e-3, greatest)], DISTANCE_ROW);
+  }
+
+  /** Light up the points in a ball, local coordinates and metres. */
+  lightBall(middle: Vector3, radius: number): void {
+    const { value } = this.settings;
+    middle.toArray(value, BRUSH_A);
+    middle.toArray(value, BRUSH_B);
+    value[BRUSH_RADIUS] = radius;
+    value[BRUSH_MODE] = BALL;
+  }
+
+  /** Light up the points so near to a half-line. */
+  lightRay(origin: Vector3, direction: Vector3, radius: number): void {
+    const { value } = this.settings;
+    origin.toArray(value, BRUSH_A);
+    direction.toArray(value, BRUSH_B);
+    value[BRUSH_RADIUS] = radius;
+    value[BRUSH_MODE] = RAY;
+  }
+
+  /** Only what lies in a clip box is drawn: `T_cube_local`; null: everything. */
+  setClip(matrix: Matrix4 | null): void {
+    const { value } = this.settings;
+    value.fill(0, CLIP, CLIP + 12);
+    if (matrix) value.set(matrix.clone().transpose().elements.slice(0, 12), CLIP);
+  }
+
+  lightNothing(): void {
+    this.settings.value[BRUSH_MODE] = NONE;
+  }
+
+  /** The brush's light, with gamma as points are stored. */
+  setBrushColour({ r, g, b }: Color): void {
+    const { value } = this.settings;
+    value[BRUSH_COLOUR] = r;
+    value[BRUSH_COLOUR + 1] = g;
+    value[BRUSH_COLOUR + 2] = b;
+  }
+
+  /** Points that have a label are not lit. */
+  setOnlyUnlabeled(on: boolean): void {
+    this.settings.value[ONLY_UNLABELED] = on ? 1 : 0;
+  }
+
+  /** Emphasis of labels that a person should look at, 0..1. */
+  get pulse(): number {
+    return this.settings.value[PULSE]!;
+  }
+
+  set pulse(strength: number) {
+    this.settings.value[PULSE] = strength;
+  }
+
+  /** The ball that is lit, or null. */
+  get lit(): { middle: number[]; radius: number } | null {
+    const { value } = this.settings;
+    if (value[BRUSH_MODE] !== BALL) return null;
+    return { middle: [...value.subarray(BRUSH_A, BRUSH_A + 3)], radius: value[BRUSH_RADIUS]! };
+  }
+}
+
+/** Origins and scales of a slot's chunks, one row each. */
+export class ChunkTable {
+  readonly texture: DataTexture;
+  private readonly data = new Float32Array(MAX_CHUNKS * 8);
+  /** The same memory: what three.js has not uploaded by itself it copies without more ado. */
+  private readonly source: DataTexture;
+  /** The rows that changed. */
+  private readonly changed = new Box2(new Vector2(), new Vector2(2, 0));
+
+  constructor(private readonly renderer: WebGLRenderer) {
+    this.texture = table(this.data);
+    this.texture.needsUpdate = true;
+    this.source = table(this.data);
+  }
+
+  /** `shown`: points of the frame that are drawn. */
+  set(frame: CloudFrame, shown: number): void {
+    for (let i = 0; i < frame.pieces.length; i++) {
+      const piece = frame.pieces[i]!;
+      const row = piece.index % MAX_CHUNKS;
+      this.place(row, piece.origin, piece.scale);
+      writeDensity(this.data, row * 8 + 3, frame, piece, shown);
+    }
+    this.upload();
+  }
+
+  setRow(row: number, origin: readonly number[], scale: readonly number[], factor: number): void {
+    this.place(row, origin, scale);
+    this.data[row * 8 + 3] = factor;
+  }
+
+  private place(row: number, origin: readonly number[], scale: readonly number[]): void {
+    const { data } = this;
+    const { min, max } = this.changed;
+    for (let k = 0; k < 3; k++) {
+      data[row * 8 + k] = origin[k]!;
+      data[row * 8 + 4 + k] = scale[k]!;
+    }
+    if (max.y === 0 || row < min.y) min.y = row;
+    if (row >= max.y) max.y = row + 1;
+  }
+
+  /** Bring the rows that changed to the GPU. */
+  upload(): void {
+    const { min, max } = this.changed;
+    if (max.y === 0) return;
+    this.renderer.copyTextureToTexture(this.source, this.texture, this.changed, min);
+    min.y = max.y = 0;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+}
+
+/** Labels of one frame that lie elsewhere than the rest of it. */
+const MOST_MOVING = 64;
+
+/** Placement of a frame that is laid over the one on screen. */
+export class Placement {
+  readonly uniforms: Record<'placed' | 'moving' | 'movingCount', IUniform>;
+  private readonly data = new Float32Array(MOST_MOVING * 16);
+  private readonly texture = table(this.data, 4, MOST_MOVING);
+
+  constructor() {
+    this.uniforms = {
+      placed: { value: new Matrix4() },
+      moving: { value: this.texture },
+      movingCount: { value: 0 },
+    };
+  }
+
+  set({ placed, moving }: PlacedFrame): void {
+    const rows = [...moving].slice(0, MOST_MOVING);
+    rows.forEach(([label, T], row) => {
+      this.data.set(T.clone().transpose().elements.slice(0, 12), row * 16);
+      this.data[row * 16 + 12] = label;
+    });
+    this.texture.needsUpdate = true;
+    this.uniforms.placed.value = placed;
+    this.uniforms.movingCount.value = rows.length;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+}
+
+function table(data: Float32Array<ArrayBuffer>, width = 2, rows = MAX_CHUNKS): DataTexture {
+  const texture = new DataTexture(data, width, rows, RGBAFormat, FloatType);
+  texture.minFilter = NearestFilter;
+  texture.magFilter = NearestFilter;
+  return texture;
+}
+
+export function pointMaterial(
+  { settings, palette }: PointUniforms,
+  table: ChunkTable,
+  row: number,
+  placement: Placement | null = null,
+): RawShaderMaterial {
+  return new RawShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: POINT_VERTEX,
+    fragmentShader: POINT_FRAGMENT,
+    defines: placement ? { PLACED: 1 } : {},
+    uniforms: {
+      ...placement?.uniforms,
+      chunkTable: { value: table.texture },
+      chunkRow: { value: row },
+      palette,
+      settings,
+    },
+  });
+}
+
+/** Dots so many metres wide, which are not points of the recording. */
+export function dotMaterial({ settings }: PointUniforms, size: number): RawShaderMaterial {
+  return new RawShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: DOT_VERTEX,
+    fragmentShader: DOT_FRAGMENT,
+    defines: { SIZE: size.toFixed(4) },
+    uniforms: { settings },
+    transparent: true,
+    depthWrite: false,
+  });
+}

@@ -1,0 +1,76 @@
+/** Label id → colour and flags, as a texture: recolouring a label uploads nothing else. */
+import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from 'three';
+import type { Label } from '../../protocol/messages';
+
+const SIDE = 256;
+/** Shows what a click would take: lighter than the label that it would get. */
+export const PREVIEW = 65534;
+/** Share of white in the preview's colour. */
+const PREVIEW_WHITE = 0.45;
+export const FLAG_VISIBLE = 128;
+/** Strokes leave its points alone: it is locked, or hidden for all. */
+export const FLAG_SPARED = 64;
+/** A person should look at it: it pulses in the headset. */
+export const FLAG_UNSURE = 32;
+/** Hidden for all, although it may be solo here. */
+export const FLAG_HIDDEN = 16;
+
+export class PaletteTexture {
+  readonly texture: DataTexture;
+  private readonly data = new Uint8Array(SIDE * SIDE * 4);
+
+  constructor() {
+    this.texture = new DataTexture(this.data, SIDE, SIDE, RGBAFormat, UnsignedByteType);
+    this.texture.minFilter = NearestFilter;
+    this.texture.magFilter = NearestFilter;
+    this.texture.generateMipmaps = false;
+    this.set([], null, []);
+  }
+
+  /** `solo`: the only label shown, or null; `unsure`: those that a person should look at. */
+  set(labels: readonly Label[], solo: number | null, unsure: readonly number[]): void {
+    // A label that this page has not heard of yet shows grey rather than vanish.
+    for (let i = 0; i < this.data.length; i += 4) {
+      this.data[i] = this.data[i + 1] = this.data[i + 2] = 160;
+      this.data[i + 3] = FLAG_VISIBLE;
+    }
+    for (const label of labels) {
+      const rgb = Number.parseInt(label.color.slice(1), 16);
+      const at = label.id * 4;
+      const visible = solo === null ? label.visible : solo === label.id;
+      this.data[at] = rgb >> 16;
+      this.data[at + 1] = (rgb >> 8) & 255;
+      this.data[at + 2] = rgb & 255;
+      this.data[at + 3] =
+        (visible ? FLAG_VISIBLE : 0) |
+        (label.locked || !label.visible ? FLAG_SPARED : 0) |
+        (label.visible ? 0 : FLAG_HIDDEN) |
+        (unsure.includes(label.id) ? FLAG_UNSURE : 0);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** The colour that is previewed, "#rrggbb". */
+  setPreview(color: string): void {
+    const rgb = Number.parseInt(color.slice(1), 16);
+    const at = PREVIEW * 4;
+    for (let k = 0; k < 3; k++) {
+      const value = (rgb >> (16 - 8 * k)) & 255;
+      this.data[at + k] = Math.round(value + (255 - value) * PREVIEW_WHITE);
+    }
+    this.texture.needsUpdate = true;
+  }
+
+  /** Whether it is shown, here and for all: rays meet its points. */
+  isShown(id: number): boolean {
+    return (this.data[id * 4 + 3]! & (FLAG_VISIBLE | FLAG_HIDDEN)) === FLAG_VISIBLE;
+  }
+
+  isSpared(id: number): boolean {
+    return (this.data[id * 4 + 3]! & FLAG_SPARED) !== 0;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+  }
+}

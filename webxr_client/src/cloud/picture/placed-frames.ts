@@ -1,0 +1,83 @@
+/** The GPU's side of frames that are laid over the one on screen: a slot for each. */
+import type { Group, WebGLRenderer } from 'three';
+import { ALL_POINTS, type CloudFrame } from '../points/frame';
+import type { PlacedFrame } from '../points/layer';
+import { Placement, type PointUniforms } from './material';
+import { Slot } from './slot';
+
+interface Laid {
+  readonly slot: Slot;
+  readonly placement: Placement;
+  placed: PlacedFrame;
+  version: number;
+}
+
+export class PlacedFrames {
+  private readonly laid = new Map<CloudFrame, Laid>();
+  private limit = ALL_POINTS;
+
+  /** In a layer of the camera. */
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    private readonly uniforms: PointUniforms,
+    private readonly room: Group,
+    private readonly layer: number,
+  ) {}
+
+  /** Show these frames, as they are now, and no others; true when the picture changed. */
+  show(frames: readonly PlacedFrame[]): boolean {
+    const wanted = new Set(frames.map(({ frame }) => frame));
+    let changed = false;
+    for (const [frame, { slot, placement }] of this.laid) {
+      if (wanted.has(frame)) continue;
+      slot.dispose();
+      placement.dispose();
+      this.laid.delete(frame);
+      changed = true;
+    }
+    for (const placed of frames) changed = this.lay(placed) || changed;
+    if (changed) this.share();
+    return changed;
+  }
+
+  private lay(placed: PlacedFrame): boolean {
+    const { frame } = placed;
+    let laid = this.laid.get(frame);
+    if (!laid) {
+      const placement = new Placement();
+      const slot = new Slot(this.renderer, Math.max(1, frame.total), this.uniforms, placement);
+      slot.points.layers.set(this.layer);
+      slot.points.visible = true;
+      this.room.add(slot.points);
+      laid = { slot, placement, placed, version: -1 };
+      laid.placement.set(placed);
+      this.laid.set(frame, laid);
+    } else if (laid.placed === placed && laid.version === frame.version) return false;
+    if (laid.placed !== placed) laid.placement.set(placed);
+    laid.placed = placed;
+    laid.version = frame.version;
+    laid.slot.upload(frame);
+    return true;
+  }
+
+  /** Draw at most about so many points of all of them together. */
+  setLimit(points: number): void {
+    this.limit = points;
+    this.share();
+  }
+
+  private share(): void {
+    const each = Math.max(1, Math.floor(this.limit / Math.max(1, this.laid.size)));
+    for (const { slot } of this.laid.values())
+      slot.setLimit(this.limit === ALL_POINTS ? ALL_POINTS : each);
+  }
+
+  /** Points on screen. */
+  get drawn(): number {
+    return [...this.laid.values()].reduce((sum, { slot }) => sum + slot.drawn, 0);
+  }
+
+  dispose(): void {
+    this.show([]);
+  }
+}

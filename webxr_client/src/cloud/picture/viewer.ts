@@ -1,0 +1,372 @@
+/** The picture: renderer, scene, and the GPU slots that frames are shown from. */
+import { BufferGeometry, Group, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
+import type { SequenceInfo } from '../../protocol/messages';
+import { Listeners, tellFailure } from '../../store/listeners';
+import type { ViewSettings } from '../../store/state';
+import { Afterwards } from './afterwards';
+import { Backdrop } from './backdrop';
+import { keepLists } from './draw-order';
+import { EyeDome } from './eyedome';
+import { ALL_POINTS, type CloudFrame } from '../points/frame';
+import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth';
+import { LargeCloud } from './large';
+import { Lens } from './lens';
+import type { PlacedFrame } from '../points/layer';
+import { ChunkTable, pointMaterial, PointUniforms } from './material';
+import { PaletteTexture } from './palette';
+import { PlacedFrames } from './placed-frames';
+import { Slots } from './slots';
+import { spreadOf, type Spread } from '../points/spread';
+import { Timing } from './timing';
+
+/** Layers 1 and 2 are the headset's eyes. */
+const POINTS_LAYER = 3;
+
+export class Viewer {
+  readonly renderer: WebGLRenderer;
+  readonly scene = new Scene();
+  readonly camera = new Lens(55, 1, 0.05, 500);
+  /** Moved, turned and scaled by a person in the headset; identity at the desk. */
+  readonly world = new Group();
+  /** `T_room_local`: stands the recording on the floor. */
+  readonly room = new Group();
+  readonly backdrop = new Backdrop();
+  readonly palette = new PaletteTexture();
+  readonly uniforms = new PointUniforms(this.palette.texture);
+  /** Counts what asked for a picture. */
+  changes = 0;
+  /** Run before each picture, in order, with its time and the headset's frame. */
+  readonly ticks = new Listeners<number, XRFrame | undefined>();
+  readonly afterwards = new Afterwards();
+  /** Pictures drawn. */
+  pictures = 0;
+  /** CPU milliseconds, while measured: our own work before a picture, and three's to issue it. */
+  readonly workMs = new Timing();
+  readonly drawMs = new Timing();
+  /** Milliseconds between pictures while something moves. */
+  readonly intervalMs = new Timing();
+  /** Off: pictures are prepared but not drawn, to measure all else. */
+  drawing = true;
+  /** The GPU is a program: pretty extras are left out unless asked for. */
+  readonly software: boolean;
+  private readonly eyeDome = new EyeDome();
+  private slots: Slots | null = null;
+  private large: LargeCloud | null = null;
+  private over: PlacedFrames | null = null;
+  private info: SequenceInfo | null = null;
+  private shown: CloudFrame | null = null;
+  /** Range of the ramps, once there are points. */
+  private fitted: Spread | null = null;
+  /** The headset's pictures have reversed depth. */
+  readonly reversible: boolean;
+  /** Of the recording, in the room. */
+  readonly middle = new Vector3();
+  /** The recording's diagonal, metres. */
+  private extent = 0;
+  private eyeDomeOn = true;
+  private dirty = true;
+  private limit = ALL_POINTS;
+  private measuring = false;
+  private readonly size = new Vector2();
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    antialiasHeadset(canvas);
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: false,
+      powerPreference: 'high-performance',
+    });
+    this.renderer.autoClear = false;
+    // Each question after a program's errors waits for the GPU: three of them for each program.
+    this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
+    this.renderer.setClearColor(0x000000, 0);
+    keepLists(this.renderer, this.scene);
+    this.reversible = canReverse(this.renderer);
+    this.software = isSoftware(this.renderer.getContext());
+    this.world.add(this.room);
+    this.room.matrixAutoUpdate = false;
+    this.scene.add(this.backdrop.group, this.world, this.eyeDome.quad, this.warmUp());
+    canvas.addEventListener('webglcontextrestored', () => this.rebuild());
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+  }
+
+  /** No points, drawn with the points' program: it is there before the first of them come. */
+  private warmUp(): Points {
+    const points = new Points(
+      new BufferGeometry(),
+      pointMaterial(this.uniforms, new ChunkTable(this.renderer), -1),
+    );
+    points.geometry.setDrawRange(0, 0);
+    points.frustumCulled = false;
+    return points;
+  }
+
+  start(): void {
+    this.renderer.setAnimationLoop((now, frame) => this.tick(now, frame));
+  }
+
+  /** Draw again at the next opportunity: something changed. */
+  invalidate(): void {
+    this.dirty = true;
+    this.changes += 1;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    if (width === 0 || height === 0 || this.renderer.xr.isPresenting) return;
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.renderer.getDrawingBufferSize(this.size);
+    this.eyeDome.setSize(this.size.x, this.size.y, ratio);
+    this.invalidate();
+  }
+
+  /** Prepare for a recording: buffers for its largest frame, its place in the room. */
+  setSequence(info: SequenceInfo | null): void {
+    this.clear();
+    this.info = info;
+    if (!info) return;
+    this.stand(info);
+    const { renderer, uniforms, room } = this;
+    if (info.large) {
+      this.large = new LargeCloud(renderer, uniforms);
+      this.large.group.traverse((object) => object.layers.set(POINTS_LAYER));
+      room.add(this.large.group);
+    } else {
+      const capacity = Math.max(1, ...info.points);
+      this.slots = new Slots(renderer, uniforms, info.frames, capacity, room, POINTS_LAYER);
+      this.over = new PlacedFrames(renderer, uniforms, room, POINTS_LAYER);
+    }
+    this.cloud?.setLimit(this.limit);
+  }
+
+  /** Put the recording on its floor, which is as `info` says from now on. */
+  stand(info: SequenceInfo): void {
+    this.info = info;
+    this.room.matrix.set(...(info.room as Parameters<typeof this.room.matrix.set>));
+    this.room.matrixWorldNeedsUpdate = true;
+    const [low, high] = this.bounds(info);
+    const farthest = [0, 1, 2].map((k) => Math.max(Math.abs(info.lo[k]!), Math.abs(info.hi[k]!)));
+    this.uniforms.setDistance(Math.hypot(...farthest));
+    this.fitted = null;
+    if (this.shown) this.fitRamps(this.shown);
+    this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
+    this.extent = low.distanceTo(high);
+    this.middle.copy(low).add(high).multiplyScalar(0.5);
+    this.invalidate();
+  }
+
+  /** Ramps run over what the recording's first frame on screen has, strays left out. */
+  private fitRamps(frame: CloudFrame): void {
+    const spread = spreadOf(frame, this.room.matrix);
+    if (!spread) return;
+    this.fitted = spread;
+    this.uniforms.setHeight(this.room.matrix, ...spread.height);
+    this.uniforms.setIntensity(...spread.intensity);
+  }
+
+  /** Corners of the recording's bounds in the room. */
+  bounds(info: SequenceInfo): [Vector3, Vector3] {
+    const low = new Vector3(Infinity, Infinity, Infinity);
+    const high = low.clone().negate();
+    for (let corner = 0; corner < 8; corner++) {
+      const pick = (k: 0 | 1 | 2): number => (corner & (1 << k) ? info.hi[k] : info.lo[k]);
+      const at = new Vector3(pick(0), pick(1), pick(2)).applyMatrix4(this.room.matrix);
+      low.min(at);
+      high.max(at);
+    }
+    return [low, high];
+  }
+
+  private clear(): void {
+    this.cloud?.dispose();
+    this.over?.dispose();
+    this.slots = this.large = this.over = null;
+    this.shown = null;
+    this.invalidate();
+  }
+
+  /** The GPU lost everything it held: make the buffers anew, and show the frame again. */
+  private rebuild(): void {
+    const shown = this.shown;
+    this.setSequence(this.info);
+    if (shown) this.show(shown);
+  }
+
+  setView(view: ViewSettings, fields: readonly string[]): void {
+    this.uniforms.set(view, fields);
+    this.eyeDomeOn = view.eyeDome;
+    this.backdrop.showFloor(view.grid);
+    this.invalidate();
+  }
+
+  /** Objects that show the recording. */
+  private get cloud(): Slots | LargeCloud | null {
+    return this.slots ?? this.large;
+  }
+
+  /** Show a frame as it is now. */
+  show(frame: CloudFrame): void {
+    this.shown = frame;
+    if (!this.fitted) this.fitRamps(frame);
+    this.cloud?.update(frame);
+    this.invalidate();
+  }
+
+  /**
+   * Chunks of a large frame, those first that matter most from where one stands: they are drawn
+   * first under a limit.  `parents`: for each chunk the one above it in the octree, −1 at the root.
+   */
+  setOrder(order: readonly number[], parents: readonly number[]): void {
+    this.large?.setOrder(order, parents);
+    this.invalidate();
+  }
+
+  /** Draw at most about so many points of a frame. */
+  setLimit(points: number): void {
+    if (points === this.limit) return;
+    this.limit = points;
+    const before = this.drawn;
+    this.cloud?.setLimit(points);
+    this.over?.setLimit(points);
+    if (this.drawn === before) return;
+    // The next picture takes another time: it says nothing of the one before.
+    this.intervalMs.interrupt();
+    this.dirty = true;
+  }
+
+  /** Height of what one eye sees, in pixels. */
+  get viewHeight(): number {
+    const { xr } = this.renderer;
+    return xr.isPresenting ? xr.getCamera().cameras[0].viewport.w : this.size.y;
+  }
+
+  /** Bring a frame to the GPU ahead of time. */
+  prepare(frame: CloudFrame): void {
+    this.slots?.prepare(frame);
+  }
+
+  /** Lay frames over the one on screen, and no others; true when the picture changes. */
+  lay(frames: readonly PlacedFrame[]): boolean {
+    return this.over?.show(frames) ?? false;
+  }
+
+  /** Points on screen of frames laid over the frame. */
+  get laid(): number {
+    return this.over?.drawn ?? 0;
+  }
+
+  /** Points on screen. */
+  get drawn(): number {
+    return this.cloud?.drawn ?? 0;
+  }
+
+  /** Points on screen with each label. */
+  countLabels(): Map<number, number> {
+    return this.slots?.countLabels() ?? new Map<number, number>();
+  }
+
+  private tick(now: number, frame: XRFrame | undefined): void {
+    const { measuring } = this;
+    const started = measuring ? performance.now() : 0;
+    this.ticks.run(now, frame);
+    const presenting = this.renderer.xr.isPresenting;
+    if (!this.dirty && !presenting) {
+      this.intervalMs.interrupt();
+      return;
+    }
+    if (!this.drawing) return;
+    this.dirty = false;
+    this.pictures += 1;
+    const worked = measuring ? performance.now() : 0;
+    this.draw(presenting);
+    if (measuring) {
+      this.workMs.add(worked - started);
+      this.drawMs.add(performance.now() - worked);
+    }
+    this.intervalMs.mark(now);
+  }
+
+  /** A picture that cannot be drawn is told of; the loop goes on to the next one. */
+  private draw(presenting: boolean): void {
+    try {
+      if (presenting) this.drawHeadset();
+      else this.drawDesk();
+    } catch (error) {
+      tellFailure(error);
+    }
+  }
+
+  /** Take times from now on, or no more: asking the clock leaves a number behind each time. */
+  measure(on: boolean): void {
+    this.measuring = this.afterwards.measuring = on;
+    if (!on) return;
+    for (const timing of [this.workMs, this.drawMs, this.afterwards.ms, this.intervalMs]) {
+      timing.reset();
+    }
+  }
+
+  private drawHeadset(): void {
+    const eyes = this.renderer.xr.getCamera().cameras;
+    this.uniforms.setViewport(eyes[0].viewport.w);
+    setPlanes(this.camera, this.extent * this.world.scale.x, this.reversible);
+    setReversed(this.renderer, this.reversible);
+    if (this.reversible) reverseEyes(eyes);
+    this.eyeDome.quad.visible = false;
+    this.camera.layers.enableAll();
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private drawDesk(): void {
+    const { renderer, camera, eyeDome } = this;
+    setReversed(renderer, false);
+    this.uniforms.setViewport(this.size.y);
+    this.backdrop.follow(camera.position);
+    eyeDome.quad.visible = false;
+    if (this.eyeDomeOn && this.shown) {
+      eyeDome.setCamera(camera);
+      renderer.setRenderTarget(eyeDome.target);
+      renderer.clear();
+      camera.layers.set(POINTS_LAYER);
+      renderer.render(this.scene, camera);
+      renderer.setRenderTarget(null);
+      eyeDome.quad.visible = true;
+      camera.layers.set(0);
+    } else {
+      camera.layers.set(0);
+      camera.layers.enable(POINTS_LAYER);
+    }
+    renderer.clear();
+    renderer.render(this.scene, camera);
+  }
+}
+
+/** Attributes as three.js asks for them: a context that is there already keeps its own. */
+const CONTEXT: WebGLContextAttributes = {
+  alpha: true,
+  depth: true,
+  stencil: false,
+  antialias: false,
+  powerPreference: 'high-performance',
+};
+
+/**
+ * Let the headset's pictures be antialiased though the desk's are not, whose points are drawn aside:
+ * three.js makes a session's layer like the canvas's context, so that this one claims to be.
+ */
+function antialiasHeadset(canvas: HTMLCanvasElement): void {
+  const gl = canvas.getContext('webgl2', CONTEXT);
+  const attributes = gl?.getContextAttributes();
+  if (gl && attributes) gl.getContextAttributes = () => ({ ...attributes, antialias: true });
+}
+
+function isSoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  return /swiftshader|llvmpipe|software/i.test(name);
+}

@@ -1,0 +1,131 @@
+/** Findings in files that are about to be imported. */
+import type { FileFrame, ImportDraft, ImportPreview, LabelsFound } from '../../store/state';
+import { plural } from '../../common/format';
+import { Icon } from '../../common/icons';
+
+/** So many files are seen at a glance. */
+const OPEN_FILES = 8;
+const LISTED_FILES = 500;
+/** The server's words for its option to match files by their order. */
+const BY_ORDER = ' (--by-order)';
+
+/** Words of the server as the page says them. */
+export function onPage(words: string): string {
+  return words.replace(BY_ORDER, '');
+}
+
+/** Whether matching files by their order is chosen, or an answer to what the server says. */
+export function orderCounts({ options, error, found, labels }: ImportDraft): boolean {
+  const said = [error, ...(found?.warnings ?? []), ...(labels?.warnings ?? [])];
+  return options.by_order === true || said.some((words) => words.includes(BY_ORDER));
+}
+
+export function Facts({ found }: { found: ImportPreview }) {
+  const first = found.points[0];
+  const extent = found.units.extent.map((wide) => wide.toFixed(1)).join(' × ');
+  const rows: readonly Fact[] = [
+    ['Format', found.title],
+    ['Frames', `${found.frames?.toLocaleString('en') ?? 'unknown'}, ${found.order}`],
+    ['Rate', `${found.fps} per second, ${found.fps_from}`],
+    ['Points', `${first?.points.toLocaleString('en') ?? '0'} in the first frame`],
+    ['Columns', found.columns.map(described).join(', ')],
+    ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
+    ['Cameras', found.cameras.map(({ name }) => name).join(', ')],
+    ['Labels', found.labels ? 'come with the points' : ''],
+  ];
+  return (
+    <>
+      <FactList rows={rows} />
+      {new Set(found.files.map(({ file }) => file)).size > 1 && <Files files={found.files} />}
+      <Warnings lines={found.warnings} />
+    </>
+  );
+}
+
+function Warnings({ lines }: { lines: readonly string[] }) {
+  return (
+    <>
+      {lines.map((line) => (
+        <p key={line} class="import-note">
+          <Icon name="warning" /> <span>{onPage(line)}</span>
+        </p>
+      ))}
+    </>
+  );
+}
+
+/** Table of files and the frames that they are, or are of. */
+function Files({ files }: { files: readonly FileFrame[] }) {
+  return (
+    <details class="import-more" open={files.length <= OPEN_FILES}>
+      <summary>Files and their frames</summary>
+      <div class="import-files" role="region" aria-label="Files and their frames" tabIndex={0}>
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">File</th>
+              <th scope="col">Frame</th>
+            </tr>
+          </thead>
+          <tbody>
+            {files.slice(0, LISTED_FILES).map(({ file, frame }) => (
+              <tr key={`${file} ${frame}`}>
+                <td>{file}</td>
+                <td class="number">
+                  <span aria-hidden="true">→</span> {frame}
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+        {files.length > LISTED_FILES && (
+          <p class="soft">and {plural(files.length - LISTED_FILES, 'more file')}</p>
+        )}
+      </div>
+    </details>
+  );
+}
+
+type Fact = readonly [name: string, value: string];
+
+/** List of facts by name, without those that have no value. */
+function FactList({ rows }: { rows: readonly Fact[] }) {
+  return (
+    <dl class="import-facts">
+      {rows
+        .filter(([, value]) => value)
+        .map(([name, value]) => (
+          <div key={name}>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </div>
+        ))}
+    </dl>
+  );
+}
+
+function described({ name, meaning }: ImportPreview['columns'][number]): string {
+  if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
+  return `${name} (${meaning || 'left out'})`;
+}
+
+export function Labels({ found }: { found: LabelsFound }) {
+  const rows: readonly Fact[] = [
+    ['Points', `${found.labelled.toLocaleString('en')} with a label`],
+    ['Frames', `${found.matched} with labels, ${found.unmatched_frames.length} without`],
+    ['Labels', `${Object.keys(found.labels).length}, ${found.new_labels.length} of them new`],
+    ['Classes without a name', found.unknown_classes.slice(0, 12).join(', ')],
+    ['Files of no frame', found.unmatched_files.slice(0, 6).join(', ')],
+    [
+      'Locked labels',
+      found.locked.length > 0 ? `${found.locked.join(', ')} keep their points` : '',
+    ],
+  ];
+  return (
+    <>
+      <FactList rows={rows} />
+      <Files files={found.files} />
+      <Warnings lines={found.warnings} />
+    </>
+  );
+}

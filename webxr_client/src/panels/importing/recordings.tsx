@@ -1,0 +1,165 @@
+/** Recordings on the start page: picture, date, length, progress, a search; rename and delete. */
+import { signal } from '@preact/signals';
+import { useState } from 'preact/hooks';
+import { actions } from '../../store/actions';
+import { apiUrl } from '../../net/rest';
+import { canEdit, canManage, type SequenceSummary } from '../../store/state';
+import { Button, NameField } from '../parts/controls';
+import { clock, day, plural, shortCount } from '../../common/format';
+import { Icon } from '../../common/icons';
+
+/** So many recordings are told apart at a glance. */
+const SEARCHED_FROM = 4;
+
+/** Return the recordings whose names have all words, in any order. */
+export function matching(
+  sequences: readonly SequenceSummary[],
+  text: string,
+): readonly SequenceSummary[] {
+  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
+  return sequences.filter(({ name, id }) => {
+    const told = `${name} ${id}`.toLowerCase();
+    return words.every((word) => told.includes(word));
+  });
+}
+
+export function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
+  const [text, setText] = useState('');
+  const found = matching(sequences, text);
+  return (
+    <>
+      <header class="recordings-header">
+        <h1>Recordings</h1>
+        {sequences.length >= SEARCHED_FROM && (
+          <input
+            class="field"
+            type="search"
+            aria-label="Search the recordings"
+            placeholder={`Search ${plural(sequences.length, 'recording')}`}
+            value={text}
+            onInput={(event) => setText(event.currentTarget.value)}
+          />
+        )}
+      </header>
+      {found.length === 0 && <p class="soft">No recording is called so</p>}
+      <ul class="recordings">
+        {found.map((row) => (
+          <li key={row.id} class="recording-line">
+            {renamingRecording.value === row.id ? <RecordingName row={row} /> : <Row row={row} />}
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}
+
+function Row({ row }: { row: SequenceSummary }) {
+  const sound = row.damaged === null;
+  const path = `sequences/${encodeURIComponent(row.id)}/frames/0/thumbnail`;
+  return (
+    <>
+      <button
+        type="button"
+        class="recording"
+        disabled={!sound}
+        onClick={() => actions.openSequence(row.id)}
+      >
+        {sound && row.frames > 0 ? (
+          <img src={`${apiUrl(path)}?of=${row.identity ?? ''}`} alt="" loading="lazy" />
+        ) : (
+          <Icon name="warning" />
+        )}
+        <span class="recording-words">
+          <strong class="name">{row.name}</strong>
+          {sound ? <Length row={row} /> : <span class="soft">Damaged: {row.damaged}</span>}
+          {sound && row.labels_missing !== null && (
+            <span class="soft">Labels did not come in: {row.labels_missing}</span>
+          )}
+        </span>
+        {sound && row.labels_missing === null && <Labelled row={row} />}
+        <Icon name="next" />
+      </button>
+      {sound && row.labels_missing !== null && canEdit.value && (
+        <Button
+          label="Try again"
+          tip={`Bring in the labels in the files of ${row.name}`}
+          small
+          onClick={() => void actions.importSourceLabels(row.id)}
+        />
+      )}
+      <RecordingTools row={row} />
+    </>
+  );
+}
+
+function Length({ row }: { row: SequenceSummary }) {
+  return (
+    <span class="soft number">
+      {plural(row.frames, 'frame')}
+      {row.fps > 0 && row.frames > 1 ? ` · ${clock(row.frames / row.fps)}` : ''} ·{' '}
+      {shortCount(row.points)} points
+      {row.created !== null && ` · ${day(row.created)}`}
+    </span>
+  );
+}
+
+/** Frames with labels, of all. */
+function Labelled({ row }: { row: SequenceSummary }) {
+  const share = row.frames > 0 ? row.labelled / row.frames : 0;
+  return (
+    <span class="recording-progress">
+      <span class="soft number">
+        {row.labelled} of {row.frames} labelled
+      </span>
+      <span class="progress" aria-hidden="true">
+        <span style={{ transform: `scaleX(${share})` }} />
+      </span>
+    </span>
+  );
+}
+
+/** The recording whose name is being typed. */
+export const renamingRecording = signal<string | null>(null);
+
+interface RecordingToolsProps {
+  row: SequenceSummary;
+  /** It is about to be deleted. */
+  onDelete?: () => void;
+}
+
+export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
+  if (!canManage.value) return null;
+  return (
+    <span class="recording-tools">
+      <Button
+        icon="pencil"
+        tip={`Rename ${row.name}`}
+        small
+        onClick={() => (renamingRecording.value = row.id)}
+      />
+      <Button
+        icon="trash"
+        tip={`Delete ${row.name}; it can be restored for 30 days`}
+        small
+        onClick={() => {
+          onDelete?.();
+          void actions.deleteSequence(row.id);
+        }}
+      />
+    </span>
+  );
+}
+
+/** The name's field, in the place of the row. */
+export function RecordingName({ row }: { row: SequenceSummary }) {
+  return (
+    <NameField
+      name={row.name}
+      maxLength={200}
+      onFinish={(name) => {
+        renamingRecording.value = null;
+        if (name && name !== row.name) void actions.renameSequence(row.id, name);
+      }}
+    />
+  );
+}

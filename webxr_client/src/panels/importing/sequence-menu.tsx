@@ -1,0 +1,113 @@
+/** The recording's name; opens the list of the others. */
+import { signal } from '@preact/signals';
+import { useCallback, useRef } from 'preact/hooks';
+import { actions } from '../../store/actions';
+import { canEdit, canManage, importJob, state, type SequenceSummary } from '../../store/state';
+import { pickFiles } from './files';
+import { plural, shortCount } from '../../common/format';
+import { Icon } from '../../common/icons';
+import { Popover } from '../parts/popover';
+import { RecordingName, RecordingTools, renamingRecording } from './recordings';
+
+const open = signal(false);
+const close = (): void => {
+  open.value = false;
+};
+
+export function SequenceMenu() {
+  const anchor = useRef<HTMLButtonElement>(null);
+  const toggle = useCallback(() => {
+    open.value = !open.value;
+    if (open.value) void actions.refreshSequences();
+  }, []);
+  const sequence = state.sequence.value;
+  return (
+    <>
+      <button
+        ref={anchor}
+        type="button"
+        class="button sequence-button"
+        aria-haspopup="dialog"
+        aria-expanded={open.value}
+        data-tip="Recordings"
+        onClick={toggle}
+      >
+        <span class="name">{sequence?.name ?? 'Recordings'}</span>
+        <Icon name="chevron" />
+      </button>
+      {open.value && (
+        <Popover anchor={anchor} label="Recordings" onClose={close}>
+          <ul class="sequence-list">
+            {(state.sequences.value ?? []).map((row) => (
+              <SequenceRow key={row.id} row={row} />
+            ))}
+          </ul>
+          <hr />
+          <button
+            type="button"
+            class="menu-item"
+            disabled={importJob.value !== null || !canManage.value}
+            onClick={() => {
+              close();
+              pickFiles();
+            }}
+          >
+            <Icon name="import" /> Import files…
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            disabled={!sequence || !canEdit.value}
+            onClick={() => {
+              close();
+              actions.setTool('floor');
+            }}
+          >
+            <Icon name="plane" /> Set the floor…
+          </button>
+          <button
+            type="button"
+            class="menu-item"
+            onClick={() => {
+              close();
+              actions.closeSequence();
+            }}
+          >
+            <Icon name="folder" /> All recordings
+          </button>
+        </Popover>
+      )}
+    </>
+  );
+}
+
+function SequenceRow({ row }: { row: SequenceSummary }) {
+  const current = state.sequence.value?.id === row.id;
+  if (renamingRecording.value === row.id) {
+    return (
+      <li class="recording-line">
+        <RecordingName row={row} />
+      </li>
+    );
+  }
+  return (
+    <li class="recording-line">
+      <button
+        type="button"
+        class="menu-item"
+        aria-current={current}
+        onClick={() => {
+          close();
+          if (!current) actions.openSequence(row.id);
+        }}
+      >
+        <Icon name={current ? 'check' : 'points'} />
+        <span class="name">{row.name}</span>
+        <span class="end number">
+          {plural(row.frames, 'frame')} · {shortCount(row.points)}
+        </span>
+      </button>
+      <RecordingTools row={row} {...(current && { onDelete: close })} />
+    </li>
+  );
+}

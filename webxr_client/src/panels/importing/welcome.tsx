@@ -1,0 +1,152 @@
+/** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
+import { useEffect, useState } from 'preact/hooks';
+import { actions } from '../../store/actions';
+import { canManage, state } from '../../store/state';
+import { Button } from '../parts/controls';
+import { day, plural } from '../../common/format';
+import { Icon } from '../../common/icons';
+import { pickFiles } from './files';
+import { Recordings } from './recordings';
+
+export function Welcome() {
+  const { state: connection, detail } = state.connection.value;
+  const sequences = state.sequences.value;
+  if (connection === 'refused') return <Refused detail={detail} />;
+  if (state.opening.value !== null) return <Waiting text="Opening the recording…" />;
+  if (sequences === null) {
+    return connection === 'offline' ? <Away detail={detail} /> : <Waiting text="Connecting…" />;
+  }
+  return (
+    <div class="welcome-page">
+      <div class="welcome-box">
+        {sequences.length > 0 ? <Recordings sequences={sequences} /> : <Empty />}
+        <ImportBox />
+        <Deleted />
+      </div>
+    </div>
+  );
+}
+
+function Waiting({ text }: { text: string }) {
+  return (
+    <div class="center" role="status">
+      <div class="spinner" />
+      <p class="soft">{text}</p>
+    </div>
+  );
+}
+
+function Refused({ detail }: { detail: string }) {
+  return (
+    <div class="center message" role="alert">
+      <Icon name="lock" />
+      <h1>This link does not open the workspace</h1>
+      <p>{detail || 'The token in the address is missing, expired or wrong.'}</p>
+      <p class="soft">
+        Use the address that <code>pointbrush serve</code> printed, or ask for a new one.
+      </p>
+    </div>
+  );
+}
+
+function Away({ detail }: { detail: string }) {
+  return (
+    <div class="center message" role="alert">
+      <Icon name="offline" />
+      <h1>The server does not answer</h1>
+      <p>{detail || 'It may be stopped, or the network is away.'}</p>
+      <Button label="Try again" kind="primary" onClick={() => actions.reconnect()} />
+    </div>
+  );
+}
+
+function Empty() {
+  return (
+    <header>
+      <h1>No recordings yet</h1>
+      <p class="soft">
+        Import a recording: a folder or a set of point clouds, one file per frame, in the order of
+        their names.
+      </p>
+    </header>
+  );
+}
+
+/** Recordings that were deleted and can be brought back. */
+function Deleted() {
+  const [shown, setShown] = useState(false);
+  const { value: deleted } = state.deleted;
+  useEffect(() => void actions.refreshDeleted(), []);
+  if (deleted.length === 0) return null;
+  return (
+    <section aria-label="Deleted recordings">
+      <Button
+        icon="trash"
+        label={plural(deleted.length, 'deleted recording')}
+        expanded={shown}
+        onClick={() => setShown(!shown)}
+      />
+      {shown && (
+        <ul class="recordings">
+          {deleted.map((row) => (
+            <li key={row.identity} class="recording">
+              <Icon name="trash" />
+              <strong class="name">{row.name}</strong>
+              <span class="soft">
+                Deleted {day(row.deleted)} · kept until {day(row.until)}
+              </span>
+              <Button
+                icon="restore"
+                label="Restore"
+                kind="outlined"
+                disabled={!canManage.value}
+                onClick={() => void actions.restoreSequence(row.identity)}
+              />
+            </li>
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function ImportBox() {
+  const [path, setPath] = useState('');
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    if (path.trim()) void actions.importPath(path.trim());
+  };
+  return (
+    <section class="import-box" aria-label="Import">
+      <div class="drop-hint">
+        <Icon name="import" />
+        <p>
+          <strong>Drop files or a folder here</strong>
+          <span class="soft">PLY, PCD, LAS, LAZ, E57, NPZ, KITTI, XYZ, bags and more</span>
+        </p>
+        <div class="group">
+          <Button label="Choose files" kind="primary" onClick={() => pickFiles()} />
+          <Button label="Choose a folder" kind="outlined" onClick={() => pickFiles(true)} />
+        </div>
+      </div>
+      <form class="path-form" onSubmit={submit}>
+        <label>
+          <span class="soft">Or a path on the server</span>
+          <input
+            class="field"
+            value={path}
+            placeholder="/data/recordings/session-12"
+            spellcheck={false}
+            onInput={(event) => setPath(event.currentTarget.value)}
+          />
+        </label>
+        <button type="submit" class="button outlined" disabled={!path.trim()}>
+          Import
+        </button>
+      </form>
+      <p class="soft">
+        In a terminal: <code>pointbrush import PATH…</code>
+      </p>
+    </section>
+  );
+}

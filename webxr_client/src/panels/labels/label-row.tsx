@@ -1,0 +1,218 @@
+/** One label: its colour, name and counts, and what can be done with it. */
+import type { RefObject } from 'preact';
+import { useRef, useState } from 'preact/hooks';
+import { actions } from '../../store/actions';
+import type { Label } from '../../protocol/messages';
+import { canEdit, state } from '../../store/state';
+import { LABEL_COLORS } from '../../common/colors';
+import { Button, NameField } from '../parts/controls';
+import { shortCount } from '../../common/format';
+import { Icon } from '../../common/icons';
+import { lossOf, pointsOf } from './label-points';
+import { dragged, onRowDown, onRowFocus, onRowKey, tabStop } from './label-rows';
+import { LabelMenu } from './label-menu';
+import { keyOf, renaming } from '../../store/palette-list';
+import { Popover } from '../parts/popover';
+
+export function LabelRow({ label, number }: { label: Label; number: number }) {
+  const [menu, setMenu] = useState(false);
+  const more = useRef<HTMLButtonElement>(null);
+  const active = state.activeLabel.value === label.id;
+  const solo = state.solo.value === label.id;
+  const dimmed = !label.visible || (state.solo.value !== null && !solo);
+  const editing = renaming.value === label.id;
+  const key = keyOf(number);
+  const choose = (): void => actions.selectLabel(label.id);
+  return (
+    <li
+      class={`label-row${dimmed ? ' dimmed' : ''}`}
+      data-label={label.id}
+      data-drop={dropOf(label.id)}
+      role="row"
+      aria-selected={active}
+      aria-label={label.name}
+      tabIndex={tabStop.value === label.id ? 0 : -1}
+      onPointerDown={(event) => onRowDown(event, label.id)}
+      onClick={choose}
+      onDblClick={() => canEdit.peek() && (renaming.value = label.id)}
+      onKeyDown={(event) => onRowKey(event, label.id)}
+      onFocusIn={() => onRowFocus(label.id)}
+    >
+      <span role="gridcell">
+        <ColorButton label={label} />
+      </span>
+      <div class="label-text" role="gridcell">
+        {editing ? (
+          <NameField name={label.name} onFinish={(name) => rename(label, name)} />
+        ) : (
+          <span class="name">{label.name}</span>
+        )}
+        {!editing && label.category && label.category !== label.name && (
+          <span class="category">{label.category}</span>
+        )}
+      </div>
+      {!editing && (
+        <span class="label-state" role="gridcell">
+          {label.locked && <Icon name="lock" />}
+          {!label.visible && <Icon name="hidden" />}
+          {solo && <Icon name="solo" />}
+          <Counts id={label.id} />
+        </span>
+      )}
+      <div class="label-tools" role="gridcell">
+        <Toggle
+          on={label.locked}
+          icon={label.locked ? 'lock' : 'unlock'}
+          tip={label.locked ? 'Unlock' : 'Lock: its points cannot be changed'}
+          disabled={!canEdit.value}
+          onClick={() => void actions.toggleLock(label.id)}
+        />
+        <Toggle
+          on={!label.visible}
+          icon={label.visible ? 'eye' : 'hidden'}
+          tip={label.visible ? 'Hide' : 'Show'}
+          onClick={() => void actions.toggleVisible(label.id)}
+        />
+        <Toggle
+          on={solo}
+          icon="solo"
+          tip={solo ? 'Show all labels' : 'Show only this label'}
+          onClick={() => actions.solo(solo ? null : label.id)}
+        />
+        <Button
+          buttonRef={more}
+          icon="more"
+          tip={`More for ${label.name}`}
+          small
+          tabIndex={-1}
+          expanded={menu}
+          onClick={(event) => {
+            event.stopPropagation();
+            setMenu(!menu);
+          }}
+        />
+      </div>
+      <span role="gridcell">{key && <span class="kbd">{key}</span>}</span>
+      {menu && <LabelMenu label={label} anchor={more} onClose={() => setMenu(false)} />}
+    </li>
+  );
+}
+
+/** State of a row while one is dragged: it is the one, or the one comes before it. */
+function dropOf(id: number): string | undefined {
+  const at = dragged.value;
+  if (at?.id === id) return 'moves';
+  return at?.before === id ? 'before' : undefined;
+}
+
+function rename(label: Label, name: string | null): void {
+  renaming.value = null;
+  if (name && name !== label.name) void actions.renameLabel(label.id, name);
+}
+
+function ColorButton({ label }: { label: Label }) {
+  const [open, setOpen] = useState(false);
+  const anchor = useRef<HTMLButtonElement>(null);
+  return (
+    <>
+      <button
+        ref={anchor}
+        type="button"
+        class="color-button"
+        tabIndex={-1}
+        style={{ '--color': label.color }}
+        aria-label={`Colour of ${label.name}`}
+        data-tip="Change the colour"
+        disabled={!canEdit.value}
+        onClick={(event) => {
+          event.stopPropagation();
+          setOpen(!open);
+        }}
+      />
+      {open && <ColorPicker label={label} anchor={anchor} onClose={() => setOpen(false)} />}
+    </>
+  );
+}
+
+/** Points in this frame over points in all frames; the head of the list says which is which. */
+function Counts({ id }: { id: number }) {
+  const { here, all } = pointsOf(id);
+  return (
+    <span class="counts number" data-tip={lossOf(id).join(', ')}>
+      <b>{shortCount(here)}</b>
+      <span class="faint">{shortCount(all)}</span>
+    </span>
+  );
+}
+
+interface ToggleProps {
+  on: boolean;
+  icon: 'lock' | 'unlock' | 'eye' | 'hidden' | 'solo';
+  tip: string;
+  disabled?: boolean;
+  onClick: () => void;
+}
+
+function Toggle({ on, icon, tip, disabled, onClick }: ToggleProps) {
+  return (
+    <button
+      type="button"
+      class="button icon-only small"
+      tabIndex={-1}
+      aria-label={tip}
+      aria-pressed={on}
+      data-tip={tip}
+      disabled={disabled}
+      onClick={(event) => {
+        event.stopPropagation();
+        onClick();
+      }}
+    >
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+/** The colour set, and any other colour. */
+interface ColorPickerProps {
+  label: Label;
+  anchor: RefObject<HTMLElement | null>;
+  onClose: () => void;
+}
+
+function ColorPicker({ label, anchor, onClose }: ColorPickerProps) {
+  const taken = new Set(
+    state.palette.value.filter((other) => other.id !== label.id).map((other) => other.color),
+  );
+  const choose = (color: string): void => {
+    onClose();
+    if (color !== label.color) void actions.recolorLabel(label.id, color);
+  };
+  return (
+    <Popover anchor={anchor} label={`Colour of ${label.name}`} onClose={onClose}>
+      <div class="color-grid">
+        {LABEL_COLORS.map((color) => (
+          <button
+            key={color}
+            type="button"
+            class="color-choice"
+            style={{ '--color': color }}
+            aria-label={color}
+            aria-pressed={color === label.color}
+            data-taken={taken.has(color) || undefined}
+            data-tip={taken.has(color) ? 'Another label has this colour' : undefined}
+            onClick={() => choose(color)}
+          />
+        ))}
+      </div>
+      <label class="row">
+        <span>Other</span>
+        <input
+          type="color"
+          value={label.color}
+          onChange={(event) => choose(event.currentTarget.value)}
+        />
+      </label>
+    </Popover>
+  );
+}

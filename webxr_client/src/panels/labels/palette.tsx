@@ -1,0 +1,204 @@
+/** The labels, at the side. */
+import { computed } from '@preact/signals';
+import { actions } from '../../store/actions';
+import { finishLabel, isNew, newLabel } from '../../engine/labels';
+import type { Label } from '../../protocol/messages';
+import { canEdit, state } from '../../store/state';
+import { Button, NameField } from '../parts/controls';
+import { count, plural } from '../../common/format';
+import { Icon } from '../../common/icons';
+import { LabelRow } from './label-row';
+import { canGroup, listed, search, shownGroups, wantsGroups } from '../../store/palette-list';
+import { PaletteMenuButton } from './palette-menu';
+
+export function Palette() {
+  if (!state.sequence.value) return null;
+  const palette = state.palette.value;
+  return (
+    <>
+      <div class="panel-head">
+        <h2>Labels</h2>
+        <span class="faint number">{palette.length > 0 ? palette.length : ''}</span>
+        <span class="spacer" />
+        <PaletteMenuButton />
+        <Button
+          icon="plus"
+          tip="New label"
+          keys="N"
+          small
+          disabled={!canEdit.value}
+          onClick={() => void actions.newLabel()}
+        />
+      </div>
+      {palette.length > 0 && <PaletteSearch />}
+      {palette.length === 0 && !newLabel.value ? <NoLabels /> : <LabelList />}
+      <Unlabeled />
+    </>
+  );
+}
+
+function LabelList() {
+  const groups = shownGroups.value;
+  const numbers = new Map(listed.value.map((label, index) => [label.id, index + 1]));
+  return (
+    <div class="labels" role="grid" aria-label="Labels">
+      {groups.map(({ category, labels }) => (
+        <ul
+          key={category ?? ''}
+          role="rowgroup"
+          aria-label={category === null ? 'All labels' : category || 'No category'}
+        >
+          {category !== null && <GroupHead category={category} labels={labels} />}
+          {labels.map((label) =>
+            isNew(newLabel.value, label) ? null : (
+              <LabelRow key={label.id} label={label} number={numbers.get(label.id) ?? 0} />
+            ),
+          )}
+        </ul>
+      ))}
+      <NewRow />
+      {groups.length === 0 && !newLabel.value && <NothingFound />}
+    </div>
+  );
+}
+
+function GroupHead({ category, labels }: { category: string; labels: readonly Label[] }) {
+  const points = labels.reduce((sum, { id }) => sum + (state.counts.value.get(id) ?? 0), 0);
+  return (
+    <li class="group-head" role="row">
+      <span role="gridcell" class="name">
+        {category || 'No category'}
+      </span>
+      <span role="gridcell" class="number" data-tip={`${plural(points, 'point')} in all frames`}>
+        {labels.length}
+      </span>
+    </li>
+  );
+}
+
+function NothingFound() {
+  return (
+    <div role="row" class="no-labels">
+      <span role="gridcell">No label has “{search.value}”.</span>
+    </div>
+  );
+}
+
+/** The row of a label whose name is typed for the first time. */
+function NewRow() {
+  const draft = newLabel.value;
+  if (!draft) return null;
+  return (
+    <div class="label-row" role="row" aria-selected aria-label={draft.name}>
+      <span role="gridcell" class="color-button" style={{ '--color': draft.color }} />
+      <span role="gridcell">
+        <NameField name={draft.name} onFinish={(name) => void finishLabel(name)} />
+      </span>
+    </div>
+  );
+}
+
+function NoLabels() {
+  return (
+    <div class="labels no-labels">
+      <p>A label is one thing to follow: a pin, a hand, a person.</p>
+      <Button
+        icon="plus"
+        label="First label"
+        kind="primary"
+        disabled={!canEdit.value}
+        onClick={() => void actions.newLabel()}
+      />
+    </div>
+  );
+}
+
+const labelledHere = computed(() => {
+  let labelled = 0;
+  for (const row of state.timeline.value.rows.values()) {
+    labelled += row.points[state.frame.value] ?? 0;
+  }
+  return labelled;
+});
+
+function Unlabeled() {
+  const { hideUnlabeled } = state.view.value;
+  const total = state.sequence.value?.points[state.frame.value] ?? 0;
+  const left = Math.max(0, total - labelledHere.value);
+  return (
+    <div class="unlabeled">
+      <span class="swatch" />
+      <span class="name">Unlabeled</span>
+      <span class="number faint" data-tip={`${plural(left, 'point')} of this frame`}>
+        {count(left)}
+      </span>
+      <button
+        type="button"
+        class="button icon-only small"
+        aria-label={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
+        data-tip={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
+        aria-pressed={hideUnlabeled}
+        onClick={() => actions.setView({ hideUnlabeled: !hideUnlabeled })}
+      >
+        <Icon name={hideUnlabeled ? 'hidden' : 'eye'} />
+      </button>
+    </div>
+  );
+}
+
+/** Above the labels: a search, headings by category, and what the numbers of a row mean. */
+const FIELD = 'label-search';
+
+/** Put the cursor into the search. */
+export function openSearch(): void {
+  const field = document.getElementById(FIELD) as HTMLInputElement | null;
+  field?.focus();
+  field?.select();
+}
+
+function PaletteSearch() {
+  return (
+    <>
+      <div class="label-search">
+        <input
+          id={FIELD}
+          class="field"
+          type="search"
+          aria-label="Search labels"
+          placeholder={`Search ${plural(listed.value.length, 'label')}`}
+          data-tip="Search by name or category"
+          data-keys="/"
+          spellcheck={false}
+          value={search.value}
+          onInput={(event) => (search.value = event.currentTarget.value)}
+          onKeyDown={onKey}
+        />
+        {canGroup.value && (
+          <Button
+            icon="folder"
+            tip="Group by category"
+            small
+            pressed={wantsGroups.value}
+            onClick={() => (wantsGroups.value = !wantsGroups.value)}
+          />
+        )}
+      </div>
+      <div class="count-head faint" aria-hidden="true">
+        Points in this frame
+        <br />
+        in all frames
+      </div>
+    </>
+  );
+}
+
+/** Enter takes the first label that is found; Escape ends the search. */
+function onKey(event: KeyboardEvent): void {
+  if (event.key !== 'Enter' && event.key !== 'Escape') return;
+  event.preventDefault();
+  event.stopPropagation();
+  const first = shownGroups.peek()[0]?.labels[0];
+  if (event.key === 'Enter' && first) actions.selectLabel(first.id);
+  search.value = '';
+  (event.currentTarget as HTMLElement).blur();
+}

@@ -1,0 +1,108 @@
+/** Frames laid over the one on screen: the switch, how many, and what a stroke then paints. */
+import { signal } from '@preact/signals';
+import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../../cloud/points/accumulation';
+import { canEdit, patch, state } from '../../store/state';
+import { Button, Check, Slider } from '../parts/controls';
+import { plural } from '../../common/format';
+import { PopoverButton } from '../parts/popover';
+
+const open = signal(false);
+
+/** In the tool bar's second row. */
+export function AccumulateButton() {
+  const info = state.sequence.value;
+  if (!info || info.large || info.frames < 2) return null;
+  return (
+    <PopoverButton
+      open={open}
+      icon="frames"
+      tip="Lay the frames around this one over it, and paint them together"
+      pressed={accumulation.value.on}
+      label="Frames around this one"
+      class="overlays"
+    >
+      <Around frames={info.frames} />
+    </PopoverButton>
+  );
+}
+
+function Around({ frames }: { frames: number }) {
+  const { on, before, after } = accumulation.value;
+  const most = Math.min(MOST_AROUND, frames - 1);
+  const all = before >= most && after >= most;
+  return (
+    <>
+      <Check
+        label="Lay the frames around this one over it"
+        tip="By the recording's poses; tracked labels by their tracks"
+        checked={on}
+        onChange={(wanted) => patch(accumulation, { on: wanted })}
+      />
+      <Side
+        name="Before"
+        value={before}
+        most={most}
+        onInput={(n) => patch(accumulation, { before: n })}
+      />
+      <Side
+        name="After"
+        value={after}
+        most={most}
+        onInput={(n) => patch(accumulation, { after: n })}
+      />
+      <Button
+        label="All frames"
+        kind="outlined"
+        pressed={all}
+        onClick={() => patch(accumulation, { on: true, before: most, after: most })}
+      />
+    </>
+  );
+}
+
+interface SideProps {
+  name: string;
+  value: number;
+  most: number;
+  onInput: (frames: number) => void;
+}
+
+function Side({ name, value, most, onInput }: SideProps) {
+  const shown = Math.min(value, most);
+  return (
+    <Slider
+      label={name}
+      value={shown}
+      min={0}
+      max={most}
+      step={1}
+      tip={`Frames ${name.toLowerCase()} this one`}
+      shown={plural(shown, 'frame')}
+      onInput={(frames) => onInput(Math.round(frames))}
+    />
+  );
+}
+
+/** Over the picture while frames are laid over it: what a stroke paints is never a surprise. */
+export function AccumulateSign() {
+  if (!accumulation.value.on) return null;
+  const shown = placedFrames.value.length;
+  const left = leftOut.value;
+  return (
+    <div class="sign" role="status">
+      <span>
+        {state.playing.value
+          ? 'Frames are laid over one another when time stands'
+          : `${plural(shown + 1, 'frame')} over one another`}
+        {canEdit.value && shown > 0 && <strong> · a stroke paints all of them</strong>}
+        {left > 0 && ` · ${left} left out: too many points`}
+      </span>
+      <Button
+        icon="close"
+        small
+        tip="Show this frame alone"
+        onClick={() => patch(accumulation, { on: false })}
+      />
+    </div>
+  );
+}

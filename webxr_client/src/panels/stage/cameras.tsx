@@ -1,0 +1,153 @@
+/** The strip of cameras beside the cloud: pictures with the frame's points in their labels' colours. */
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { Lens, type CameraPicture } from '../../cameras/lens';
+import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
+import {
+  pictures,
+  pointAt,
+  pointAway,
+  pointed,
+  projectedFrame,
+  stripOpen,
+} from '../../cameras/state';
+import { aimAt } from '../../cameras/strip';
+import { apiUrl } from '../../net/rest';
+import { state } from '../../store/state';
+import { Button } from '../parts/controls';
+
+/** Pixels of the raster that points are drawn in, across. */
+const RASTER = 480;
+/** Greatest distance of the pointer from a point's pixel, pixels of the raster. */
+const REACH = 9;
+
+/** In the tool bar's second row, where the recording has pictures. */
+export function CamerasButton() {
+  if ((pictures.value?.cameras.length ?? 0) === 0) return null;
+  return (
+    <Button
+      icon="camera"
+      tip="Pictures of the cameras, with the points in them"
+      pressed={stripOpen.value}
+      onClick={() => (stripOpen.value = !stripOpen.value)}
+    />
+  );
+}
+
+export function CameraPanel() {
+  const found = pictures.value;
+  const open = stripOpen.value && found !== null && found.cameras.length > 0;
+  useEffect(() => {
+    const stage = document.getElementById('stage')!;
+    stage.classList.toggle('with-cameras', open);
+    return () => stage.classList.remove('with-cameras');
+  }, [open]);
+  if (!open) return null;
+  return (
+    <section class="cameras" aria-label="Cameras">
+      {found.cameras.map((picture) => (
+        <Camera
+          key={picture.name}
+          picture={picture}
+          source={apiUrl(
+            `sequences/${found.sequence}/frames/${found.frame}/images/${encodeURIComponent(picture.name)}`,
+          )}
+        />
+      ))}
+    </section>
+  );
+}
+
+interface CameraProps {
+  picture: CameraPicture;
+  source: string;
+}
+
+function Camera({ picture, source }: CameraProps) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const shift = state.sequence.value?.shift ?? null;
+  const lens = useMemo(() => shift && Lens.of(picture, shift), [picture, shift]);
+  const [raster] = useState(
+    () => new Projected(RASTER, Math.max(1, Math.round((RASTER * picture.height) / picture.width))),
+  );
+  const shown = projectedFrame.value;
+  const colours = useColours();
+  useEffect(() => {
+    const pen = canvas.current?.getContext('2d');
+    if (!pen || !lens || !shown) return;
+    raster.draw(shown.frame, lens, colours);
+    pen.putImageData(raster.pixels, 0, 0);
+  }, [lens, shown, colours]);
+
+  /** The point under the pointer, and where it is. */
+  const under = (event: MouseEvent): [number, number, number] | null => {
+    const box = canvas.current?.getBoundingClientRect();
+    if (!box || !shown) return null;
+    const u = Math.floor(((event.clientX - box.left) / box.width) * raster.width);
+    const v = Math.floor(((event.clientY - box.top) / box.height) * raster.height);
+    const point = raster.nearest(u, v, REACH);
+    return point < 0 ? null : placeOf(shown.frame, point);
+  };
+  const hover = (event: MouseEvent): void => {
+    const place = under(event);
+    if (place) pointAt(place, 'picture');
+    else pointAway('picture');
+  };
+  const click = (event: MouseEvent): void => {
+    const place = under(event);
+    if (place && lens) aimAt(place, lens);
+  };
+  return (
+    <figure class="camera">
+      <div class="camera-picture" style={{ aspectRatio: `${picture.width} / ${picture.height}` }}>
+        <img src={source} alt={`What camera ${picture.name} saw`} draggable={false} />
+        <canvas
+          ref={canvas}
+          width={raster.width}
+          height={raster.height}
+          onPointerMove={hover}
+          onPointerLeave={() => pointAway('picture')}
+          onClick={click}
+        />
+        {lens && <Spot lens={lens} />}
+      </div>
+      <figcaption>
+        {picture.name}
+        {!lens && <span class="soft"> · not calibrated: no points</span>}
+      </figcaption>
+    </figure>
+  );
+}
+
+/** The place that one points at. */
+function Spot({ lens }: { lens: Lens }) {
+  const at = pointed.value;
+  if (!at || !lens.project(...at.place)) return null;
+  const { width, height } = lens.picture;
+  const style = {
+    left: `${(lens.at[0]! / width) * 100}%`,
+    top: `${(lens.at[1]! / height) * 100}%`,
+  };
+  return <span class="camera-spot" style={style} />;
+}
+
+const PLAIN = [255, 255, 255] as const;
+
+/** Colours of labels as shown now. */
+function useColours(): ColourOf {
+  const palette = state.palette.value;
+  const solo = state.solo.value;
+  const hideUnlabeled = state.view.value.hideUnlabeled;
+  return useMemo(() => {
+    const rgb = new Map(
+      palette
+        .filter(({ id, visible }) => (solo === null ? visible : id === solo))
+        .map(({ id, color }) => [id, rgbOf(color)] as const),
+    );
+    return (label: number) => (label === 0 ? (hideUnlabeled ? null : PLAIN) : (rgb.get(label) ?? null)); // prettier-ignore
+  }, [palette, solo, hideUnlabeled]);
+}
+
+function rgbOf(color: string): readonly [number, number, number] {
+  const number = Number.parseInt(color.slice(1), 16);
+  return [number >> 16, (number >> 8) & 255, number & 255];
+}

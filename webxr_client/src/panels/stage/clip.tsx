@@ -1,0 +1,72 @@
+/** The clip box: what is shown and can be painted, in the tool bar and over the picture. */
+import { signal } from '@preact/signals';
+import { actions } from '../../store/actions';
+import { clip } from '../../tools/clip';
+import { canEdit, state } from '../../store/state';
+import { Button, Check } from '../parts/controls';
+import { PopoverButton } from '../parts/popover';
+import { RadioGroup, type RadioOption } from '../parts/radio-group';
+
+const open = signal(false);
+
+type Kind = 'all' | 'box' | 'level' | 'across' | 'depth';
+
+const KINDS: readonly RadioOption<Kind>[] = [
+  { value: 'all', icon: 'eye', label: 'Everything', tip: 'Show all points' },
+  { value: 'box', icon: 'box', label: 'Box', tip: 'Round the active object, or what one looks at' },
+  { value: 'level', icon: 'slice', label: 'Level', tip: 'A slab between two heights' },
+  { value: 'across', icon: 'slice', label: 'Left to right', tip: 'A slab that runs along the view' },
+  { value: 'depth', icon: 'slice', label: 'In depth', tip: 'A slab across the view' },
+]; // prettier-ignore
+const SLABS = { level: 1, across: 0, depth: 2 } as const;
+const OF_AXIS = ['across', 'level', 'depth'] as const;
+
+function kindNow(): Kind {
+  const { value } = clip;
+  if (!value) return 'all';
+  return value.slab === null ? 'box' : OF_AXIS[value.slab];
+}
+
+function choose(kind: Kind): void {
+  if (kind === 'all') clip.value = null;
+  else actions.clipTo(kind === 'box' ? null : SLABS[kind]);
+}
+
+/** In the tool bar's second row. */
+export function ClipButton() {
+  return (
+    <PopoverButton open={open}
+        icon="slice"
+        tip="Clip: show and paint only what is in a box or a slab"
+        keys="Y"
+        pressed={clip.value !== null} label="Clip" class="overlays">
+          <RadioGroup label="Shown" class="kinds" options={KINDS} value={kindNow()} onChoose={choose} />
+          {clip.value && (
+            <Check
+              label="Follow the active object"
+              tip="The box goes along with the active label from frame to frame"
+              checked={clip.value.follows}
+              onChange={(follows) => clip.value && (clip.value = { ...clip.value, follows })}
+            />
+          )}
+          <p class="soft">
+            Drag its faces. <span class="kbd">Alt</span> and the wheel, or{' '}
+            <span class="kbd">Page ↑ ↓</span>, moves it along its thinnest side.
+          </p>
+        </PopoverButton>
+  ); // prettier-ignore
+}
+
+/** Over the picture while something is left out: what a stroke reaches is never a surprise. */
+export function ClipSign() {
+  if (!clip.value || !state.sequence.value) return null;
+  return (
+    <div class="sign" role="status">
+      <span>
+        Only what is in the {clip.value.slab === null ? 'box' : 'slab'} is shown
+        {canEdit.value && <strong> · strokes reach nothing else</strong>}
+      </span>
+      <Button icon="close" small tip="Show everything" onClick={() => (clip.value = null)} />
+    </div>
+  );
+}

@@ -1,0 +1,59 @@
+/** Over the canvas, at the bottom: what the object tool offers, and what one can do with it. */
+import { actions } from '../../store/actions';
+import { isStroke, state } from '../../store/state';
+import { deskWay } from '../../tools/ways';
+import { Button } from '../parts/controls';
+import { plural } from '../../common/format';
+import { Icon } from '../../common/icons';
+
+export function ObjectBar() {
+  const object = state.object.value;
+  const clicks = deskWay(state.brush.value.shape).samples === 'clicks';
+  if (!isStroke(state.tool.value) || (!clicks && !object?.completes)) return null;
+  if (!object || object.levels === 0) {
+    return clicks ? (
+      <div class="object-bar" role="status">
+        <Icon name="object" />
+        <span>{object ? 'Nothing to take here' : 'Point at an object: a click takes it'}</span>
+        {object?.ready === false && <NotReady />}
+      </div>
+    ) : null;
+  }
+  const { level, levels, points, ready, taken, completes } = object;
+  return (
+    <div class="object-bar" role="status">
+      <Icon name="object" />
+      <Button icon="minus" tip="Towards the part" keys="−" disabled={level === 0} onClick={() => void actions.stepObject(-1)} />
+      <Steps level={level} levels={levels} />
+      <Button icon="plus" tip="Towards the group" keys="+" disabled={level === levels - 1} onClick={() => void actions.stepObject(1)} />
+      <span class="number">{plural(points, 'point')}</span>
+      {completes && (
+        <Button label="Complete to object" kind="primary" keys="Tab" tip="Take these points instead of the stroke" onClick={() => void actions.completeObject()} />
+      )}
+      {completes && <Button icon="close" tip="Leave the stroke as it is" keys="Esc" onClick={() => actions.endObject()} />}
+      {taken && <span class="soft">Click adds · Alt-click removes</span>}
+      {taken && <Button label="Next object" kind="outlined" keys="Esc" onClick={() => actions.endObject()} />}
+      {!taken && !completes && <span class="soft">Wheel: part to group · click takes it</span>}
+      {!ready && <NotReady />}
+    </div>
+  ); // prettier-ignore
+}
+
+/** The levels as a row of marks that grow, the shown one lit. */
+function Steps({ level, levels }: { level: number; levels: number }) {
+  return (
+    <span class="object-levels" aria-label={`Level ${level + 1} of ${levels}`}>
+      {Array.from({ length: levels }, (_, i) => (
+        <span key={i} class={i === level ? 'mark on' : 'mark'} style={{ '--step': i }} />
+      ))}
+    </span>
+  );
+}
+
+function NotReady() {
+  return (
+    <span class="soft">
+      <span class="spinner small" /> Preparing this frame: only what is near is offered
+    </span>
+  );
+}

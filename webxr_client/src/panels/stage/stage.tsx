@@ -1,0 +1,177 @@
+/** Overlay of the canvas: states, progress, what is under the pointer. */
+import { useEffect, useState } from 'preact/hooks';
+import { actions } from '../../store/actions';
+import { DELETED } from '../../cloud/points/piece';
+import { orthographic } from '../../view/framing';
+import type { Unsent } from '../../net/wire';
+import { activeLabel, isStroke, state } from '../../store/state';
+import { AccumulateSign } from './accumulate';
+import { CameraPanel } from './cameras';
+import { ClipSign } from './clip';
+import { Button } from '../parts/controls';
+import { plural, metres, shortCount } from '../../common/format';
+import { dropping } from '../importing/files';
+import { Icon } from '../../common/icons';
+import { JobCards } from './jobs';
+import { ObjectBar } from './object-bar';
+import { Toasts } from './toasts';
+import { Views } from './views';
+import { Welcome } from '../importing/welcome';
+
+export function Stage() {
+  const { session } = state.xr.value;
+  if (session === 'running') return <InHeadset />;
+  return (
+    <>
+      {state.sequence.value ? <InRecording /> : <Welcome />}
+      <div class="bottom">
+        <JobCards />
+        <Toasts />
+        {state.sequence.value && <ObjectBar />}
+      </div>
+      {dropping.value && <DropTarget />}
+    </>
+  );
+}
+
+function InRecording() {
+  const empty = state.shown.value.frame < 0 || state.opening.value !== null;
+  return (
+    <>
+      <OfflineBanner />
+      {empty && <Opening />}
+      {!empty && state.shown.value.total === 0 && <EmptyFrame />}
+      <div class="signs">
+        <AccumulateSign />
+        <ClipSign />
+      </div>
+      <CameraPanel />
+      <Readout />
+      <Views />
+    </>
+  );
+}
+
+function Opening() {
+  return (
+    <div class="center" role="status">
+      <div class="spinner" />
+      <p class="soft">Opening {state.sequence.value?.name ?? 'the recording'}…</p>
+    </div>
+  );
+}
+
+function EmptyFrame() {
+  return (
+    <div class="center" role="status">
+      <p class="soft">No points in this frame: there is nothing to paint</p>
+    </div>
+  );
+}
+
+function OfflineBanner() {
+  const { state: connection, detail, retryAt, unsent } = state.connection.value;
+  const pending = state.pending.value;
+  if (connection === 'online') return null;
+  if (connection === 'refused') {
+    return (
+      <div class="banner bad" role="alert">
+        <Icon name="warning" />
+        <span>
+          <strong>The server refused this page.</strong> {detail} {unsentText(unsent)}
+        </span>
+      </div>
+    );
+  }
+  return (
+    <div class="banner" role="status">
+      <Icon name="offline" />
+      <span>
+        <strong>The server is away.</strong> You can go on painting
+        {pending > 0 ? `; ${plural(pending, 'stroke')} will be sent when it is back.` : '.'}
+      </span>
+      <Retry at={retryAt} />
+    </div>
+  );
+}
+
+const MOST_NAMED = 4;
+
+/** Strokes that the server did not take, by name. */
+function unsentText(unsent: readonly Unsent[]): string {
+  if (unsent.length === 0) return '';
+  const told = unsent.slice(0, MOST_NAMED).map(({ frame, tool, label }) => {
+    const name = label ? state.palette.value.find(({ id }) => id === label)?.name : undefined;
+    return `${name ?? tool} in frame ${frame}`;
+  });
+  const more = unsent.length > MOST_NAMED ? `, and ${unsent.length - MOST_NAMED} more` : '';
+  return (
+    `${plural(unsent.length, 'stroke')} not sent: ${told.join(', ')}${more}. ` +
+    'This browser keeps them, and sends them once the recording is opened by a link that is valid.'
+  );
+}
+
+function Retry({ at }: { at: number | null }) {
+  const [now, setNow] = useState(() => performance.now());
+  useEffect(() => {
+    const timer = setInterval(() => setNow(performance.now()), 1000);
+    return () => clearInterval(timer);
+  }, []);
+  const seconds = at === null ? 0 : Math.ceil((at - now) / 1000);
+  return (
+    <>
+      {seconds > 0 && <span class="number soft">Next try in {seconds} s</span>}
+      <Button label="Try now" kind="outlined" onClick={() => actions.reconnect()} />
+    </>
+  );
+}
+
+/** Bottom left: what the pointer is on, and whether the frame is complete. */
+function Readout() {
+  const hover = state.hover.value;
+  const { points, total } = state.shown.value;
+  const sharpening = total > 0 && points < total;
+  const label = hover && state.palette.value.find((entry) => entry.id === hover.label);
+  const painting = isStroke(state.tool.value);
+  return (
+    <div class="readout number">
+      {hover && (
+        <span>
+          {label && <span class="swatch" style={{ '--color': label.color }} />}
+          {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabeled')}
+          <span class="soft">
+            {!orthographic.value && metres(hover.distance)}
+            {painting && hover.points > 0 ? ` · ${plural(hover.points, 'point')} in the brush` : ''}
+          </span>
+        </span>
+      )}
+      {sharpening && (
+        <span class="soft">
+          {shortCount(points)} of {shortCount(total)} points
+        </span>
+      )}
+      {state.tool.value === 'paint' && !activeLabel.value && total > 0 && (
+        <span>Choose or create a label to paint</span>
+      )}
+    </div>
+  );
+}
+
+function DropTarget() {
+  return (
+    <div class="drop-target">
+      <Icon name="import" />
+      <p>Drop to import as one recording</p>
+    </div>
+  );
+}
+
+function InHeadset() {
+  return (
+    <div class="center in-headset" role="status">
+      <Icon name="headset" />
+      <p>The recording is in the headset.</p>
+      <Button label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />
+    </div>
+  );
+}

@@ -1,0 +1,210 @@
+/** Options of the view: colours and their ramp, sizes, and overlays. */
+import { signal } from '@preact/signals';
+import { actions } from '../../store/actions';
+import { colorModeOf } from '../../cloud/picture/material';
+import { BETWEEN, PAINTED, SURE, TRACKED, UNKNOWN, UNSURE } from '../../engine/colouring';
+import { type ColorMode, type Ramp, state } from '../../store/state';
+import { AccumulateButton } from './accumulate';
+import { CamerasButton } from './cameras';
+import { ClipButton } from './clip';
+import { Check, Slider, Swatch } from '../parts/controls';
+import { Icon } from '../../common/icons';
+import { PopoverButton } from '../parts/popover';
+
+const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
+  ['rgb', 'Colour', 'rgb'],
+  ['intensity', 'Intensity', 'intensity'],
+  ['height', 'Height', ''],
+  ['distance', 'Distance', ''],
+  ['plain', 'Plain', ''],
+  ['label', 'Label', ''],
+  ['confidence', 'Confidence', ''],
+  ['provenance', 'Provenance', ''],
+];
+
+export function ViewOptions() {
+  const view = state.view.value;
+  const fields = state.sequence.value?.fields ?? [];
+  return (
+    <>
+      <select
+        class="field"
+        aria-label="Colour points by"
+        data-tip="Colour points by"
+        value={colorModeOf(view.color, fields)}
+        onChange={(event) => actions.setView({ color: event.currentTarget.value as ColorMode })}
+      >
+        {COLOR_MODES.filter(([, , field]) => !field || fields.includes(field)).map(
+          ([mode, name]) => (
+            <option key={mode} value={mode}>
+              {name}
+            </option>
+          ),
+        )}
+      </select>
+      <RampButton />
+      <Slider
+        label="Labels over colour"
+        before={<Icon name="view" />}
+        value={view.labelBlend}
+        min={0}
+        max={1}
+        tip="From the recording's own colours to label colours only"
+        shown={`${Math.round(view.labelBlend * 100)} %`}
+        onInput={(labelBlend) => actions.setView({ labelBlend })}
+      />
+      <Slider
+        label="Point size"
+        before={<Icon name="points" />}
+        value={view.pointSize}
+        min={0.25}
+        max={4}
+        logarithmic
+        tip="Point size"
+        shown={`${view.pointSize.toFixed(1)}×`}
+        onInput={(pointSize) => actions.setView({ pointSize })}
+      />
+      <CamerasButton />
+      <ClipButton />
+      <AccumulateButton />
+      <OverlayOptions />
+    </>
+  );
+}
+
+const overlaysOpen = signal(false);
+
+/** Overlays: the setting, its name, what it is for. */
+const OVERLAYS: readonly (readonly [
+  'boxes' | 'trails' | 'ghost' | 'eyeDome' | 'showDeleted',
+  string,
+  string,
+])[] = [
+  ['boxes', 'Boxes', 'A box round each labelled object'],
+  ['trails', 'Trails', 'The ways of the objects through the frames near this one'],
+  ['ghost', 'Ghost of the frame before', 'Where the objects were a frame before, faintly'],
+  ['eyeDome', 'Depth shading', 'Darken edges in depth, so that shapes stand out'],
+  ['showDeleted', 'Deleted points', 'Points deleted as noise, dark red; Restore shows them anyway'],
+];
+
+function OverlayOptions() {
+  const view = state.view.value;
+  return (
+    <PopoverButton
+      open={overlaysOpen}
+      icon="layers"
+      tip="Drawn over the recording: boxes, trails, shading"
+      label="Drawn over the recording"
+      class="overlays"
+    >
+      {OVERLAYS.map(([name, label, tip]) => (
+        <Check
+          key={name}
+          label={label}
+          tip={tip}
+          checked={view[name]}
+          onChange={(on) => actions.setView({ [name]: on })}
+        />
+      ))}
+    </PopoverButton>
+  );
+}
+
+/** Legend and range of a colour ramp: the part of the values that it spans, what colours mean. */
+const rampOpen = signal(false);
+
+const RAMPS: readonly (readonly [Ramp, string])[] = [
+  ['even', 'Even'],
+  ['grey', 'Grey'],
+  ['rainbow', 'Rainbow'],
+];
+
+type Legend = readonly (readonly [colour: string, meaning: string])[];
+
+const LEGENDS: Partial<Record<ColorMode, Legend>> = {
+  confidence: [
+    [SURE, 'sure, or painted'],
+    [BETWEEN, 'between'],
+    [UNSURE, 'doubtful'],
+    [UNKNOWN, 'not tracked here'],
+  ],
+  provenance: [
+    [PAINTED, 'painted'],
+    [TRACKED, 'tracked'],
+    [UNKNOWN, 'not in this frame'],
+  ],
+};
+const RAMPED: readonly ColorMode[] = ['intensity', 'height', 'distance'];
+
+function RampButton() {
+  const { color } = state.view.value;
+  const legend = LEGENDS[color];
+  if (!legend && !RAMPED.includes(color)) return null;
+  return (
+    <PopoverButton
+      open={rampOpen}
+      icon="more"
+      tip={legend ? 'What the colours mean' : 'Ramp and range of the colours'}
+      label="Colours"
+      class="overlays"
+    >
+      {legend ? <Meanings legend={legend} /> : <RampOptions />}
+    </PopoverButton>
+  );
+}
+
+function Meanings({ legend }: { legend: Legend }) {
+  return (
+    <ul class="colour-legend">
+      {legend.map(([colour, meaning]) => (
+        <li key={meaning}>
+          <Swatch color={colour} /> {meaning}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+const percent = (share: number): string => `${Math.round(share * 100)} %`;
+/** The least part of the values that a ramp spans. */
+const LEAST = 0.02;
+
+function RampOptions() {
+  const { ramp, rampLow, rampHigh } = state.view.value;
+  return (
+    <>
+      <div class="segmented" role="radiogroup" aria-label="Ramp">
+        {RAMPS.map(([name, label]) => (
+          <button
+            key={name}
+            type="button"
+            role="radio"
+            class="button"
+            aria-checked={ramp === name}
+            onClick={() => actions.setView({ ramp: name })}
+          >
+            {label}
+          </button>
+        ))}
+      </div>
+      <Slider
+        label="From"
+        value={rampLow}
+        min={0}
+        max={1}
+        tip="Values below have the ramp's first colour"
+        shown={percent(rampLow)}
+        onInput={(low) => actions.setView({ rampLow: Math.min(low, rampHigh - LEAST) })}
+      />
+      <Slider
+        label="To"
+        value={rampHigh}
+        min={0}
+        max={1}
+        tip="Values above have the ramp's last colour"
+        shown={percent(rampHigh)}
+        onInput={(high) => actions.setView({ rampHigh: Math.max(high, rampLow + LEAST) })}
+      />
+    </>
+  );
+}

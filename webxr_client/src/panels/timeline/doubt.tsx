@@ -1,0 +1,76 @@
+/** A doubtful frame and the stretch round it, or a run that stopped for doubt: what can be done. */
+import { actions } from '../../store/actions';
+import { halted, namesOf, stretch, type Stretch, unsure } from '../../engine/review';
+import { canEdit, canReview, state, trackingJob } from '../../store/state';
+import { Button } from '../parts/controls';
+import { plural } from '../../common/format';
+
+export function Doubt() {
+  const labels = unsure.value;
+  const found = stretch.value;
+  const run = halted.value;
+  const here = run?.at === state.frame.value;
+  if (!canEdit.value || trackingJob.value || (!found && !here)) return null;
+  const waits = run !== null && here && run.stop !== run.at;
+  return (
+    <span class={`chip doubt${found ? ' warn' : ''}`} role="status">
+      <span class="doubt-text">{textOf(labels, found)}</span>
+      {labels.length > 0 && canReview.value && (
+        <Button
+          label="Accept"
+          tip="Right as it is: its points count as painted"
+          kind="outlined"
+          small
+          onClick={() => void actions.acceptHere()}
+        />
+      )}
+      {found && <OfStretch found={found} />}
+      {(waits || labels.length > 0) && (
+        <Button
+          label={waits ? `Continue to ${run.stop}` : 'Continue'}
+          tip="Track on from this frame"
+          kind="outlined"
+          small
+          onClick={() => actions.continueRun()}
+        />
+      )}
+    </span>
+  );
+}
+
+function textOf(labels: readonly number[], found: Stretch | null): string {
+  if (labels.length > 0) return `Not sure of ${namesOf(labels)} here`;
+  return found ? `Not sure of ${namesOf(found.labels)} beside` : 'Sure here';
+}
+
+function OfStretch({ found }: { found: Stretch }) {
+  const { start, stop } = found;
+  const frames = start === stop ? `frame ${start}` : `frames ${start} to ${stop}`;
+  return (
+    <span class="group stretch" role="group" aria-label={`Doubtful: ${frames}`}>
+      <span class="number" data-tip={plural(stop - start + 1, 'doubtful frame')}>
+        {start === stop ? start : `${start} – ${stop}`}
+      </span>
+      {canReview.value && (
+        <Button
+          icon="check"
+          tip={`Accept ${frames}: right as they are`}
+          small
+          onClick={() => void actions.acceptStretch()}
+        />
+      )}
+      <Button
+        icon="trash"
+        tip={`Clear ${frames}: what was tracked there is wrong`}
+        small
+        onClick={() => void actions.clearStretch()}
+      />
+      <Button
+        icon="track"
+        tip={`Track ${frames} again, from the sure frame beside`}
+        small
+        onClick={() => actions.trackStretch()}
+      />
+    </span>
+  );
+}

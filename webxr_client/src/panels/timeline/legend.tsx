@@ -1,0 +1,40 @@
+/** Legend of the strips' colours. */
+import { signal } from '@preact/signals';
+import { activeLabel } from '../../store/state';
+import { PopoverButton } from '../parts/popover';
+import { drawSample } from './draw';
+import { inkNow } from './strips';
+import type { Run } from './layout';
+
+const open = signal(false);
+
+type Sample = Pick<Run, 'kind' | 'sure'>;
+
+const LINES: readonly (readonly [Sample, string])[] = [
+  [{ kind: 'painted' }, 'Painted or accepted by a person'],
+  [{ kind: 'tracked', sure: 1 }, 'Tracked, sure'],
+  [{ kind: 'tracked', sure: 0.6 }, 'Tracked, less sure: paler'],
+  [{ kind: 'doubtful' }, 'Tracked, doubtful: have a look'],
+  [{ kind: 'occluded' }, 'Hidden behind something'],
+  [{ kind: 'lost' }, 'Lost: have a look'],
+];
+
+export function StripLegend() {
+  return (
+    <PopoverButton open={open} icon="help" tip="What the strips mean" label="What the strips mean">
+      <ul class="strip-legend">
+        {LINES.map(([sample, words]) => (
+          <li key={words}>
+            <canvas width={44} height={14} ref={(canvas) => draw(canvas, sample)} />
+            {words}
+          </li>
+        ))}
+      </ul>
+    </PopoverButton>
+  );
+}
+
+function draw(canvas: HTMLCanvasElement | null, sample: Sample): void {
+  const pen = canvas?.getContext('2d');
+  if (pen) drawSample(pen, sample, activeLabel.peek()?.color ?? '#5ea2ff', 44, 14, inkNow());
+}

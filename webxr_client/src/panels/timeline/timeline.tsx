@@ -1,0 +1,213 @@
+/** Time, below: transport, ruler, and one strip per label; its height, which is kept and can be dragged. */
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import { actions } from '../../store/actions';
+import { state } from '../../store/state';
+import { follow } from '../../store/watch';
+import { Button } from '../parts/controls';
+import { Doubt } from './doubt';
+import { clock, plural } from '../../common/format';
+import { frameRange, ordered } from '../../store/range';
+import { StripLegend } from './legend';
+import { StripCard, StripMenu } from './strip-pointer';
+import { doubtfulFrames } from '../../store/cells';
+import { Strips } from './strips';
+import { trackOpen } from './track-form';
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+
+export function Timeline() {
+  const sequence = state.sequence.value;
+  if (!sequence) return null;
+  return (
+    <>
+      <TimelineHandle />
+      <div class="transport">
+        <Transport />
+        <span class="divider" />
+        <Position frames={sequence.frames} fps={sequence.fps} />
+        <span class="spacer" />
+        <Doubt />
+        <RangeChip />
+        <Doubtful frames={sequence.frames} />
+        <StripLegend />
+      </div>
+      <Strips frames={sequence.frames} />
+      <StripCard />
+      <StripMenu />
+    </>
+  );
+}
+
+function Transport() {
+  const playing = state.playing.value;
+  const speed = state.speed.value;
+  const speeds = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS, speed].sort((a, b) => a - b);
+  return (
+    <div class="group">
+      <Button icon="first" tip="First frame" keys="Home" onClick={() => actions.seek(0)} />
+      <Button icon="back" tip="One frame back" keys="←" onClick={() => actions.step(-1)} />
+      <Button
+        icon={playing ? 'pause' : 'play'}
+        tip={playing ? 'Pause' : 'Play'}
+        keys="Space"
+        class="play"
+        onClick={() => actions.togglePlay()}
+      />
+      <Button icon="forward" tip="One frame forward" keys="→" onClick={() => actions.step(1)} />
+      <Button
+        icon="last"
+        tip="Last frame"
+        keys="End"
+        onClick={() => actions.seek((state.sequence.peek()?.frames ?? 1) - 1)}
+      />
+      <Button
+        icon="loop"
+        tip="Loop"
+        keys="L"
+        pressed={state.loop.value}
+        onClick={() => actions.toggleLoop()}
+      />
+      <select
+        class="field speed"
+        aria-label="Speed"
+        data-tip="Speed"
+        value={speed}
+        onChange={(event) => actions.setSpeed(Number(event.currentTarget.value))}
+      >
+        {speeds.map((value) => (
+          <option key={value} value={value}>
+            {value}×
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+function Position({ frames, fps }: { frames: number; fps: number }) {
+  const frame = state.frame.value;
+  return (
+    <span class="position number">
+      <b>{frame}</b>
+      <span class="faint">/ {frames - 1}</span>
+      {fps > 0 && <span class="soft">{clock(frame / fps)}</span>}
+    </span>
+  );
+}
+
+function RangeChip() {
+  const range = frameRange.value;
+  if (!range) return null;
+  const [from, to] = ordered(range);
+  return (
+    <span class="chip number">
+      Frames {from} – {to}
+      <Button label="Track…" kind="outlined" small onClick={() => (trackOpen.value = true)} />
+      <Button icon="close" tip="Forget the range" small onClick={() => (frameRange.value = null)} />
+    </span>
+  );
+}
+
+function Doubtful({ frames }: { frames: number }) {
+  const doubtful = doubtfulFrames(state.timeline.value.rows.values(), frames);
+  if (doubtful.length === 0) return null;
+  return (
+    <span class="chip warn number">
+      <Button
+        icon="previous"
+        tip="Previous doubtful frame"
+        keys=","
+        small
+        onClick={() => actions.nextDoubtful(-1)}
+      />
+      {plural(doubtful.length, 'doubtful frame')}
+      <Button
+        icon="next"
+        tip="Next doubtful frame"
+        keys="."
+        small
+        onClick={() => actions.nextDoubtful(1)}
+      />
+    </span>
+  );
+}
+
+/** Pixels: transport, ruler and four strips; and with one strip, which is the least. */
+const TIMELINE_DEFAULT = 146;
+const TIMELINE_LEAST = 92;
+/** Part of the window that stays with the picture. */
+const MOST_OF_WINDOW = 0.6;
+const STEP = 18;
+const KEY = 'pointbrush.timeline-height';
+
+function clampHeight(height: number, windowHeight: number): number {
+  const most = Math.max(TIMELINE_LEAST, MOST_OF_WINDOW * windowHeight);
+  return Math.round(Math.min(most, Math.max(TIMELINE_LEAST, height)));
+}
+
+function kept(): number {
+  try {
+    return Number(localStorage.getItem(KEY)) || TIMELINE_DEFAULT;
+  } catch {
+    return TIMELINE_DEFAULT; // storage is switched off
+  }
+}
+
+const height = signal(TIMELINE_DEFAULT);
+
+function setHeight(wanted: number): void {
+  height.value = clampHeight(wanted, innerHeight);
+  try {
+    localStorage.setItem(KEY, String(height.peek()));
+  } catch {
+    // It is kept until the page is left.
+  }
+}
+
+/** The edge between picture and timeline. */
+function TimelineHandle() {
+  useEffect(() => {
+    height.value = clampHeight(kept(), innerHeight);
+    return follow(() => {
+      document.getElementById('timeline')!.style.height = `${height.value}px`;
+    });
+  }, []);
+  return (
+    <div
+      class="timeline-handle"
+      role="separator"
+      tabIndex={0}
+      aria-label="Height of the timeline"
+      aria-orientation="horizontal"
+      aria-valuemin={TIMELINE_LEAST}
+      aria-valuenow={height.value}
+      data-tip="Drag: height of the timeline"
+      onPointerDown={drag}
+      onDblClick={() => setHeight(TIMELINE_DEFAULT)}
+      onKeyDown={(event) => {
+        const step = event.key === 'ArrowUp' ? STEP : event.key === 'ArrowDown' ? -STEP : 0;
+        if (step === 0) return;
+        event.preventDefault();
+        event.stopPropagation();
+        setHeight(height.peek() + step);
+      }}
+    />
+  );
+}
+
+function drag(event: PointerEvent): void {
+  if (event.button !== 0) return;
+  const handle = event.currentTarget as HTMLElement;
+  const began = height.peek();
+  const move = (moved: PointerEvent): void => setHeight(began + (event.clientY - moved.clientY));
+  const up = (): void => {
+    handle.removeEventListener('pointermove', move);
+    handle.removeEventListener('pointerup', up);
+    handle.removeEventListener('pointercancel', up);
+  };
+  handle.setPointerCapture(event.pointerId);
+  handle.addEventListener('pointermove', move);
+  handle.addEventListener('pointerup', up);
+  handle.addEventListener('pointercancel', up);
+}

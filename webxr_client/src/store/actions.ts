@@ -1,0 +1,212 @@
+/**
+ * Actions that a user can ask for, from a button, a key or a controller.  The engine implements these
+ * (`bindActions`); before it does, they do nothing.
+ */
+import type {
+  Bookmark,
+  BrushShape,
+  ChosenFile,
+  ImportOptions,
+  PointerSample,
+  Tool,
+  ViewSettings,
+} from './types';
+
+export interface LabelPatch {
+  readonly name?: string;
+  readonly category?: string;
+  readonly color?: string;
+  readonly locked?: boolean;
+  readonly visible?: boolean;
+}
+
+export interface TrackRequest {
+  /** null: every label painted in the start frame. */
+  readonly labels: readonly number[] | null;
+  readonly start: number;
+  /** Smaller than `start`: backward. */
+  readonly stop: number;
+  readonly method: string;
+  readonly overwrite: 'never' | 'tracked' | 'all';
+  /** Look for a label on after its first lost frame. */
+  readonly continue_lost?: boolean;
+  /** End a label at the next frame where it is painted. */
+  readonly until_painted?: boolean;
+  /** End at the first frame that a person should look at. */
+  readonly stop_unsure?: boolean;
+}
+
+export type ViewPreset = 'sensor' | 'top' | 'front' | 'left' | 'right' | 'fit';
+
+export interface Actions {
+  // time
+  togglePlay(): void;
+  play(): void;
+  pause(): void;
+  /** Frames forward (or back, negative); pauses. */
+  step(frames: number): void;
+  /** `scrubbing`: more seeks will follow at once (the finger is still down). */
+  seek(frame: number, scrubbing?: boolean): void;
+  setSpeed(speed: number): void;
+  toggleLoop(): void;
+  /** Next (1) or previous (−1) frame where nothing is labelled. */
+  nextUnlabelled(direction: 1 | -1): void;
+  /** The stretch of frames that is looped, tracked and exported begins, or ends, at this frame. */
+  setIn(): void;
+  setOut(): void;
+  /** Next (1) or previous (−1) frame whose tracking is doubtful or lost. */
+  nextDoubtful(direction: 1 | -1): void;
+
+  // tools
+  setTool(tool: Tool): void;
+  setShape(shape: BrushShape): void;
+  setRadius(metres: number): void;
+  /** One notch of [ and ]: 1 larger, −1 smaller. */
+  nudgeRadius(notches: number): void;
+  /** Give up the stroke or outline in progress; false when there is none. */
+  cancelStroke(): boolean;
+  /** Close the polygon that is drawn, or take what is in the box; false when there is neither. */
+  closeOutline(): boolean;
+  /** Take back the polygon's last corner; false when there is none. */
+  takeBackCorner(): boolean;
+  /** Put the box that is drawn on the ground under it; false when there is none. */
+  snapBox(): boolean;
+  /** Erase if painting, paint if erasing. */
+  toggleEraser(): void;
+  /** Levels of the object tool: 1 towards the group, −1 towards the part; false when none shows. */
+  stepObject(levels: number): boolean;
+  /** Take the object that a stroke can be completed to; false when none is offered. */
+  completeObject(): boolean;
+  /** Make the next click begin another object. */
+  endObject(): void;
+  setView(settings: Partial<ViewSettings>): void;
+  viewFrom(preset: ViewPreset): void;
+  /** Show only what is in a box (null), or in a slab across an axis of the view: x, up, depth. */
+  clipTo(slab: 0 | 1 | 2 | null): void;
+  /** Put the desk's brush into the middle of the picture. */
+  aimAtMiddle(): void;
+  /** Between perspective and an orthographic picture. */
+  toggleOrthographic(): void;
+  /**
+   * Fly to a label's object (the active one's): in `frame` once it is on screen, else where need be
+   * in the nearest one that has it.
+   */
+  goToObject(label?: number, frame?: number): void;
+  /** Keep how one looks now, and look so again. */
+  keepView(): void;
+  goToView(bookmark: Bookmark): void;
+
+  // labels
+  selectLabel(id: number): void;
+  /** The n-th label as the palette lists them, from 1. */
+  selectNthLabel(n: number): void;
+  /** Without a name or colour the next good one is taken; the new label becomes active. */
+  createLabel(name?: string, color?: string, category?: string): Promise<number>;
+  /** The same at the desk: its name can be typed at once. */
+  newLabel(): Promise<void>;
+  updateLabel(id: number, patch: LabelPatch): Promise<void>;
+  renameLabel(id: number, name: string): Promise<void>;
+  recolorLabel(id: number, color: string): Promise<void>;
+  toggleVisible(id: number): Promise<void>;
+  toggleLock(id: number): Promise<void>;
+  deleteLabel(id: number): Promise<void>;
+  /** Give a label's points in all frames to another one, and remove it. */
+  mergeLabel(id: number, into: number): Promise<void>;
+  /** Give each connected part of a label in this frame a label of its own. */
+  splitLabel(id: number): Promise<void>;
+  /** The label that was active before this one; false when there is none. */
+  lastLabel(): boolean;
+  /** Put the palette in an order of label ids; the server keeps it. */
+  arrangeLabels(order: readonly number[]): Promise<void>;
+  loadTemplates(): Promise<void>;
+  /** Add the labels of a template that are not there yet. */
+  addTemplate(name: string): Promise<void>;
+  /** Choose a palette file, and add its labels. */
+  pickPalette(): void;
+  /** Download the palette. */
+  savePalette(): Promise<void>;
+  /** Show only this label; again, or null: all of them. */
+  solo(id: number | null): void;
+
+  // edits
+  undo(): void;
+  redo(): void;
+  loadHistory(): Promise<void>;
+
+  // tracking and other long work
+  track(request: TrackRequest): void;
+  /** Accept this frame: its doubtful labels count as painted. */
+  acceptHere(): Promise<void>;
+  /** The same for all doubtful frames round this one. */
+  acceptStretch(): Promise<void>;
+  /** Clear what was found in the doubtful frames round this one. */
+  clearStretch(): Promise<void>;
+  /** Find it anew, from the sure frame beside them. */
+  trackStretch(): void;
+  /** Take labels from all of their points in frames. */
+  clearLabels(labels: readonly number[], from: number, to: number): Promise<void>;
+  /** Label points as those at the same place in another frame are. */
+  copyLabels(labels: readonly number[], source: number, frame: number): Promise<void>;
+  /** Accept labels of a frame as they are. */
+  acceptLabels(labels: readonly number[], frame: number): Promise<void>;
+  /** Track on from this frame, to where a run that stopped was to go. */
+  continueRun(): void;
+  /** `keep`: what was found so far stays (tracking). */
+  cancelJob(id: string, keep?: boolean): Promise<void>;
+
+  // the floor
+  /** Stand the recording on what a ray meets, with the places pointed at just before. */
+  pointAtFloor(sample: PointerSample): Promise<void>;
+  /** Stand the recording as it was imported. */
+  resetFloor(): Promise<void>;
+
+  // recordings
+  refreshSequences(): Promise<void>;
+  openSequence(id: string): void;
+  closeSequence(): void;
+  renameSequence(id: string, name: string): Promise<void>;
+  deleteSequence(id: string): Promise<void>;
+  refreshDeleted(): Promise<void>;
+  /** Bring a deleted recording back, with its labels. */
+  restoreSequence(identity: string): Promise<void>;
+  /** Try again to bring in the labels in a recording's own files. */
+  importSourceLabels(id: string): Promise<void>;
+  /** Show what files on the server's machine, or here, are; `takeImport` imports them. */
+  importPath(path: string, options?: ImportOptions): Promise<void>;
+  importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
+  /** Say what the files are; null takes an option back. */
+  correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void>;
+  /** The files are labels of a recording, or (null) a recording of their own. */
+  retargetImport(sequence: string | null): Promise<void>;
+  takeImport(): Promise<void>;
+  leaveImport(): Promise<void>;
+  /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none". */
+  loadExportFormats(): Promise<void>;
+  exportSequence(format: string, frames?: string, val?: string): Promise<void>;
+
+  // connection and messages
+  reconnect(): void;
+  dismissNotice(id: number): void;
+
+  // headset
+  /** `passthrough`: the real room stays in sight. */
+  enterVR(passthrough?: boolean): Promise<void>;
+  exitVR(): Promise<void>;
+}
+
+const bound: Partial<Actions> = {};
+
+/** Every action; one that nobody implements (yet) does nothing. */
+export const actions: Actions = new Proxy(bound, {
+  get: (target, name) => target[name as keyof Actions] ?? ((): Promise<void> => Promise.resolve()),
+}) as Actions;
+
+/** Implement some of the actions; the result takes them back. */
+export function bindActions(part: Partial<Actions>): () => void {
+  Object.assign(bound, part);
+  return () => {
+    for (const name of Object.keys(part) as (keyof Actions)[]) {
+      if (bound[name] === part[name]) Reflect.deleteProperty(bound, name);
+    }
+  };
+}

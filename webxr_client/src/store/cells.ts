@@ -1,0 +1,51 @@
+/** Cells of the timeline: what a frame is for a label, and the frames to look at. */
+import type { TimelineRow } from './types';
+
+export type CellKind = 'none' | 'tracked' | 'painted' | 'occluded' | 'doubtful' | 'lost';
+
+/** Below this a tracked frame is shown as doubtful. */
+const DOUBTFUL_BELOW = 0.5;
+
+const OCCLUDED = 3;
+const LOST = 4;
+
+/** State of the label's cell of a frame. */
+export function cellKind(row: TimelineRow, frame: number): CellKind {
+  if (row.state[frame] === LOST) return 'lost';
+  if (row.state[frame] === OCCLUDED) return 'occluded';
+  const painted = row.painted[frame] ?? 0;
+  const points = row.points[frame] ?? 0;
+  if (points === 0) return 'none';
+  if (painted > 0) return 'painted';
+  return (row.confidence[frame] ?? 1) < DOUBTFUL_BELOW ? 'doubtful' : 'tracked';
+}
+
+/** Whether a person should look at such a cell. */
+export function wantsLook(kind: CellKind): boolean {
+  return kind === 'doubtful' || kind === 'lost';
+}
+
+/** The nearest frame in a direction where no label has a point, or null. */
+export function nextUnlabelled(
+  rows: readonly TimelineRow[],
+  from: number,
+  frames: number,
+  direction: 1 | -1,
+): number | null {
+  for (let away = 1; away < frames; away++) {
+    const frame = (((from + away * direction) % frames) + frames) % frames;
+    if (rows.every((row) => row.points[frame] === 0)) return frame;
+  }
+  return null;
+}
+
+/** Frames of any label that need a look, ascending. */
+export function doubtfulFrames(rows: Iterable<TimelineRow>, frames: number): number[] {
+  const doubtful = new Set<number>();
+  for (const row of rows) {
+    for (let frame = 0; frame < frames; frame++) {
+      if (wantsLook(cellKind(row, frame))) doubtful.add(frame);
+    }
+  }
+  return [...doubtful].sort((a, b) => a - b);
+}

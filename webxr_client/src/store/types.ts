@@ -1,0 +1,352 @@
+/** Types of the store's values: `state.ts` has the signals. */
+import type { Unsent } from '../net/wire';
+import type { Welcome } from '../protocol/messages';
+
+// ── connection and people ────────────────────────────────────────────────────────────────────
+
+/** `refused`: wrong token, page older than the server, … — trying again will not help. */
+export type ConnectionState = 'connecting' | 'online' | 'offline' | 'refused';
+
+export interface Connection {
+  readonly state: ConnectionState;
+  /** One sentence for the user; empty when there is nothing to say. */
+  readonly detail: string;
+  /** `performance.now()` of the next try, or null. */
+  readonly retryAt: number | null;
+  /** Once refused: strokes that the server has not taken, oldest first. */
+  readonly unsent: readonly Unsent[];
+}
+
+export interface Me {
+  readonly viewer: string;
+  readonly author: string;
+  readonly role: Welcome['role'];
+  readonly serverVersion: string;
+}
+
+/** Position x, y, z then quaternion x, y, z, w; room coordinates, metres, y up. */
+export type Pose = readonly [number, number, number, number, number, number, number];
+
+export interface Person {
+  readonly viewer: string;
+  readonly name: string;
+  readonly color: string;
+  readonly frame: number;
+  readonly head: Pose | null;
+  readonly hands: readonly (Pose | null)[];
+  readonly brush: readonly [number, number, number] | null;
+  readonly radius: number;
+  readonly label: number;
+}
+
+// ── recordings ───────────────────────────────────────────────────────────────────────────────
+
+/** One row of the list of recordings, from REST. */
+export interface SequenceSummary {
+  readonly id: string;
+  readonly name: string;
+  readonly frames: number;
+  readonly fps: number;
+  /** Points of the largest frame. */
+  readonly points: number;
+  /** Fault, in a sentence: it cannot be opened; null when it is sound. */
+  readonly damaged: string | null;
+  /** Reason why the labels in its files did not come in; null when they did, or it has none. */
+  readonly labels_missing: string | null;
+  /** Date of the import, ISO 8601. */
+  readonly created: string | null;
+  /** Frames with labels. */
+  readonly labelled: number;
+  /** Of its import: pictures kept of another one are not shown. */
+  readonly identity: string | null;
+}
+
+/** A deleted recording that can still be brought back. */
+export interface DeletedSequence {
+  /** Of its import: tells it from others that had its id. */
+  readonly identity: string;
+  readonly name: string;
+  readonly frames: number;
+  /** ISO 8601: when it was deleted, and until when it is kept. */
+  readonly deleted: string;
+  readonly until: string;
+}
+
+/** Frames [first, last] in the page's cache; `complete`: with all their points. */
+export interface LoadedRange {
+  readonly first: number;
+  readonly last: number;
+  readonly complete: boolean;
+}
+
+/** The timeline of one label: a value per frame. */
+export interface TimelineRow {
+  readonly points: Uint32Array;
+  readonly painted: Uint32Array;
+  /** 0..1; NaN where nothing was tracked. */
+  readonly confidence: Float32Array;
+  /** Index into `CELL_STATES`. */
+  readonly state: Uint8Array;
+}
+
+/** A new object at every change; the rows are updated in place. */
+export interface TimelineTable {
+  readonly rows: ReadonlyMap<number, TimelineRow>;
+}
+
+// ── tools ────────────────────────────────────────────────────────────────────────────────────
+
+/** Action of a stroke on points. */
+export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
+
+/**
+ * Use of the button or trigger. `navigate`: moves the camera; `pick`: takes a label; `floor`:
+ * points at what the recording stands on.
+ */
+export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
+
+/** Shape of a stroke: an object, the brush, a region, a cluster, a flat surface, an outline, a box. */
+export type BrushShape = 'object' | 'brush' | 'grow' | 'cluster' | 'plane' | 'lasso' | 'box';
+
+export interface BrushSettings {
+  readonly shape: BrushShape;
+  /** Metres. */
+  readonly radius: number;
+  readonly onlyUnlabeled: boolean;
+  /** The brush also reaches points behind the first surface. */
+  readonly through: boolean;
+  /** An object also takes points of other labels. */
+  readonly takeLabelled: boolean;
+  /** After a stroke the object that it lies on is offered. */
+  readonly complete: boolean;
+  /** Whether painted points are tracked on by themselves. */
+  readonly follow: boolean;
+}
+
+/** Target under the mouse or the controller's ray. */
+export interface Hover {
+  /** 0 unlabeled. */
+  readonly label: number;
+  /** Metres from the eye. */
+  readonly distance: number;
+  /** Points under the brush. */
+  readonly points: number;
+}
+
+/** State of the tool that the panels and the room show. */
+export interface ObjectView {
+  /** Levels offered, from part to group, and the one shown. */
+  readonly levels: number;
+  readonly level: number;
+  /** Points of that level. */
+  readonly points: number;
+  /** The whole frame is prepared; else answers come from what is near. */
+  readonly ready: boolean;
+  /** An object was taken: clicks refine it. */
+  readonly taken: boolean;
+  /** A stroke was drawn, and this is what it would be completed to. */
+  readonly completes: boolean;
+}
+
+/** Three numbers: a place, or a direction. */
+export type Vec = readonly [number, number, number];
+
+/** Ray of a mouse, a controller or a hand, metres of the recording; `direction` of unit length. */
+export interface PointerSample {
+  readonly origin: Vec;
+  readonly direction: Vec;
+}
+
+// ── view ─────────────────────────────────────────────────────────────────────────────────────
+
+/**
+ * Colouring of points. `confidence` and `provenance` colour each label by how sure tracking is
+ * of it in this frame, and by the share of its points that a person painted.
+ */
+export type ColorMode =
+  'rgb' | 'intensity' | 'height' | 'distance' | 'plain' | 'label' | 'confidence' | 'provenance';
+
+/** Colours of values: perceptually even, grey, or of a rainbow. */
+export type Ramp = 'even' | 'grey' | 'rainbow';
+
+export interface ViewSettings {
+  readonly color: ColorMode;
+  readonly ramp: Ramp;
+  /** The part of the values that the ramp spans, 0..1. */
+  readonly rampLow: number;
+  readonly rampHigh: number;
+  /** 1 = natural size. */
+  readonly pointSize: number;
+  /** 0 = recording's colours only, 1 = label colours only. */
+  readonly labelBlend: number;
+  /** 1 = as recorded. */
+  readonly brightness: number;
+  readonly eyeDome: boolean;
+  readonly hideUnlabeled: boolean;
+  readonly showDeleted: boolean;
+  readonly grid: boolean;
+  /** A box round each labelled object. */
+  readonly boxes: boolean;
+  /** The ways of the objects through the frames near the playhead. */
+  readonly trails: boolean;
+  /** Ghost of the objects in the frame before, while time stands. */
+  readonly ghost: boolean;
+}
+
+/** View of what is on screen now. */
+export interface Shown {
+  readonly frame: number;
+  /** Points loaded of `total`; fewer while the frame still sharpens. */
+  readonly points: number;
+  readonly total: number;
+}
+
+/** View that can be returned to. */
+export interface View {
+  readonly eye: Vec;
+  readonly target: Vec;
+  /** Half the height of an orthographic picture, metres; 0: perspective. */
+  readonly half: number;
+}
+
+export interface Bookmark {
+  readonly name: string;
+  readonly frame: number;
+  readonly view: View;
+}
+
+// ── work and messages ────────────────────────────────────────────────────────────────────────
+
+export interface HistoryEntry {
+  readonly id: string;
+  readonly revision: number;
+  readonly author: string;
+  /** ISO 8601. */
+  readonly time: string;
+  readonly kind: string;
+  readonly summary: string;
+  readonly points: number;
+  /** Numbers of the frames it changed. */
+  readonly frames: readonly number[];
+  readonly undone: boolean;
+}
+
+/** A short message to the user; `error` stays until dismissed. */
+export interface Notice {
+  readonly id: number;
+  readonly kind: 'info' | 'success' | 'error';
+  readonly title: string;
+  readonly detail: string;
+  /** Remedy: a button. */
+  readonly action?: { readonly label: string; readonly run: () => void };
+}
+
+/** Files on their way to the server, before the import job exists. */
+export interface Upload {
+  readonly name: string;
+  readonly sent: number;
+  readonly total: number;
+}
+
+/** Preview of an import of files, in the server's words. */
+export interface ImportPreview {
+  readonly name: string;
+  readonly format: string;
+  readonly title: string;
+  readonly frames: number | null;
+  readonly fps: number;
+  readonly fps_from: string;
+  readonly order: string;
+  readonly files: readonly FileFrame[];
+  readonly points: readonly { readonly points: number; readonly left_out: number }[];
+  readonly columns: readonly { readonly name: string; readonly meaning: string }[];
+  readonly topics: readonly {
+    readonly name: string;
+    readonly type: string;
+    readonly messages: number;
+    readonly clouds: boolean;
+    readonly read: boolean;
+  }[];
+  readonly cameras: readonly { readonly name: string }[];
+  readonly poses: { readonly source: string; readonly agree: boolean | null } | null;
+  readonly units: {
+    readonly name: string;
+    readonly scale: number;
+    readonly extent: readonly number[];
+  };
+  readonly up: string;
+  readonly labels: boolean;
+  readonly warnings: readonly string[];
+  readonly upload: string | null;
+}
+
+/** A file and the frame that it is, or is matched to. */
+export interface FileFrame {
+  readonly file: string;
+  readonly frame: number;
+}
+
+/** Findings of an import of labels, or of its preview. */
+export interface LabelsFound {
+  readonly labelled: number;
+  readonly changed: number;
+  readonly matched: number;
+  readonly files: readonly FileFrame[];
+  /** Points by label id. */
+  readonly labels: Readonly<Record<string, number>>;
+  readonly new_labels: readonly unknown[];
+  readonly unknown_classes: readonly number[];
+  readonly unmatched_frames: readonly number[];
+  readonly unmatched_files: readonly string[];
+  /** Names of locked labels that keep points which the files label otherwise. */
+  readonly locked: readonly string[];
+  readonly warnings: readonly string[];
+}
+
+/** A file, and where it lies below the folder that was chosen or dropped ("/" between names). */
+export interface ChosenFile {
+  readonly file: File;
+  readonly path: string;
+}
+
+/** Corrections of a person to files, by the names of the server's options. */
+export interface ImportOptions {
+  readonly name?: string;
+  readonly fps?: number;
+  readonly format?: string;
+  readonly columns?: string;
+  readonly delimiter?: string;
+  readonly decimal_comma?: boolean;
+  readonly scale?: number;
+  readonly up?: string;
+  readonly topic?: string;
+  readonly poses?: string;
+  /** Files beside the frames are theirs in their order, whatever their names are. */
+  readonly by_order?: boolean;
+  readonly drop_invalid?: boolean;
+}
+
+/** Files on their way in: chosen here (and sent, `upload`), or a path of the server's machine. */
+export interface ImportDraft {
+  readonly files: readonly ChosenFile[] | null;
+  readonly path: string | null;
+  readonly upload: string | null;
+  /** The recording whose labels they are; null for a recording of their own. */
+  readonly sequence: string | null;
+  readonly options: ImportOptions;
+  readonly found: ImportPreview | null;
+  readonly labels: LabelsFound | null;
+  readonly busy: boolean;
+  readonly error: string;
+}
+
+export interface XrState {
+  /** null until the browser answered. */
+  readonly supported: boolean | null;
+  /** Both are there: the button beside it enters with the real room in sight. */
+  readonly passthrough: boolean;
+  /** AR where that is all there is. */
+  readonly enters: 'VR' | 'AR';
+  readonly session: 'none' | 'starting' | 'running' | 'lost';
+  readonly detail: string;
+}

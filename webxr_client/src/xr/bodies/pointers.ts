@@ -1,0 +1,310 @@
+/** All that points: who comes and goes, what each does, what their rays are on. */
+import { peek } from '../../store/watch';
+import { Body } from './body';
+import { kindOf, KINDS, unknownInput } from '../input/kinds';
+import type { Painter } from '../painting/painter';
+import type { Panel } from '../panels/panel';
+import { Pointer } from '../input/pointer';
+import { Poses } from '../input/poses';
+import type { Rig } from '../moving/rig';
+import { rolesOf, type Roles } from '../input/roles';
+import { xrSettings, type Side } from '../../store/xr-settings';
+import type { Lessons, Part } from '../input/lessons';
+import type { Object3D } from 'three';
+
+/** Seconds after which a controller out of the headset's sight, or gone, is missed. */
+const MISSED = 1;
+/** Seconds of a session after which it is told that nothing points: hands and controllers wake in the first. */
+const NOBODY_CAME = 2;
+const NO_CONTROLLER = 'No controller is seen yet:\nswitch one on by its system button';
+const NOTHING = `${NO_CONTROLLER},\nor hold a hand before the headset`;
+const SWITCH_ON = 'switch it on by its system button';
+const SHOW = 'hold it before the headset';
+
+/** A controller that has gone, and may be back in a moment: system menus take all of them. */
+interface Gone {
+  readonly name: string;
+  readonly side: Side | 'none';
+  /** Seconds since, while the session is visible. */
+  readonly seconds: Float64Array;
+}
+const NOBODY: Roles<Pointer> = { brush: null, other: null, palette: null };
+
+/** Sources that are tracked and do not press: a controller beside the hand that laid it down. */
+type Session = XRSession & { readonly trackedSources?: Iterable<XRInputSource> };
+
+export interface Changes {
+  /** Somebody else paints from now on, or nobody. */
+  brushGone(): void;
+  /** Something to be told. */
+  say(text: string): void;
+}
+
+export class Pointers {
+  readonly bodies: Body[] = [];
+  private roles = NOBODY;
+  private readonly gone: Gone[] = [];
+  /** Seconds for which nothing has pointed since the session began; NaN once something did. */
+  private readonly awaited = new Float64Array(1);
+  private readonly undo: (() => void)[] = [];
+
+  constructor(
+    private readonly session: Session,
+    private readonly poses: Poses,
+    private readonly rig: Rig,
+    private readonly scene: Object3D,
+    private readonly lessons: Lessons,
+    private readonly changes: Changes,
+  ) {}
+
+  /** Paints. */
+  get brush(): Pointer | null {
+    return this.roles.brush;
+  }
+
+  /** Goes and turns, takes hold of the room, presses the other buttons. */
+  get other(): Pointer | null {
+    return this.roles.other;
+  }
+
+  /** Holds the palette. */
+  get palette(): Pointer | null {
+    return this.roles.palette;
+  }
+
+  /** The input held on a side; null: nothing. */
+  of(side: Side): Pointer | null {
+    for (let i = 0; i < this.bodies.length; i++) {
+      const { pointer } = this.bodies[i]!;
+      if (pointer.side === side && pointer.holds) return pointer;
+    }
+    return null;
+  }
+
+  bodyOf(pointer: Pointer): Body {
+    for (let i = 0; i < this.bodies.length; i++) {
+      if (this.bodies[i]!.pointer === pointer) return this.bodies[i]!;
+    }
+    throw new Error('A pointer that is not there.');
+  }
+
+  listen(): void {
+    const { session } = this;
+    const on = (type: string, run: (event: never) => void): void => {
+      session.addEventListener(type, run as EventListener);
+      this.undo.push(() => session.removeEventListener(type, run as EventListener));
+    };
+    on('inputsourceschange', ({ added, removed }: XRInputSourcesChangeEvent) =>
+      this.sources(added, removed, true),
+    );
+    on('trackedsourceschange', ({ added, removed }: XRInputSourcesChangeEvent) =>
+      this.sources(added, removed, false),
+    );
+    on('selectstart', ({ inputSource }: XRInputSourceEvent) => this.select(inputSource, true));
+    on('selectend', ({ inputSource }: XRInputSourceEvent) => this.select(inputSource, false));
+    on('visibilitychange', () => {
+      if (session.visibilityState !== 'visible') this.disarm();
+    });
+    this.sources([...session.inputSources], [], true);
+    this.sources([...(session.trackedSources ?? [])], [], false);
+  }
+
+  /** Some browsers tell of a press before they tell of its source. */
+  private select(source: XRInputSource, down: boolean): void {
+    if (down && !this.bodyFor(source)) this.sources([source], [], true);
+    this.bodyFor(source)?.pointer.select(down);
+  }
+
+  private bodyFor(source: XRInputSource, primary = true): Body | undefined {
+    const is = ({ pointer }: Body): boolean =>
+      pointer.source === source && pointer.primary === primary && !pointer.leaving;
+    return this.bodies.find(is);
+  }
+
+  private sources(
+    added: readonly XRInputSource[],
+    removed: readonly XRInputSource[],
+    primary: boolean,
+  ): void {
+    for (const source of removed) this.leave(source, primary);
+    for (const source of added) this.come(source, primary);
+    this.assign();
+  }
+
+  private come(source: XRInputSource, primary: boolean): void {
+    if (this.bodyFor(source, primary)) return;
+    const kind = kindOf(source);
+    const input = kind ? this.poses.add(source) : -1;
+    if (!kind) this.changes.say(unknownInput(source));
+    if (!kind || input < 0) return;
+    const pointer = new Pointer(source, kind, KINDS.indexOf(kind), primary, input);
+    this.bodies.push(new Body(pointer, this.lessons, this.scene, this.rig.group));
+  }
+
+  private leave(source: XRInputSource, primary: boolean): void {
+    const body = this.bodyFor(source, primary);
+    if (!body) return;
+    const { pointer } = body;
+    this.poses.remove(pointer.input);
+    pointer.leaving = true;
+    pointer.select(false);
+    // The end of a press that comes and goes with its source is seen in the next picture.
+    if (pointer.momentary) return;
+    this.drop(body);
+    const { name, fleeting } = pointer.kind;
+    if (fleeting) return;
+    this.gone.push({
+      name: nameOf(pointer, name),
+      side: pointer.side,
+      seconds: new Float64Array(1),
+    });
+  }
+
+  private drop(body: Body): void {
+    this.bodies.splice(this.bodies.indexOf(body), 1);
+    body.dispose();
+  }
+
+  /** Ask anew who paints and who holds the palette. */
+  assign(): void {
+    const before = this.roles;
+    const pointers = this.bodies.map(({ pointer }) => pointer);
+    this.roles = rolesOf(pointers, peek(xrSettings).hand);
+    if (before.brush !== this.brush) {
+      this.changes.brushGone();
+      // An input that came just now in order to press is meant; one held before is not.
+      if (this.brush && !this.brush.momentary) this.brush.disarm();
+    }
+    for (const body of this.bodies) body.explain(this.partOf(body.pointer));
+  }
+
+  /** Task of a pointer. */
+  partOf(pointer: Pointer): Part {
+    if (pointer !== this.brush) return 'other';
+    return this.other ? 'brush' : 'alone';
+  }
+
+  /** Nothing is pressed until it was seen released: one jumped, or the system was in between. */
+  disarm(): void {
+    for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.pointer.disarm();
+  }
+
+  update(frame: XRFrame, space: XRReferenceSpace, seconds: Float64Array): void {
+    const { matrixWorld } = this.rig.group;
+    this.sweep();
+    for (let i = 0; i < this.bodies.length; i++) {
+      const body = this.bodies[i]!;
+      body.pointer.update(this.poses, matrixWorld, this.rig);
+      body.pointer.judge(this.poses, frame, space);
+      body.follow(frame, space, matrixWorld);
+      this.miss(body, seconds);
+    }
+    if (this.session.visibilityState !== 'visible') return;
+    this.missGone(seconds);
+    this.missAll(seconds);
+  }
+
+  /** Say once that nothing has come that points. */
+  private missAll(seconds: Float64Array): void {
+    const { awaited } = this;
+    if (this.bodies.length > 0) awaited[0] = NaN;
+    const before = awaited[0]!;
+    awaited[0] = before + seconds[0]!;
+    if (before >= NOBODY_CAME || !(awaited[0] >= NOBODY_CAME)) return;
+    this.changes.say(peek(xrSettings).hands ? NOTHING : NO_CONTROLLER);
+  }
+
+  /** Say that a controller has gone, unless it or a hand in its place was there again in a moment. */
+  private missGone(seconds: Float64Array): void {
+    for (let i = this.gone.length - 1; i >= 0; i--) {
+      const { name, side, seconds: since } = this.gone[i]!;
+      since[0] = since[0]! + seconds[0]!;
+      const back = side !== 'none' && this.of(side) !== null;
+      if (!back && since[0] < MISSED) continue;
+      this.gone.splice(i, 1);
+      if (!back) this.changes.say(`The ${name} is away:\n${SWITCH_ON}`);
+    }
+  }
+
+  /** Drop what has gone, once the end of its press was seen. */
+  private sweep(): void {
+    for (let i = this.bodies.length - 1; i >= 0; i--) {
+      const body = this.bodies[i]!;
+      if (!body.pointer.leaving || !body.pointer.done) continue;
+      this.drop(body);
+      this.assign();
+    }
+  }
+
+  /** Say once that a controller is out of sight; bare hands come and go. */
+  private miss({ pointer, unseen }: Body, seconds: Float64Array): void {
+    if (pointer.tracked || pointer.kind.fleeting) {
+      unseen[0] = 0;
+      return;
+    }
+    const missed = unseen[0]! >= MISSED;
+    unseen[0] = unseen[0]! + seconds[0]!;
+    if (missed || unseen[0] < MISSED) return;
+    this.changes.say(
+      `The headset does not see the ${nameOf(pointer, pointer.kind.name)}:\n${SHOW}`,
+    );
+  }
+
+  /**
+   * Show what the buttons do, as far as it is not learnt; what points at a panel needs none, and
+   * none stands in the picture while one paints.
+   */
+  teach(seconds: Float64Array, painting: boolean): void {
+    const { tips } = peek(xrSettings);
+    for (let i = 0; i < this.bodies.length; i++) {
+      const body = this.bodies[i]!;
+      body.tips.update(seconds, tips && !painting && body.on === null, this.rig);
+    }
+  }
+
+  /** `far`: what also the hand that holds the palette can point at. */
+  point(panels: readonly Panel[], far: readonly Panel[], painter: Painter): void {
+    for (let i = 0; i < this.bodies.length; i++) {
+      const body = this.bodies[i]!;
+      const { pointer } = body;
+      body.point(this.carries(pointer) ? far : panels, pointer === this.brush ? painter : null);
+    }
+  }
+
+  /** The pointer that is on a panel; the hand that holds the palette rests, and means none unless it presses. */
+  readonly at = (panel: Panel): Pointer | null => {
+    for (let i = 0; i < this.bodies.length; i++) {
+      const { on, pointer } = this.bodies[i]!;
+      if (on === panel && (pointer.click.down || !this.carries(pointer))) return pointer;
+    }
+    return null;
+  };
+
+  /** Whether it is the hand that the palette stands over. */
+  private carries(pointer: Pointer): boolean {
+    const { palette } = this;
+    if (pointer === palette) return true;
+    return palette !== null && palette.side !== 'none' && pointer.side === palette.side;
+  }
+
+  /**
+   * Whether a pointer holds the room.  Without a grip the press of the one that does not paint takes
+   * hold, unless it is needed for something else; while it holds, that of the other one joins in.
+   */
+  holds(pointer: Pointer | null, busy: boolean, held: boolean): boolean {
+    if (!pointer) return false;
+    if (pointer.hasGrip) return pointer.squeeze.down && !pointer.chorded;
+    if ((pointer === this.brush && !held) || busy || this.bodyOf(pointer).on) return false;
+    return pointer.tracked && pointer.click.down;
+  }
+
+  dispose(): void {
+    for (const run of this.undo) run();
+    for (const body of this.bodies) body.dispose();
+  }
+}
+
+/** “right controller”; what has no side is called by its kind alone. */
+function nameOf({ side }: Pointer, kind: string): string {
+  return side === 'none' ? kind : `${side} ${kind}`;
+}

@@ -1,0 +1,141 @@
+/** Haptics of the hand: points that change, frames passing, work that ends, a lock; and the actuators that give them. */
+import { follow, peek } from '../../store/watch';
+import type { StrokeResult } from '../../protocol/messages';
+import { isActive, state } from '../../store/state';
+
+/** Strength of a pulse for so many newly changed points: felt from one, full at a thousand. */
+export function strengthOf(points: number): number {
+  return points <= 0 ? 0 : Math.min(1, 0.2 + 0.8 * (Math.log10(points) / 3));
+}
+
+export interface Pulse {
+  readonly strength: number;
+  readonly milliseconds: number;
+}
+
+/** A short dry tick, unlike the hum of painting. */
+const FRAME_TICK: Pulse = { strength: 0.35, milliseconds: 6 };
+export const BUTTON_TICK: Pulse = { strength: 0.2, milliseconds: 8 };
+/** Another level of an object is shown. */
+export const LEVEL_TICK: Pulse = { strength: 0.5, milliseconds: 15 };
+/** Tracking ended, or a label is locked. */
+export const BUMP: Pulse = { strength: 1, milliseconds: 120 };
+export const PAINT_MS = 25;
+
+/**
+ * Differences of the server's running counts, stroke by stroke.  What a stroke only touches, since
+ * it has the label already, is not felt.
+ */
+export class ChangeCounter {
+  private readonly seen = new Map<string, number>();
+
+  /** Points that this answer says are changed and no earlier one said. */
+  take(result: Pick<StrokeResult, 'id' | 'changed' | 'final'>): number {
+    const before = this.seen.get(result.id) ?? 0;
+    if (result.final) this.seen.delete(result.id);
+    else this.seen.set(result.id, result.changed);
+    return Math.max(0, result.changed - before);
+  }
+}
+
+/** Haptics of the brush hand besides painting: a frame passed, a run ended, a label was locked. */
+export class Feelings {
+  private frame = -1;
+  private readonly unfollow: (() => void)[];
+
+  constructor(private readonly feel: (pulse: Pulse) => void) {
+    this.unfollow = [this.followJobs(), this.followLocks()];
+  }
+
+  /** Once per picture. */
+  update(): void {
+    const frame = peek(state.frame);
+    if (frame === this.frame) return;
+    // While it plays the hand would only buzz.
+    if (this.frame >= 0 && !peek(state.playing)) this.feel(FRAME_TICK);
+    this.frame = frame;
+  }
+
+  private followJobs(): () => void {
+    let running = new Set<string>();
+    return follow(() => {
+      const tracking = state.jobs.value.filter((job) => job.kind === 'tracking');
+      const active = new Set(tracking.filter(isActive).map((job) => job.id));
+      const ended = [...running].some((id) => !active.has(id));
+      running = active;
+      if (ended) this.feel(BUMP);
+    });
+  }
+
+  private followLocks(): () => void {
+    let before: ReadonlySet<number> | null = null;
+    return follow(() => {
+      const palette = state.palette.value;
+      const locked = new Set(palette.filter((label) => label.locked).map((label) => label.id));
+      const more = before !== null && [...locked].some((id) => !before!.has(id));
+      before = locked;
+      if (more) this.feel(BUMP);
+    });
+  }
+
+  dispose(): void {
+    for (const stop of this.unfollow) stop();
+  }
+}
+
+/**
+ * Pulses on what a controller has for them.  Quest Browser and Firefox have `hapticActuators`, whose
+ * entries pulse; Chromium has `vibrationActuator`, which plays effects; some have neither.
+ */
+interface Actuator {
+  readonly effects?: readonly string[];
+  pulse?: (strength: number, milliseconds: number) => unknown;
+  playEffect?: (effect: string, parameters: object) => unknown;
+}
+
+interface Vibrating {
+  readonly hapticActuators?: ArrayLike<Actuator | null | undefined> | null;
+  readonly vibrationActuator?: Actuator | null;
+}
+
+/** The effect that every vibrating gamepad of the specification knows. */
+const RUMBLE = 'dual-rumble';
+
+/** Gamepads whose actuator refused last; it may be able to another time, as when the page is seen again. */
+const refusing = new WeakSet<object>();
+
+/** Let a gamepad pulse, strength 0..1; false where nothing can be felt, so far as is known. */
+export function pulse(gamepad: unknown, strength: number, milliseconds: number): boolean {
+  if (typeof gamepad !== 'object' || gamepad === null) return false;
+  try {
+    const answer = start(gamepad, strength, milliseconds);
+    if (answer instanceof Promise) {
+      answer.then(
+        () => refusing.delete(gamepad),
+        () => refusing.add(gamepad),
+      );
+    }
+    return answer !== undefined && !refusing.has(gamepad);
+  } catch {
+    return false;
+  }
+}
+
+/** The property by which a gamepad pulses. */
+export function pulsesBy(gamepad: unknown): 'hapticActuators' | 'vibrationActuator' | 'none' {
+  const vibrating = (gamepad ?? {}) as Vibrating;
+  if (vibrating.hapticActuators?.[0]) return 'hapticActuators';
+  return vibrating.vibrationActuator ? 'vibrationActuator' : 'none';
+}
+
+function start(gamepad: Vibrating, strength: number, duration: number): unknown {
+  const actuator = gamepad.hapticActuators?.[0] ?? gamepad.vibrationActuator;
+  const power = Math.min(1, Math.max(0, strength));
+  if (actuator?.pulse) return actuator.pulse(power, duration) ?? true;
+  if (!actuator?.playEffect) return undefined;
+  const effect = actuator.effects?.includes(RUMBLE) === false ? actuator.effects[0] : RUMBLE;
+  if (effect === undefined) return undefined;
+  const triggers = { leftTrigger: power, rightTrigger: power };
+  const parameters = { startDelay: 0, duration, strongMagnitude: power, weakMagnitude: power };
+  return actuator.playEffect(effect, { ...parameters, ...triggers }) ?? true;
+}

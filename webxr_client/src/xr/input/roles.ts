@@ -1,0 +1,60 @@
+/** Roles of inputs, to paint or to hold the palette: by those present and the hand preferred. */
+import type { Side } from '../../store/xr-settings';
+
+/** Properties by which input sources are told apart. */
+export interface Present {
+  /** Its place in the table of kinds: of one side the lowest comes first. */
+  readonly rank: number;
+  readonly side: Side | 'none';
+  /** It comes to press and goes when it is let go. */
+  readonly momentary: boolean;
+  /** It stays between presses and is held somewhere: a palette can stand over it. */
+  readonly holds: boolean;
+  /** It presses; what is only tracked (a controller that was laid aside) does not. */
+  readonly primary: boolean;
+}
+
+export interface Roles<T extends Present> {
+  /** Paints. */
+  readonly brush: T | null;
+  /** Goes and turns, takes hold of the room, presses the other buttons. */
+  readonly other: T | null;
+  /** Holds the palette. */
+  readonly palette: T | null;
+}
+
+/**
+ * The roles of those who are there, in the order in which they came.  Whoever is alone paints,
+ * whatever side that is; only what comes and goes with a press must be of the wished side, or of
+ * none, since a pinch of the other hand takes hold of the room.
+ */
+export function rolesOf<T extends Present>(present: readonly T[], wished: Side): Roles<T> {
+  const away = ({ side }: T): number => (side === wished ? 0 : side === 'none' ? 1 : 2);
+  const paints = (one: T): boolean => one.primary && !(one.momentary && away(one) === 2);
+  const brush = first(present.filter(paints), (one) => [away(one), one.rank]);
+  // Two sources of one side are one hand, which does not help itself.
+  const rest = present.filter(
+    (one) => one !== brush && (one.side === 'none' || one.side !== brush?.side),
+  );
+  const other = first(
+    rest.filter((one) => one.primary),
+    (one) => [-away(one), one.rank],
+  );
+  const palette = first(
+    rest.filter((one) => one.holds),
+    (one) => [one.primary ? 0 : 1, -away(one), one.rank],
+  );
+  return { brush, other, palette };
+}
+
+/** The one with the lowest key, the earliest of equals. */
+function first<T>(all: readonly T[], keyOf: (one: T) => readonly number[]): T | null {
+  let best: T | null = null;
+  for (const one of all) if (best === null || less(keyOf(one), keyOf(best))) best = one;
+  return best;
+}
+
+function less(a: readonly number[], b: readonly number[]): boolean {
+  const at = a.findIndex((value, i) => value !== b[i]);
+  return at >= 0 && a[at]! < b[at]!;
+}

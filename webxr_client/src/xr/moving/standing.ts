@@ -1,0 +1,57 @@
+/** The first standpoint. */
+import { Vector3, type Matrix4 } from 'three';
+import type { CloudFrame } from '../../cloud/points/frame';
+import { viewOf } from '../../view/framing';
+import type { Rig } from './rig';
+
+const SAMPLES = 3000;
+/** Half the width of the way ahead, and what stands on it: higher than a floor, lower than a lamp. */
+const ASIDE = 1.2;
+const [LOW, HIGH] = [0.3, 2];
+/** Stray points do not count. */
+const PART = 0.05;
+
+/** Metres from `eye` along a level `way` to the nearest things at body height, in the scene. */
+function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: Vector3): number {
+  const piece = frame.pieces[0];
+  if (!piece) return 0;
+  const at = new Vector3();
+  const found: number[] = [];
+  const step = Math.max(1, Math.floor(piece.count / SAMPLES));
+  const { origin, scale, words } = piece;
+  for (let i = 0; i < piece.count; i += step) {
+    at.fromArray(words, 6 * i);
+    at.set(at.x * scale[0] + origin[0], at.y * scale[1] + origin[1], at.z * scale[2] + origin[2]);
+    at.applyMatrix4(sceneFromLocal);
+    if (at.y < LOW || at.y > HIGH) continue;
+    at.sub(eye).setY(0);
+    const along = at.dot(way);
+    if (along > 0.2 && at.addScaledVector(way, -along).length() < ASIDE) found.push(along);
+  }
+  found.sort((a, b) => a - b);
+  return found[Math.floor(PART * found.length)] ?? 0;
+}
+
+/** One stands so far before the nearest things, metres. */
+const ARM = 0.9;
+
+/**
+ * Stand on the sensor's line of sight, within reach of what it saw; false without points.
+ * `shift`: source minus local.
+ */
+export function standBefore(
+  frame: CloudFrame,
+  sceneFromLocal: Matrix4,
+  rig: Rig,
+  shift: readonly number[],
+): boolean {
+  const seen = viewOf('sensor', frame, sceneFromLocal, 60, 1, shift);
+  if (!seen) return false;
+  const way = seen.target.clone().sub(seen.eye).setY(0);
+  const length = way.length();
+  way.normalize();
+  const near = nearest(frame, sceneFromLocal, seen.eye, way);
+  const ahead = Math.max(0, Math.min(length, near) - ARM);
+  rig.standAt(seen.eye.clone().addScaledVector(way, ahead), way);
+  return true;
+}

@@ -1,0 +1,69 @@
+/** Preview of what the hand would take, asked of the server before the trigger is pressed. */
+import type { PointerSample } from '../../store/types';
+import type { Engine } from '../../engine/engine';
+import { state } from '../../store/state';
+import type { Way } from '../../tools/ways';
+import { watch } from '../../store/watch';
+
+/** So often a question may be asked, milliseconds. */
+const EVERY_MS = 60;
+/** Bounds of a movement or turn that counts as still: metres, and parts of the unit direction. */
+const STILL = 0.002;
+
+export class Asking {
+  private last = 0;
+  private shows: Way | null = null;
+  private readonly asked = new Float64Array(6).fill(NaN);
+  private readonly unfollow: () => void;
+
+  constructor(private readonly engine: Engine) {
+    // With these the engine ends what is shown, and a still hand must be asked for anew.
+    const { tool, brush, activeLabel, palette, frame } = state;
+    this.unfollow = watch([tool, brush, activeLabel, palette, frame], () => this.asked.fill(NaN));
+  }
+
+  /** Once per frame while the trigger is up; `sample` may be used again. */
+  update(way: Way, sample: PointerSample, now: number): void {
+    if (way.preview !== 'asked') {
+      this.leave();
+      return;
+    }
+    if (this.shows !== way) this.leave();
+    if (now - this.last < EVERY_MS || !this.moved(sample)) return;
+    this.last = now;
+    this.shows = way;
+    this.note(sample);
+    const { objects, regions } = this.engine;
+    if (way.samples === 'clicks') objects.hover(sample);
+    else regions.hover(structuredClone(sample));
+  }
+
+  /** The hand is gone, or does something else. */
+  leave(): void {
+    if (!this.shows) return;
+    this.shows = null;
+    this.asked.fill(NaN);
+    this.engine.objects.leave();
+    this.engine.regions.leave();
+  }
+
+  dispose(): void {
+    this.leave();
+    this.unfollow();
+  }
+
+  private moved({ origin, direction }: PointerSample): boolean {
+    for (let k = 0; k < 3; k++) {
+      const still = Math.abs(origin[k]! - this.asked[k]!) < STILL;
+      if (!still || !(Math.abs(direction[k]! - this.asked[3 + k]!) < STILL)) return true;
+    }
+    return false;
+  }
+
+  private note({ origin, direction }: PointerSample): void {
+    for (let k = 0; k < 3; k++) {
+      this.asked[k] = origin[k]!;
+      this.asked[3 + k] = direction[k]!;
+    }
+  }
+}

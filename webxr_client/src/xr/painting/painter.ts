@@ -1,0 +1,377 @@
+/** The hand that paints: its strokes, and what they feel like. */
+import type { PointerSample } from '../../store/types';
+import { Vector3, type Object3D } from 'three';
+import { actions } from '../../store/actions';
+import { DELETED } from '../../cloud/points/piece';
+import type { Engine } from '../../engine/engine';
+import type { Brush, StrokeResult } from '../../protocol/messages';
+import { peek } from '../../store/watch';
+import { canEdit, isStroke, notify, state } from '../../store/state';
+import { brushFor, refusal } from '../../tools/brush';
+import { Path } from '../../tools/path';
+import type { Stroke } from '../../tools/strokes';
+import { roomWay, wayOf, type Way } from '../../tools/ways';
+import { AirShape } from './air';
+import { Asking } from './asking';
+import { BrushLook } from './brush-look';
+import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from '../input/haptics';
+import type { Place } from './place';
+import type { Pointer } from '../input/pointer';
+import type { Level } from '../input/pressure';
+
+/** A sample each time the tip has moved by this part of the radius. */
+const SAMPLE_STEP = 0.15;
+const RAY_EVERY_MS = 16;
+const PICK_RADIUS = 0.03;
+/** A far pointer looks for the surface so often, and finds points that are so near to its ray. */
+const DEPTH_EVERY_MS = 60;
+const DEPTH_RADIUS = 0.03;
+
+const GUESSED =
+  'Where it is would be a guess. Bring it where the headset sees it, and press again.';
+
+type Triple = [number, number, number];
+
+export class Painter {
+  /** The sphere's middle, in the scene. */
+  readonly tip = new Vector3();
+  /** The sphere's radius now, metres of the recording. */
+  private readonly radius = new Float64Array(1);
+  private readonly look: BrushLook;
+  private readonly air: AirShape;
+  private stroke: Stroke | null = null;
+  private way: Way = wayOf('sphere');
+  private level: Level = 0;
+  /** The trigger went down to point at something once, and is not up again. */
+  private pointing = false;
+  /** The press is not one that a panel or the room had first. */
+  private free = false;
+  /** The frame that the stroke began in, as asked for and as shown. */
+  private readonly begunIn = { asked: -1, shown: -1 };
+  private readonly counter = new ChangeCounter();
+  private readonly mine = new Set<string>();
+  private readonly local = new Vector3();
+  private readonly aim = new Vector3();
+  private lastDepth = 0;
+  private pressedAt = 0;
+  /** `local` and `aim` in the words of strokes. */
+  private readonly sample: { origin: Triple; direction: Triple } = {
+    origin: [0, 0, 0],
+    direction: [0, 0, -1],
+  };
+  private readonly last = new Vector3();
+  private lastRay = 0;
+  /** Path of the stroke, to be completed to an object. */
+  private readonly path = new Path();
+  private readonly asking: Asking;
+  private readonly unfeel: () => void;
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly place: Place,
+    private readonly pulse: (strength: number, milliseconds: number) => void,
+  ) {
+    this.look = new BrushLook(engine, place);
+    this.air = new AirShape(engine.viewer, place);
+    this.asking = new Asking(engine);
+    this.unfeel = engine.strokes.results.add(this.felt);
+  }
+
+  addTo(scene: Object3D): void {
+    scene.add(this.look.sphere, this.air.line.mesh);
+  }
+
+  dispose(): void {
+    this.finish();
+    this.asking.dispose();
+    this.engine.objects.end();
+    this.unfeel();
+    this.look.dispose();
+    this.air.dispose();
+  }
+
+  /** The server counted newly changed points: that is what the hand feels. */
+  private readonly felt = (result: StrokeResult): void => {
+    if (!this.mine.has(result.id)) return;
+    const strength = strengthOf(this.counter.take(result));
+    if (strength > 0) this.pulse(strength, PAINT_MS);
+    if (result.final) this.mine.delete(result.id);
+  };
+
+  get painting(): boolean {
+    return this.level > 0;
+  }
+
+  /** Let the brush glow for a moment. */
+  glow(): void {
+    this.look.glow();
+  }
+
+  /** Metres of ray to show, or −1. */
+  get reach(): Float64Array {
+    return this.look.reach;
+  }
+
+  /** Once per frame. `blocked`: the trigger is for something else (a panel). */
+  update(
+    hand: Pointer | null,
+    other: Pointer | null,
+    head: Vector3,
+    blocked: boolean,
+    now: number,
+  ): void {
+    if (hand?.tracked !== true || peek(state.sequence) === null) {
+      this.interrupt(hand);
+      this.free = false;
+      this.rest();
+      return;
+    }
+    if (this.moved()) this.interrupt(hand);
+    if (hand.trigger === 0) this.free = true;
+    else if (blocked && !this.painting) this.free = false;
+    if (this.free && this.guesses(hand, other)) this.refuse(hand);
+    const level = hand.pressure.update(this.free ? hand.trigger : 0, now);
+    this.measureSphere();
+    this.aimTip(hand, level, now);
+    if (level !== this.level) this.turnTo(level, hand, head, now);
+    if (this.level > 0) this.go(hand, other, now);
+    const way = this.level > 0 ? this.way : roomWay();
+    if (this.level === 0) this.askAhead(!blocked, way, hand, now);
+    const color = this.look.show(!blocked, way, hand, this.tip, this.radius, now);
+    if (color !== null) this.air.line.paint(color);
+  }
+
+  /** Whether the place of the brush, or of a box's other corner, is guessed. */
+  private guesses(hand: Pointer, other: Pointer | null): boolean {
+    const box = this.painting && this.way.name === 'box';
+    return hand.guessed || (box && other?.guessed === true);
+  }
+
+  /** A guess paints nothing: what was painted before it stays, and the press must be let go. */
+  private refuse(hand: Pointer): void {
+    this.interrupt(hand);
+    hand.disarm();
+    notify('info', 'Not painted: out of the headset’s sight', GUESSED);
+  }
+
+  /** Nobody is there to paint. */
+  private rest(): void {
+    this.asking.leave();
+    this.look.hide();
+  }
+
+  /** Show what a press would take. */
+  private askAhead(there: boolean, way: Way, hand: Pointer, now: number): void {
+    if (!there || !isStroke(peek(state.tool))) {
+      this.asking.leave();
+      return;
+    }
+    if (way.preview === 'asked') this.aimAt(way, hand);
+    this.asking.update(way, this.pointed(), now);
+  }
+
+  /** Put the ray that a press of `way` sends into `local` and `aim`. */
+  private aimAt(way: Way, hand: Pointer): void {
+    const { place, local, aim } = this;
+    place.directionToLocal(hand.direction, aim);
+    place.toLocal(way.far ? hand.origin : this.tip, local);
+    // From outside of the sphere inwards, so that the nearest surface is met.
+    if (!way.far) local.addScaledVector(aim, -this.radius[0]!);
+  }
+
+  private noteFrame(): void {
+    this.begunIn.asked = peek(state.frame);
+    this.begunIn.shown = peek(state.shown).frame;
+  }
+
+  /** Whether what is on screen, or may be painted, changed since the stroke began. */
+  private moved(): boolean {
+    const { asked, shown } = this.begunIn;
+    if (!this.painting) return false;
+    const there = peek(state.frame) === asked && peek(state.shown).frame === shown;
+    return !there || !peek(canEdit);
+  }
+
+  /** The stroke ends here, what was drawn in the air is void, and its press must be let go. */
+  interrupt(hand: Pointer | null): void {
+    if (!this.painting) return;
+    this.finish();
+    hand?.disarm();
+  }
+
+  /**
+   * The stroke is given up if it began within so many milliseconds: its press was half of a gesture of
+   * two hands, or the system's.
+   */
+  withdraw(now: number, milliseconds: number): void {
+    if (!this.painting || now - this.pressedAt > milliseconds) return;
+    this.stroke?.cancel();
+    this.stroke = null;
+    this.finish();
+    this.free = false;
+  }
+
+  private measureSphere(): void {
+    const { radius } = peek(state.brush);
+    this.radius[0] = this.level === 0.5 ? radius * 0.5 : radius;
+  }
+
+  /** Place the brush: at the pinch, before a controller, or along the ray where that hits. */
+  private aimTip(hand: Pointer, level: Level, now: number): void {
+    if (hand.reach === 'far') {
+      if (this.level === 0) this.findDepth(hand, level > 0, now);
+      hand.along(this.tip);
+      return;
+    }
+    if (hand.hasPinch) {
+      this.tip.copy(hand.pinch);
+      return;
+    }
+    const { tip, place } = this;
+    const { origin, direction } = hand;
+    const size = Math.min(0.3, peek(state.brush).radius * place.scale);
+    const ahead = hand.tip[0]! + 0.5 * size;
+    tip.x = origin.x + ahead * direction.x;
+    tip.y = origin.y + ahead * direction.y;
+    tip.z = origin.z + ahead * direction.z;
+  }
+
+  /** At the first surface that the ray meets; while one paints it stays that far. */
+  private findDepth(hand: Pointer, pressed: boolean, now: number): void {
+    if (!pressed && now - this.lastDepth < DEPTH_EVERY_MS) return;
+    this.lastDepth = now;
+    const hit = this.look.hit(hand, DEPTH_RADIUS);
+    if (hit) hand.depth[0] = hit.distance * this.place.scale;
+  }
+
+  private turnTo(level: Level, hand: Pointer, head: Vector3, now: number): void {
+    const before = this.level;
+    if (before > 0) this.finish(head);
+    this.level = level;
+    this.measureSphere();
+    if (level === 0) return;
+    if (before === 0) this.pressedAt = now;
+    if (before === 0) this.pointing = !isStroke(peek(state.tool));
+    if (this.pointing) {
+      this.way = wayOf('sphere');
+      if (before === 0) this.pointAt(hand);
+      return;
+    }
+    this.way = roomWay();
+    if (before === 0 && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
+    if (this.way.samples === 'drawn') {
+      this.air.begin(this.way, this.tip);
+      this.noteFrame();
+      return;
+    }
+    const brush = brushFor(this.way, this.radius[0]!);
+    this.noteFrame();
+    if (this.way.samples === 'clicks') {
+      this.aimAt(this.way, hand);
+      if (brush && before === 0) this.engine.objects.click(structuredClone(this.pointed()));
+      return;
+    }
+    this.asking.leave();
+    this.engine.objects.end();
+    this.path.clear();
+    this.stroke = brush && this.begin(brush);
+    this.last.set(NaN, NaN, NaN);
+  }
+
+  private begin(brush: Brush): Stroke | null {
+    const stroke = this.engine.beginStroke(brush);
+    if (stroke) this.mine.add(stroke.id);
+    return stroke;
+  }
+
+  private go(hand: Pointer, other: Pointer | null, now: number): void {
+    if (this.way.samples === 'drawn') {
+      this.air.go(this.tip, other);
+      return;
+    }
+    if (!this.stroke || !this.aimSample(hand, now)) return;
+    this.last.copy(this.local);
+    const pointed = this.pointed();
+    this.stroke.add(pointed, now);
+    this.path.add(pointed, this.way.far ? 0 : this.radius[0]!);
+  }
+
+  private pointed(): PointerSample {
+    const { local, aim, sample } = this;
+    const { origin, direction } = sample;
+    origin[0] = local.x;
+    origin[1] = local.y;
+    origin[2] = local.z;
+    direction[0] = aim.x;
+    direction[1] = aim.y;
+    direction[2] = aim.z;
+    return sample;
+  }
+
+  /** Put the next sample into `local` and `aim`; false when none is due. */
+  private aimSample(hand: Pointer, now: number): boolean {
+    const { place, local, aim, last } = this;
+    place.directionToLocal(hand.direction, aim);
+    const once = this.way.samples === 'once';
+    if (this.way.far) {
+      if (!once && now - this.lastRay < RAY_EVERY_MS) return false;
+      this.lastRay = now;
+      place.toLocal(hand.origin, local);
+      return !once || Number.isNaN(this.last.x);
+    }
+    if (once) {
+      this.aimAt(this.way, hand);
+      return Number.isNaN(this.last.x);
+    }
+    place.toLocal(this.tip, local);
+    const x = last.x - local.x;
+    const y = last.y - local.y;
+    const z = last.z - local.z;
+    const step = SAMPLE_STEP * this.radius[0]!;
+    return !(x * x + y * y + z * z < step * step);
+  }
+
+  /** Let go: send what is still to be sent. Without `eye` what was drawn in the air is dropped. */
+  finish(eye: Vector3 | null = null): void {
+    const { stroke } = this;
+    stroke?.end();
+    this.stroke = null;
+    if (stroke && eye) this.offerObject(stroke.id);
+    this.air.hide();
+    const info = peek(state.sequence);
+    const drawn = this.level > 0 && this.way.samples === 'drawn';
+    if (drawn && eye && info) {
+      const shape = this.air.end(eye, info);
+      const brush = shape && brushFor(this.way, this.radius[0]!);
+      if (brush) this.begin({ ...brush, ...shape })?.end();
+    }
+    this.level = 0;
+  }
+
+  /** A stroke was drawn: offer the object that it lies on. */
+  private offerObject(stroke: string): void {
+    const offers = peek(state.brush).complete && peek(state.tool) === 'paint';
+    if (offers && this.way.samples === 'path') {
+      this.engine.objects.complete(this.path.samples(), stroke);
+    }
+  }
+
+  private pointAt(hand: Pointer): void {
+    const tool = peek(state.tool);
+    if (tool === 'pick') this.pick(hand);
+    if (tool !== 'floor') return;
+    this.place.toLocal(hand.origin, this.local);
+    this.place.directionToLocal(hand.direction, this.aim);
+    void actions.pointAtFloor(structuredClone(this.pointed()));
+    this.pulse(0.5, 30);
+  }
+
+  private pick(hand: Pointer): void {
+    const hit = this.look.hit(hand, PICK_RADIUS);
+    const label = hit ? (this.engine.playback.frame?.labelOf(hit.point) ?? 0) : 0;
+    if (label === 0 || label === DELETED) return;
+    actions.selectLabel(label);
+    actions.setTool('paint');
+    this.pulse(0.5, 30);
+  }
+}

@@ -1,0 +1,99 @@
+/** Page of the palette for the view of the recording, and the standpoint in it. */
+import { actions } from '../../../store/actions';
+import { state } from '../../../store/state';
+import type { ButtonLook, Ui } from '../../drawing/ui';
+
+export interface WorldControls {
+  /** 1, 0.1 (doll's house) or 5 (giant's eye). */
+  scaleTo(scale: number): void;
+  reset(): void;
+  /** Stand before the recording again, with the timeline at hand. */
+  recentre(): void;
+  /** The next press goes where it points. */
+  go(): void;
+}
+
+const SCALES = [
+  ['1:1', 1],
+  ['Doll', 0.1],
+  ['Giant', 5],
+] as const;
+
+export function drawView(
+  ui: Ui,
+  x: number,
+  top: number,
+  inner: number,
+  world: WorldControls,
+  list: () => void,
+): void {
+  const { em } = ui;
+  drawSliders(ui, x + em * 0.4, top, inner - em * 0.8);
+  const w = inner / 4;
+  const y = top + em * 7.7;
+  SCALES.forEach(([text, scale], i) => {
+    ui.button(x + i * w, y, w - em * 0.2, em * 2, { text, strong: true }, () =>
+      world.scaleTo(scale),
+    );
+  });
+  ui.button(x + 3 * w, y, w - em * 0.2, em * 2, { text: 'Reset', strong: true }, () =>
+    world.reset(),
+  );
+  drawChecks(ui, x, top + em * 9.9, inner / 2);
+  drawEnd(ui, x, top + em * 14.4, inner, world, list);
+}
+
+/** Rows for the standpoint, in a line of three, and below it for the others. */
+function drawEnd(
+  ui: Ui,
+  x: number,
+  y: number,
+  inner: number,
+  world: WorldControls,
+  list: () => void,
+): void {
+  const { em } = ui;
+  const lines: readonly (readonly [ButtonLook, () => void])[][] = [
+    [
+      [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
+      [{ icon: 'view', text: 'Go there' }, () => world.go()],
+      [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
+    ],
+    [
+      [{ icon: 'folder', text: 'Recordings' }, list],
+      [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
+    ],
+  ];
+  lines.forEach((line, row) => {
+    const w = inner / line.length;
+    line.forEach(([look, act], i) => {
+      const shape = { ...look, strong: true, align: 'left' } as const;
+      ui.button(x + i * w, y + row * em * 2.4, w - em * 0.2, em * 2.2, shape, act);
+    });
+  });
+}
+
+function drawSliders(ui: Ui, x: number, top: number, wide: number): void {
+  const h = ui.em * 2.5;
+  const { labelBlend, pointSize, brightness } = state.view.peek();
+  ui.slider(x, top, wide, h, 'Labels over colour', `${Math.round(labelBlend * 100)} %`,
+    labelBlend, (to) => actions.setView({ labelBlend: to })); // prettier-ignore
+  ui.slider(x, top + h, wide, h, 'Point size', `${pointSize.toFixed(1)}×`,
+    Math.log2(pointSize * 4) / 4, (to) => actions.setView({ pointSize: 2 ** (4 * to) / 4 })); // prettier-ignore
+  ui.slider(x, top + 2 * h, wide, h, 'Brightness', `${brightness.toFixed(1)}×`,
+    Math.log2(brightness * 4) / 4, (to) => actions.setView({ brightness: 2 ** (4 * to) / 4 })); // prettier-ignore
+}
+
+function drawChecks(ui: Ui, x: number, top: number, half: number): void {
+  const { em } = ui;
+  let place = 0;
+  const check = (name: string, on: boolean, set: (on: boolean) => void): void => {
+    const y = top + em * 2.1 * Math.floor(place / 2);
+    ui.check(x + (place % 2) * half, y, half, em * 1.9, name, on, set);
+    place += 1;
+  };
+  const { boxes, trails, ghost } = state.view.peek();
+  check('Boxes', boxes, (on) => actions.setView({ boxes: on }));
+  check('Trails', trails, (on) => actions.setView({ trails: on }));
+  check('Ghost', ghost, (on) => actions.setView({ ghost: on }));
+}

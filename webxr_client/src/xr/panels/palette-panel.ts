@@ -1,0 +1,216 @@
+/** The panel on the other hand: labels, tools, view. */
+import { actions } from '../../store/actions';
+import { unsure } from '../../engine/review';
+import { activeLabel, state } from '../../store/state';
+import { Glow } from '../drawing/glow';
+import { type AskName, LettersPage, SystemKeyboard } from './pages/writing';
+import { LabelsPage, ROWS } from './pages/labels';
+import { floorPlaces } from '../../engine/floor';
+import { drawComfort } from './pages/comfort';
+import { drawNew, EditPage } from './pages/label';
+import { drawFloor } from './pages/floor';
+import { RecordingsPage } from './pages/recordings';
+import { drawTools, offered } from './pages/tools';
+import { drawView, type WorldControls } from './pages/view';
+import { Panel } from './panel';
+import { xrSettings } from '../../store/xr-settings';
+import { SIZES } from '../drawing/sizes';
+import type { ButtonLook, Ui } from '../drawing/ui';
+import { watch } from '../../store/watch';
+
+type Tab = 'labels' | 'tools' | 'view' | 'comfort';
+/** Pages that a tab leads on to. */
+type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
+
+const TABS = [
+  ['labels', 'Labels'],
+  ['tools', 'Tools'],
+  ['view', 'View'],
+  ['comfort', 'Comfort'],
+] as const;
+
+/** The tab that a page is reached from. */
+function tabOf(page: Page): Tab {
+  if (page === 'recordings') return 'view';
+  return page === 'new' || page === 'edit' || page === 'letters' ? 'labels' : page;
+}
+
+export interface PaletteControls extends WorldControls {
+  /** Put the palette away. */
+  putAway(): void;
+  toggleTimeline(): void;
+}
+
+export class PalettePanel extends Panel {
+  private page: Page = 'labels';
+  private readonly labels = new LabelsPage(
+    this.touch,
+    () => this.show('new'),
+    () => this.change(),
+  );
+  private readonly letters = new LettersPage(this.touch, () => this.show('labels'));
+  private readonly ask: AskName = (question, take) => {
+    if (this.keyboard.supported) {
+      this.keyboard.ask(question, take);
+      return;
+    }
+    this.letters.ask(question, take);
+    this.show('letters');
+  };
+  private readonly edit = new EditPage(this.touch, this.ask, () => this.show('labels'));
+  private readonly recordings = new RecordingsPage(this.touch, () => this.show('view'));
+  private readonly glow = new Glow(ROWS);
+  private readonly keyboard: SystemKeyboard;
+  private readonly unfollow: () => void;
+
+  constructor(
+    private readonly controls: PaletteControls,
+    session: XRSession,
+  ) {
+    super(
+      {
+        width: 0.31,
+        height: 0.379,
+        pixelsPerMetre: 3135,
+        em: SIZES.palette.em,
+        // To the right, where no hints of a left hand are.
+        handle: { at: 0.62, wide: 9 },
+      },
+      100,
+    );
+    this.keyboard = new SystemKeyboard(session);
+    this.mesh.add(this.glow.mesh);
+    const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;
+    const { sequence, sequences } = state;
+    this.unfollow = watch(
+      [
+        sequence,
+        sequences,
+        palette,
+        counts,
+        active,
+        solo,
+        tool,
+        brush,
+        view,
+        undo,
+        redo,
+        unsure,
+        floorPlaces,
+        offered,
+        xrSettings,
+      ],
+      this.touch,
+    );
+  }
+
+  override dispose(): void {
+    this.unfollow();
+    this.edit.dispose();
+    this.keyboard.close();
+    this.glow.dispose();
+    super.dispose();
+  }
+
+  /** Brightness, of labels that a person should look at, 0..1. */
+  pulse(strength: number): void {
+    this.glow.pulse(!this.folded && this.page === 'labels' ? strength : 0);
+  }
+
+  /** The label that is painted, else what this is. */
+  protected override handleLook(): ButtonLook {
+    const label = activeLabel.peek();
+    return label ? { swatch: label.color, text: label.name } : { text: 'Palette' };
+  }
+
+  protected override draw(ui: Ui): void {
+    const { em, width } = ui;
+    const pad = em * 0.6;
+    const inner = width - 2 * pad;
+    this.drawTabs(ui, pad, inner);
+    this.drawPage(ui, pad, em * 3.2, inner);
+    this.drawHistory(ui, pad, inner);
+    this.placeGlow(pad, inner);
+  }
+
+  private drawPage(ui: Ui, x: number, top: number, inner: number): void {
+    const { page } = this;
+    const label = activeLabel.peek();
+    if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
+    else if (page === 'tools') drawTools(ui, x, top, inner);
+    else if (page === 'view') drawView(ui, x, top, inner, this.controls, () => this.list());
+    else if (page === 'comfort') drawComfort(ui, x, top, inner);
+    else if (page === 'new') drawNew(ui, x, top, inner, this.ask, () => this.show('labels'));
+    else if (page === 'edit' && label) this.edit.draw(ui, x, top, inner, label);
+    else if (page === 'letters') this.letters.draw(ui, x, top, inner);
+    else if (page === 'recordings') this.recordings.draw(ui, x, top, inner);
+    else this.labels.draw(ui, x, top, inner);
+  }
+
+  private change(): void {
+    this.edit.begin();
+    this.show('edit');
+  }
+
+  private list(): void {
+    void actions.refreshSequences();
+    this.show('recordings');
+  }
+
+  private drawTabs(ui: Ui, x: number, inner: number): void {
+    const w = inner / TABS.length;
+    TABS.forEach(([tab, text], i) => {
+      const on = tabOf(this.page) === tab;
+      ui.button(x + i * w, ui.em * 0.5, w - ui.em * 0.2, ui.em * 2.2, { text, on }, () =>
+        this.show(tab),
+      );
+    });
+  }
+
+  private show(page: Page): void {
+    this.page = page;
+    if (state.tool.peek() === 'floor') actions.setTool('paint');
+    this.touch();
+  }
+
+  /** A light over each row whose label is doubtful in this frame. */
+  private placeGlow(x: number, inner: number): void {
+    const { top, row } = this.labels;
+    const { width, height, pixelsPerMetre } = this.size;
+    const rows = unsure.peek().flatMap((label) => {
+      const place = this.labels.rowOf(label);
+      return place < 0 ? [] : place;
+    });
+    this.glow.place(
+      rows.map((place) => ({
+        x: (x + inner / 2) / pixelsPerMetre - width / 2,
+        y: height / 2 - (top + (place + 0.47) * row) / pixelsPerMetre,
+        width: inner / pixelsPerMetre,
+        height: row / pixelsPerMetre,
+      })),
+    );
+  }
+
+  /** Below every page: undo and redo, and what shows the timeline and hides the palette. */
+  private drawHistory(ui: Ui, x: number, inner: number): void {
+    const { em, height } = ui;
+    const [undo, redo] = [state.undo.peek(), state.redo.peek()];
+    const wide = inner * 0.62;
+    const [left, side] = [x + wide + em * 0.25, inner - wide - em * 0.25];
+    const upper = height - em * 5.1;
+    const lower = upper + em * 2.25;
+    const h = em * 2.1;
+    const past = { icon: 'undo', text: undo ?? 'Nothing to undo', align: 'left' } as const;
+    ui.button(x, upper, wide, h, { ...past, disabled: undo === null }, () => actions.undo());
+    const future = { icon: 'redo', text: redo ?? 'Nothing to redo', align: 'left' } as const;
+    ui.button(x, lower, wide, h, { ...future, disabled: redo === null }, () => actions.redo());
+    const { controls } = this;
+    const aside = { strong: true, align: 'left' } as const;
+    ui.button(left, upper, side, h, { icon: 'frames', text: 'Timeline', ...aside }, () =>
+      controls.toggleTimeline(),
+    );
+    ui.button(left, lower, side, h, { icon: 'hidden', text: 'Put away', ...aside }, () =>
+      controls.putAway(),
+    );
+  }
+}

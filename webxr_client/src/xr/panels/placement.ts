@@ -1,0 +1,162 @@
+/** Places of panels in the room: low before the eyes, or where a ray carries them. */
+import { type Object3D, Vector3 } from 'three';
+import { faceEyes, type Facing } from '../drawing/facing';
+import type { Panel } from './panel';
+import type { Rig } from '../moving/rig';
+import { SIZES } from '../drawing/sizes';
+
+const DEGREE = Math.PI / 180;
+
+/** Angles in radians, lengths in metres. */
+export const PLACEMENT = {
+  /** From the eyes to a panel's middle: what is farther grows. */
+  away: 0.85,
+  /** The lower edge of a panel that hangs, where its handle is, below the eyes' height … */
+  edge: 43 * DEGREE,
+  /** … and at least so far above the lower edge of the picture. */
+  inside: 2 * DEGREE,
+  /** The middle of a question below the eyes' height: above, where it hides nothing to be mended. */
+  question: -12 * DEGREE,
+  /** To the left of straight ahead, where a palette without a hand hangs: its handle is beside the timeline's. */
+  beside: 13 * DEGREE,
+  /** To the side of straight ahead, and below the eyes' height, where another panel hangs. */
+  aside: 40 * DEGREE,
+  asideBelow: -8 * DEGREE,
+  /** As near to the eyes, and as far from them, as a carried panel comes. */
+  nearest: 0.45,
+  farthest: 3,
+} as const;
+
+const FACING: Facing = { right: 0, up: 0, away: PLACEMENT.away };
+const BESIDE: Facing = { right: 0, up: 0, away: SIZES.palette.away };
+
+/**
+ * The place that is seen from `eyes` so far to the left and so far down, radians, of where `yaw`
+ * looks; all in the headset's own space, where heights count from the eyes alone.
+ */
+function seenAt(
+  eyes: Vector3,
+  yaw: number,
+  left: number,
+  down: number,
+  away: number,
+  out: Vector3,
+): Vector3 {
+  const level = away * Math.cos(down);
+  return out.set(
+    eyes.x - Math.sin(yaw + left) * level,
+    eyes.y - away * Math.sin(down),
+    eyes.z - Math.cos(yaw + left) * level,
+  );
+}
+
+export class Placement {
+  /** Direction of the eyes when panels were last laid, in the headset's own space. */
+  private yaw = 0;
+  private readonly at = new Vector3();
+  private readonly middle = new Vector3();
+  private readonly held = new Vector3();
+
+  constructor(private readonly rig: Rig) {}
+
+  /** Take the way that one looks now as straight ahead. */
+  face(): void {
+    const { ahead, group } = this.rig;
+    this.yaw = Math.atan2(-ahead.x, -ahead.z) - group.rotation.y;
+  }
+
+  /** Lay a panel before the person, so far below the eyes. */
+  layBefore(panel: Object3D, below: number): void {
+    this.hang(panel, 0, below, FACING);
+  }
+
+  /** Hang the timeline straight ahead, its handle low in the picture. */
+  hangTimeline({ mesh, size }: Panel): void {
+    const half = Math.atan2(size.height / 2, FACING.away);
+    this.hang(mesh, 0, this.lowest() - half, FACING);
+  }
+
+  /** Hang the palette, its handle beside that of the timeline. */
+  hangPalette({ mesh, size }: Panel): void {
+    const half = Math.atan2(size.height / 2, BESIDE.away);
+    this.hang(mesh, PLACEMENT.beside, this.lowest() - half, BESIDE);
+  }
+
+  /** Return how far below the eyes' height a panel's lower edge hangs, in the picture of each eye. */
+  private lowest(): number {
+    return Math.min(PLACEMENT.edge, this.rig.sight.down - PLACEMENT.inside);
+  }
+
+  /** Hang another panel to the side; `left`: on that one. */
+  hangAside(panel: Object3D, left: boolean): void {
+    this.hang(panel, left ? PLACEMENT.aside : -PLACEMENT.aside, PLACEMENT.asideBelow, FACING);
+  }
+
+  private hang(panel: Object3D, left: number, down: number, facing: Facing): void {
+    const { headInRig } = this.rig;
+    faceEyes(
+      panel,
+      seenAt(headInRig, this.yaw, left, down, PLACEMENT.away, this.at),
+      headInRig,
+      facing,
+    );
+  }
+
+  /** Let a panel whose bar is held hang from the ray, turned to the eyes. */
+  carry(panel: Panel, by: { readonly origin: Vector3; readonly direction: Vector3 }): void {
+    const { at, middle, rig } = this;
+    const { headInRig } = rig;
+    const { matrix } = panel.mesh;
+    at.copy(by.origin).addScaledVector(by.direction, panel.away[0]!);
+    rig.group.worldToLocal(at).sub(headInRig);
+    at.clampLength(PLACEMENT.nearest, PLACEMENT.farthest).add(headInRig);
+    middle.copy(at);
+    // Moved so that the ray has what it holds, its middle sees the eyes elsewhere: it is turned again.
+    for (let pass = 0; pass < 2; pass++) {
+      faceEyes(panel.mesh, middle, headInRig, FACING);
+      this.held.set(panel.heldAt.x, panel.heldAt.y, 0).applyMatrix4(matrix);
+      middle.add(at).sub(this.held);
+    }
+    matrix.setPosition(middle);
+  }
+}
+
+/** The palette's place: over a hand, beside the timeline's handle, or nowhere. */
+type Spot = 'hand' | 'beside' | 'away';
+
+/** Seconds out of sight after which a hand counts as missing. */
+const MISSING = 0.7;
+/** Cosine between the palm and the eyes from which it is turned to them, and below which no more. */
+const [TURNED, TURNED_AWAY] = [0.75, 0.5];
+/** Seconds for which a palm is turned before it asks for the palette: a system gesture pinches earlier. */
+const ASKS = 0.4;
+
+export class PaletteSpot {
+  /** In this picture a palm turned to the eyes has asked for it. */
+  asked = false;
+  private turned = false;
+  private readonly turnedFor = new Float64Array(1);
+  /** Seconds since a hand was there to hold it. */
+  private readonly missing = Float64Array.of(MISSING);
+
+  /**
+   * Once per picture; `palm`: how much the holding hand's palm faces the eyes, while it is there and
+   * pinches nothing.
+   */
+  update(there: boolean, painting: boolean, palm: number, seconds: Float64Array): Spot {
+    this.missing[0] = there ? 0 : this.missing[0]! + seconds[0]!;
+    const turned = there && palm > (this.turned ? TURNED_AWAY : TURNED);
+    const before = this.turnedFor[0]!;
+    this.turnedFor[0] = turned ? before + seconds[0]! : 0;
+    this.asked = before < ASKS && this.turnedFor[0] >= ASKS;
+    this.turned = turned;
+    if (painting) return 'away';
+    if (there) return 'hand';
+    return this.handless ? 'beside' : 'away';
+  }
+
+  /** No hand is there to hold it. */
+  get handless(): boolean {
+    return this.missing[0]! >= MISSING;
+  }
+}

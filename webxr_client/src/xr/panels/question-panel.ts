@@ -1,0 +1,52 @@
+/** A run that stopped asks where one looks: accept what it found, or mend it, and go on. */
+import { halted, stretch, unsure } from '../../engine/review';
+import { canReview, state, trackingJob } from '../../store/state';
+import { follow, watch } from '../../store/watch';
+import { Panel } from './panel';
+import { SIZES } from '../drawing/sizes';
+import { drawDoubt, drawMended, Row } from './timeline-tracking';
+import type { Ui } from '../drawing/ui';
+
+/** Ems: the first row, the row of answers. */
+const [WORDS_AT, ANSWERS_AT] = [0.5, 3.4];
+
+export class QuestionPanel extends Panel {
+  /** The run that was answered with "Later". */
+  private later: object | null = null;
+  private readonly unfollow: () => void;
+
+  /** `lay`: bring it before the eyes, once for each question. */
+  constructor(lay: () => void) {
+    super({ width: 1, height: 0.175, pixelsPerMetre: 1600, em: SIZES.timeline.em }, 98);
+    this.mesh.visible = false;
+    const redraw = watch([unsure, stretch, halted, canReview, state.palette], this.touch);
+    const ask = follow(() => {
+      const run = halted.value;
+      const here = run !== null && (unsure.value.length > 0 || run.at === state.frame.value);
+      const asks = here && run !== this.later && trackingJob.value === null;
+      if (asks && !this.mesh.visible) lay();
+      this.mesh.visible = asks;
+      this.touch();
+    });
+    this.unfollow = () => {
+      redraw();
+      ask();
+    };
+  }
+
+  override dispose(): void {
+    this.unfollow();
+    super.dispose();
+  }
+
+  protected override draw(ui: Ui): void {
+    const { em } = ui;
+    const [words, answers] = [new Row(ui, em * WORDS_AT), new Row(ui, em * ANSWERS_AT)];
+    answers.button(6.5, { text: 'Later', strong: true }, () => {
+      this.later = halted.peek();
+      this.mesh.visible = false;
+    });
+    if (unsure.peek().length > 0) drawDoubt(words, answers);
+    else if (halted.peek()) drawMended(words, answers);
+  }
+}

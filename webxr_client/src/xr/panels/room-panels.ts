@@ -1,0 +1,162 @@
+/** The panels in the room: where each hangs, which is folded to its handle, and which fade. */
+import { Vector3, type Group, type Matrix4 } from 'three';
+import { faceEyes } from '../drawing/facing';
+import type { WorldControls } from './pages/view';
+import { PalettePanel } from './palette-panel';
+import { palmFacing } from '../input/palm';
+import { PaletteSpot, Placement, PLACEMENT } from './placement';
+import type { Panel } from './panel';
+import type { Pointer } from '../input/pointer';
+import { QuestionPanel } from './question-panel';
+import type { Rig } from '../moving/rig';
+import { xrSettings, type Side } from '../../store/xr-settings';
+import { SIZES } from '../drawing/sizes';
+import { TimelinePanel } from './timeline-panel';
+
+/** Offset of the palette's middle from the hand that holds it: above, and towards the other one. */
+const ABOVE = { up: 0.265, away: SIZES.palette.away } as const;
+const HELD = {
+  left: { ...ABOVE, right: 0.07 },
+  right: { ...ABOVE, right: -0.07 },
+  none: { ...ABOVE, right: 0 },
+} as const;
+
+/** An input that can hold the palette; `grip` in the headset's own space. */
+export interface Holder {
+  readonly side: Side | 'none';
+  readonly tracked: boolean;
+  /** It pinches, for whatever it may be. */
+  readonly pinching: boolean;
+  readonly grip: { readonly position: Vector3; readonly matrix: Matrix4 };
+}
+
+/** A pointer that has a panel by its bar, in the scene. */
+export interface Carrier {
+  readonly origin: Vector3;
+  readonly direction: Vector3;
+}
+
+/** Cosines of the angle to the eyes' direction from which they call a handle that is held, and keep its panel. */
+const [CALLS, KEEPS] = [0.97, 0.96];
+
+export class RoomPanels {
+  readonly palette: PalettePanel;
+  readonly timeline = new TimelinePanel({
+    hide: () => this.timeline.setFolded(true),
+    callPalette: () => this.callPalette(),
+  });
+  readonly question: QuestionPanel;
+  readonly all: Panel[];
+  /** Panels that also the hand that holds the palette can point at. */
+  readonly far: Panel[];
+  /** A panel that is none of the room's own. */
+  added: Panel | null = null;
+  private readonly placement: Placement;
+  private readonly spot = new PaletteSpot();
+  /** The palette hangs beside the timeline's handle: it stays where it is. */
+  private hangs = false;
+  private readonly middle = new Vector3();
+
+  constructor(
+    private readonly rig: Rig,
+    session: XRSession,
+    controls: WorldControls,
+  ) {
+    this.placement = new Placement(rig);
+    const panels = {
+      putAway: () => this.palette.setFolded(true),
+      toggleTimeline: () => this.toggleTimeline(),
+    };
+    this.palette = new PalettePanel({ ...controls, ...panels }, session);
+    this.question = new QuestionPanel(() => this.ask());
+    this.all = [this.palette, this.timeline, this.question];
+    this.far = [this.timeline, this.question];
+  }
+
+  addTo(rig: Group): void {
+    for (const { mesh } of this.all) rig.add(mesh);
+  }
+
+  /** Take in another panel, which hangs to the side. */
+  add(panel: Panel): void {
+    this.added = panel;
+    this.all.push(panel);
+    this.far.push(panel);
+  }
+
+  /** Hang what hangs before the person as they look now. */
+  settle(): void {
+    this.placement.face();
+    this.placement.hangTimeline(this.timeline);
+    if (this.added) this.placement.hangAside(this.added.mesh, xrSettings.peek().hand === 'right');
+    this.hangs = false;
+  }
+
+  /** Unfold the timeline where one looks, or fold it. */
+  toggleTimeline(): void {
+    const { timeline, palette } = this;
+    if (timeline.folded) this.settle();
+    timeline.setFolded(!timeline.folded);
+    // One hangs where the other does.
+    if (this.spot.handless) palette.setFolded(true);
+  }
+
+  private callPalette(): void {
+    this.palette.setFolded(false);
+    if (this.spot.handless) this.timeline.setFolded(true);
+  }
+
+  private ask(): void {
+    this.placement.face();
+    this.placement.layBefore(this.question.mesh, PLACEMENT.question);
+  }
+
+  /** Hang the palette, and fade what lies before the points while one paints. */
+  update(holder: Holder | null, painting: boolean, seconds: Float64Array): void {
+    const { palette, timeline, rig } = this;
+    const there = holder?.tracked === true;
+    const free = there && !holder.pinching;
+    const palm = free ? palmFacing(holder.grip.matrix, holder.side, rig.headInRig) : 0;
+    const spot = this.spot.update(there, painting, palm, seconds);
+    if (this.spot.asked) palette.setFolded(false);
+    if (spot === 'hand') {
+      faceEyes(palette.mesh, holder!.grip.position, rig.headInRig, HELD[holder!.side]);
+    } else if (spot === 'beside' && !this.hangs) {
+      this.placement.hangPalette(palette);
+    }
+    if (spot === 'beside' && !this.hangs && !palette.folded) timeline.setFolded(true);
+    this.hangs = spot === 'beside';
+    // One of them has the room if both hang.
+    palette.mesh.visible = spot === 'hand' || (this.hangs && timeline.folded);
+    timeline.mesh.visible = !this.hangs || palette.folded || !timeline.folded;
+    if (palette.mesh.visible) palette.mesh.updateMatrixWorld();
+    timeline.fade(painting);
+    this.question.fade(painting);
+  }
+
+  /** Fold and unfold; `by`: what points at a panel. */
+  fold(by: (panel: Panel) => Pointer | null, seconds: Float64Array): void {
+    const { palette, timeline } = this;
+    // Eyes on a panel that hangs may as well be on what is behind it.
+    const looked = !this.hangs && this.looked(palette, palette.folded ? CALLS : KEEPS);
+    palette.updateFold(by(palette), looked, seconds);
+    timeline.updateFold(by(timeline), false, seconds);
+  }
+
+  /** Whether the eyes are on a panel, to a cosine. */
+  private looked(panel: Panel, cosine: number): boolean {
+    const { headInRig, gaze } = this.rig;
+    if (!panel.mesh.visible) return false;
+    const middle = panel.middle(this.middle).sub(headInRig);
+    return middle.dot(gaze) > cosine * middle.length();
+  }
+
+  /** Let a panel follow what has its bar. */
+  carry(panel: Panel, by: Carrier): void {
+    this.placement.carry(panel, by);
+  }
+
+  dispose(): void {
+    for (const panel of this.all) panel.dispose();
+  }
+}

@@ -1,0 +1,209 @@
+import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
+import { bindActions } from '../../store/actions';
+import { takeTimeline } from '../../engine/labels';
+import type { Label, Timeline } from '../../protocol/messages';
+import { halted } from '../../engine/review';
+import { state } from '../../store/state';
+import type { PaletteControls, PalettePanel } from '../panels/palette-panel';
+import type { Panel } from '../panels/panel';
+import { PLACEMENT } from '../panels/placement';
+import type { QuestionPanel } from '../panels/question-panel';
+import type { TimelinePanel } from '../panels/timeline-panel';
+
+/** Least size of a target: metres, or degrees from where one reads it. */
+const LEAST_METRES = 0.022;
+const LEAST_DEGREES = 2.5;
+
+/** Words that were drawn since a test emptied this. */
+const written: string[] = [];
+
+/** A pen that draws nothing: what answers is laid out by text of so many pixels a letter. */
+function pen(): CanvasRenderingContext2D {
+  const draws = (): unknown => undefined;
+  const measures = (text: string): { width: number } => ({ width: 16 * text.length });
+  const writes = (text: string): number => written.push(text);
+  const known: Record<string, unknown> = { measureText: measures, fillText: writes };
+  return new Proxy(known, {
+    get: (fields, name: string) => fields[name] ?? draws,
+    set: (fields, name: string, value) => Reflect.set(fields, name, value),
+  }) as unknown as CanvasRenderingContext2D;
+}
+
+const nothing = (): void => undefined;
+const labels = Array.from({ length: 9 }, (_, i) => ({
+  id: i + 1,
+  name: `pin ${i}`,
+  color: '#5ea2ff',
+  category: 'pin',
+  locked: false,
+  visible: true,
+})) as unknown as Label[];
+
+let palette: PalettePanel;
+let timeline: TimelinePanel;
+let question: QuestionPanel;
+let now = 0;
+
+/** The smaller side of what answers on a panel as it is drawn now, metres, by name. */
+function sides(panel: Panel): Map<string, number> {
+  panel.touch();
+  panel.update((now += 1000));
+  const { width, height } = panel.size;
+  const found = panel.places().map(({ name, w, h }) => [name, Math.min(w * width, h * height)]);
+  return new Map(found as [string, number][]);
+}
+
+function press(panel: Panel, name: string): void {
+  sides(panel);
+  panel['ui'].areas.find((area) => area.name === name)!.act!(0.5, 0.5);
+}
+
+const degrees = (metres: number): number =>
+  (2 * Math.atan(metres / 2 / PLACEMENT.away) * 180) / Math.PI;
+
+beforeAll(async () => {
+  vi.stubGlobal('document', { createElement: () => ({ getContext: pen }) });
+  vi.stubGlobal('Path2D', Object);
+  state.palette.value = labels;
+  state.activeLabel.value = 1;
+  state.sequences.value = Array.from({ length: 9 }, (_, i) => ({
+    id: `run-${i}`,
+    name: `Run ${i}`,
+    frames: 6,
+    damaged: i === 0 ? 'cut short' : null,
+  })) as unknown as typeof state.sequences.value;
+  state.sequence.value = { id: 'a', frames: 6, fps: 30 } as typeof state.sequence.value;
+  const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
+  const session = { isSystemKeyboardSupported: false } as unknown as XRSession;
+  palette = new (await import('../panels/palette-panel')).PalettePanel(controls, session);
+  const bar = { hide: nothing, callPalette: nothing };
+  timeline = new (await import('../panels/timeline-panel')).TimelinePanel(bar);
+  question = new (await import('../panels/question-panel')).QuestionPanel(nothing);
+});
+
+afterAll(() => {
+  for (const panel of [palette, timeline, question]) panel.dispose();
+  vi.unstubAllGlobals();
+});
+
+describe('what answers on a panel', () => {
+  it('is its handle alone while it is folded, as large as anything', () => {
+    for (const panel of [palette, timeline]) {
+      expect(panel.folded).toBe(true);
+      expect([...sides(panel).values()]).toEqual([expect.any(Number)]);
+    }
+    expect(sides(palette).get('pin 0')).toBeGreaterThanOrEqual(LEAST_METRES);
+    expect(degrees(sides(timeline).get('frames')!)).toBeGreaterThanOrEqual(LEAST_DEGREES);
+    press(palette, 'pin 0');
+    press(timeline, 'frames');
+    expect([palette.folded, timeline.folded]).toEqual([false, false]);
+  });
+
+  it.each([
+    [['Labels']],
+    [['Tools']],
+    [['View']],
+    [['Comfort']],
+    [['Labels', 'New']],
+    [['Labels', 'New', 'Type a name']],
+    [['Labels', 'Edit']],
+    [['Labels', 'Edit', 'Delete']],
+    [['View', 'Recordings']],
+  ])('is as large as a finger needs on the palette: %j', (pages) => {
+    for (const page of pages) press(palette, page);
+    const found = sides(palette);
+    expect(found.size).toBeGreaterThanOrEqual(8);
+    for (const [name, side] of found) {
+      expect(side, name).toBeGreaterThanOrEqual(LEAST_METRES - 1e-6);
+    }
+  });
+
+  it('is met by a ray on the timeline, and on the question of a run that stopped', () => {
+    halted.value = { at: 0, stop: 5, labels: [1] };
+    expect(question.mesh.visible).toBe(true);
+    expect([...sides(question).keys()]).toEqual(['Later', 'Continue to 5']);
+    for (const panel of [timeline, question]) {
+      for (const [name, side] of sides(panel)) {
+        expect(degrees(side), name).toBeGreaterThanOrEqual(LEAST_DEGREES);
+      }
+    }
+    expect(sides(timeline).has('Move')).toBe(true);
+    press(question, 'Later');
+    expect(question.mesh.visible).toBe(false);
+    halted.value = null;
+  });
+});
+
+describe('the palette changes the active label', () => {
+  const asked: unknown[] = [];
+  const note =
+    (name: string) =>
+    (...values: unknown[]): Promise<void> => {
+      asked.push([name, ...values]);
+      return Promise.resolve();
+    };
+  const names = ['updateLabel', 'renameLabel', 'recolorLabel', 'deleteLabel'] as const;
+  let unbind = nothing;
+  beforeAll(() => {
+    unbind = bindActions(Object.fromEntries(names.map((name) => [name, note(name)])));
+  });
+  afterAll(() => unbind());
+  const did = (...pages: string[]): unknown[] => {
+    asked.length = 0;
+    for (const page of pages) press(palette, page);
+    return [...asked];
+  };
+
+  it('by a quick name, by letters, by a swatch', () => {
+    const renamed = ['updateLabel', 1, { name: 'hand 1', category: 'hand' }];
+    expect(did('Labels', 'Edit', 'hand 1')).toEqual([renamed]);
+    expect(did('#2fd5e0')).toEqual([['recolorLabel', 1, '#2fd5e0']]);
+    expect(did('Type', 'Capitals', 'B', 'Capitals', 'o', 'x', 'x', 'Remove', 'Take')).toEqual([
+      ['renameLabel', 1, 'Box'],
+    ]);
+  });
+
+  it('and deletes it when asked again, the same one', () => {
+    expect(did('Labels', 'Edit', 'Delete', 'Keep', 'Delete')).toEqual([]);
+    state.activeLabel.value = 2;
+    expect(sides(palette).has('Delete it')).toBe(false);
+    expect(did('Delete', 'Delete it')).toEqual([['deleteLabel', 2]]);
+    expect(sides(palette).has('New')).toBe(true);
+  });
+});
+
+describe('the palette counts the points of a label', () => {
+  it('of this frame and of all before it is deleted, and of all in its row', () => {
+    state.activeLabel.value = 1;
+    state.counts.value = new Map([[1, 59_726]]);
+    const cells = [20, 3669].map((points, frame) => ({ label: 1, frame, points, painted: points }));
+    takeTimeline({ whole: true, cells } as unknown as Timeline, 6);
+    state.frame.value = 1;
+    for (const page of ['Labels', 'Edit', 'Delete']) press(palette, page);
+    written.length = 0;
+    sides(palette);
+    expect(written).toContain('3\u2009669 points in this frame');
+    expect(written).toContain('59\u2009726 points in all frames');
+    // The question is asked of the frame that is shown.
+    state.frame.value = 0;
+    written.length = 0;
+    palette.update((now += 1000));
+    expect(written).toContain('20 points in this frame');
+    press(palette, 'Keep');
+    press(palette, 'Back');
+    written.length = 0;
+    sides(palette);
+    expect(written).toContain('60\u2009k in all');
+  });
+});
+
+describe('the palette lists recordings', () => {
+  it('opens one that is whole', () => {
+    const opened: string[] = [];
+    const unbind = bindActions({ openSequence: (id) => opened.push(id) });
+    for (const name of ['View', 'Recordings', 'next', 'Run 8']) press(palette, name);
+    expect(sides(palette).has('Run 0')).toBe(false);
+    expect(opened).toEqual(['run-8']);
+    unbind();
+  });
+});
