@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions, TrackState
 from pointbrush.tracking.compute.rigid import transform
-from pointbrush.tracking.icp import PaperTracker, _cut, _Object, _painted
+from pointbrush.tracking.icp import PaperTracker, _begun, _Object, _painted
 from pointbrush.tracking.interface import Frames, Known, TrackFrame
 
 F64 = NDArray[np.float64]
@@ -90,7 +90,7 @@ class Peer:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         first = frames(order[0])
-        objects = {s.label: _cut(first, s.indices, np.eye(4)) for s in seeds}
+        objects = {s.label: _begun(first, s.indices, np.eye(4)) for s in seeds}
         yield FrameResult(
             order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         )
@@ -106,7 +106,7 @@ class Peer:
                 found[label] = points
                 tracks[label] = TrackState(T, 0.0, inliers, inliers, len(points), "tracked")
                 if len(points):
-                    objects[label] = _cut(frame, points, T @ track.pose)
+                    objects[label] = _begun(frame, points, T @ track.pose)
             yield FrameResult(number, found, tracks)
 
 

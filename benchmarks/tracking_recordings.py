@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.cli import main
 from pointbrush.samples import generate, write
+from pointbrush.samples.driving import drive
 from pointbrush.sequences import StoredFrame, open_sequence
 from pointbrush.tracking.interface import PixelLattice
 
@@ -31,9 +32,12 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "walking": ("walking", {}),
 }
 """Kind -> what the samples call it, and its options."""
+MORE: dict[str, tuple[str, dict[str, Any]]] = {"boxes": ("walking", {"people": 2, "boxes": 2})}
+"""Kinds that are measured when they are named: two people who pass two turning boxes."""
 
-STREETS = ("street", "street-no-poses")
-"""A 48-beam lidar on a car, from the ray-caster of the tests, with its poses and without."""
+STREETS = ("street", "street-no-poses", "drive")
+"""A 48-beam lidar on a car, from the ray-caster of the tests, with its poses and without; a 64-beam
+one of the samples, among parked vehicles, with its poses."""
 
 CROWDS = {"crowd-5hz": 5.0, "crowd-15hz": 15.0}
 """Kind of crowded room -> frames a second; three, four or five people, by the seed."""
@@ -82,7 +86,7 @@ def generated(
     kind: str, seed: int, count: int, every: int = 1, seen: str = "camera"
 ) -> list[Frame]:
     """``count`` frames of a kind, each ``every``-th of 30 a second, 512 x 424; ``seen`` of SEEN."""
-    name, options = KINDS[kind]
+    name, options = (KINDS | MORE)[kind]
     recording = generate(name, seed, count * every, **options)
     some = range(0, count * every, every)
     frames = ((recording.frames[i], recording.truth[i]) for i in some)
@@ -97,6 +101,20 @@ def generated(
 
 def street(kind: str, seed: int, count: int) -> list[Frame]:
     """``count`` frames of a kind of STREETS, 10 a second."""
+    if kind == "drive":
+        return _with_trees(
+            [
+                Frame(
+                    made.frame.xyz.astype(np.float32),
+                    None,
+                    made.instance.astype(np.uint16),
+                    made.frame.viewpoint,
+                    made.T_room_frame,
+                    made.frame.intensity,
+                )
+                for made in drive(seed, count)
+            ]
+        )
     sys.path.append(str(Path(__file__).parent.parent / "tests" / "tracking"))
     import scenes
 

@@ -127,6 +127,7 @@ def test_a_recording_can_be_handed_to_another_process(recording: Recording) -> N
         ({"rate": 60}, "rate: expected 1 to 30"),
         ({"kind": "walking", "people": 9}, "people: expected 1 to 4"),
         ({"kind": "walking", "pace": 9}, "pace: expected 0.3 to 2"),
+        ({"kind": "walking", "boxes": 3}, "boxes: expected 0 to 2"),
     ],
 )
 def test_bad_options_are_refused(arguments: dict[str, object], message: str) -> None:

@@ -3,31 +3,38 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.samples.geometry import UP, Array, smoothstep, vec, wobble, yaw
+from pointbrush.samples.geometry import UP, Array, rigid, smoothstep, vec, wobble, yaw
 from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.posture import LOOKS, Foot, Look, Posture, hanging_hands
 from pointbrush.samples.recording import LabelInfo, Moment
+from pointbrush.samples.render import Solid, block, rod
 from pointbrush.samples.room import LivingRoom
 from pointbrush.samples.sensor import tripod
+from pointbrush.samples.textures import Material, matte, poster
 
 LANES = ((-2.1, 0.0, 1.05), (-2.75, 0.05, 1.25), (-3.32, -0.45, 1.1), (-3.9, 0.25, 0.55))
 """Each lane's z, middle x and half length, metres."""
 STANCE = 0.6
 """Share of a stride during which a foot stands."""
+BOX_Z, BOX_XS = -2.44, (-0.35, 0.45)
+"""Metres; places of boxes, between the first two lanes."""
 COLORS = ("#4e79ff", "#ff9a3c", "#52c46a", "#c562d8")
 
 
 @dataclass(frozen=True, slots=True)
 class WalkingOptions:
-    """Options of a walking recording: ``people`` 1 to 4; ``pace`` multiplies their speed."""
+    """Options of a walking recording: ``people`` 1 to 4; ``pace`` multiplies their speed; up to 2
+    ``boxes`` turn on stands beside their way, near enough for an arm to pass them."""
 
     people: int = 3
     pace: float = 1.0
+    boxes: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,12 +151,58 @@ class Walk:
         return Foot(ankle, heading + side * 0.08, pitch)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class TurningBox:
+    """A printed box on a stand, at the place ``at`` (3,); ``half`` (3,) of its sides, metres;
+    ``rate`` radians a second about the vertical."""
+
+    at: Array
+    half: Array
+    print_: float
+    rate: float
+    phase: float
+
+    @staticmethod
+    def drawn(x: float, rng: np.random.Generator) -> TurningBox:
+        """Draw its size, height and turn."""
+        half = rng.uniform(0.07, 0.14, 3) * vec(1.0, 1.4, 1.0)
+        at = vec(
+            x + rng.uniform(-0.1, 0.1), rng.uniform(0.7, 1.05), BOX_Z + rng.uniform(-0.04, 0.04)
+        )
+        rate = rng.uniform(0.5, 1.6) * (1.0 if rng.random() < 0.5 else -1.0)
+        return TurningBox(at, half, float(rng.integers(1, 90)), rate, rng.uniform(0, 2 * math.pi))
+
+    def stand(self) -> Solid:
+        """Return the stand under it."""
+        foot, top = self.at * vec(1, 0, 1), self.at - UP * self.half[1]
+        return rod(foot, top, 0.015, 0.015, matte("#333333"))
+
+    def pose(self, t: float) -> Array:
+        """Return ``T_room_box``."""
+        return rigid(yaw(self.phase + self.rate * t), self.at)
+
+    def solids(self, t: float, label: int) -> list[Solid]:
+        """Return its two halves, differently printed."""
+        x, y, z = self.half
+        parts = (
+            block((-x, -y, -z), (x, y, 0), self._paper(0)),
+            block((-x, -y, 0), (x, y, z), self._paper(9)),
+        )
+        return [replace(s, pose=self.pose(t) @ s.pose, label=label) for s in parts]
+
+    def _paper(self, other: float) -> Material:
+        pattern = partial(poster, seed=self.print_ + other, half=(self.half[0], self.half[1]))
+        return Material(pattern, 0.6)
+
+
 class WalkingScene(LivingRoom):
     """See ``recording.Scene``."""
 
     def __init__(self, seed: int, seconds: float, options: WalkingOptions) -> None:
         if not 1 <= options.people <= len(LANES):
             raise BadInputError(f"people: expected 1 to {len(LANES)}, got {options.people}")
+        if not 0 <= options.boxes <= len(BOX_XS):
+            raise BadInputError(f"boxes: expected 0 to {len(BOX_XS)}, got {options.boxes}")
         if not 0.3 <= options.pace <= 2:
             raise BadInputError(f"pace: expected 0.3 to 2, got {options.pace}")
         rng = np.random.default_rng([seed, 11])
@@ -159,20 +212,31 @@ class WalkingScene(LivingRoom):
         for k, (z, x, half) in zip(order[: options.people], LANES, strict=False):
             loop = Loop.drawn(x, z, half, 0.17, 0.0, options.pace, rng)
             self._walks.append(Walk(LOOKS[int(k)], loop, seconds, options.pace, rng))
+        self._boxes = [TurningBox.drawn(x, rng) for x in BOX_XS[: options.boxes]]
+
+    def still(self) -> list[Solid]:
+        """See Scene."""
+        return [*super().still(), *(box.stand() for box in self._boxes)]
 
     @property
     def labels(self) -> list[LabelInfo]:
         """See Scene."""
-        return [
-            LabelInfo(p + 1, f"person {p + 1}", "person", COLORS[p])
-            for p in range(len(self._walks))
+        count = len(self._walks)
+        found = [LabelInfo(p + 1, f"person {p + 1}", "person", COLORS[p]) for p in range(count)]
+        names = [f"box {k + 1}" for k in range(len(self._boxes))]
+        return found + [
+            LabelInfo(count + 1 + k, name, "thing", "#c9a227") for k, name in enumerate(names)
         ]
 
     def at(self, t: float) -> Moment:
-        """See Scene; people are not rigid, so there are no poses."""
+        """See Scene; people are not rigid, so there are poses of the boxes alone."""
         solids, balls = [], []
         for p, walk in enumerate(self._walks):
             posture = walk.posture(t)
             solids += body(walk.look, posture, p + 1)
             balls += shadow_balls(posture)
-        return Moment(solids, balls, {})
+        first = len(self._walks) + 1
+        for label, box in enumerate(self._boxes, first):
+            solids += box.solids(t, label)
+            balls.append((box.at, float(box.half.max())))
+        return Moment(solids, balls, {n: box.pose(t) for n, box in enumerate(self._boxes, first)})

@@ -318,9 +318,13 @@ class GroundContactOptions(Options):
 
     # Share of the ground in its outline in the painting from which it keeps it.
     painted_share: float = 0.5
-    min_points: int = 3  # points of that ground that tell it
+    min_points: int = 20  # points of that ground that tell it: feet are few
     min_corners: int = 4  # model points that have an outline
     below_m: float = 0.3  # metres under the model down to which the ground is its
+    beside_m: float = 1.0  # metres beside the model within which the ground tells its plane
+    # Median distances of the ground from that plane from which a point above it is of no ground.
+    ground_medians: float = 6.0
+    feet_m: float = 1.0  # metres above it up to which an object's lowest part goes
 
 
 @dataclass(frozen=True, slots=True)

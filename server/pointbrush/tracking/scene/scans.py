@@ -5,7 +5,7 @@ The unlabelled points of earlier frames, aligned by their poses, in their stored
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,10 +28,14 @@ class PointBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
+        return self._seen_in(self.past, view, indices), np.zeros(len(indices), np.bool_)
+
+    def _seen_in(self, past: Sequence[tuple[View, Mask]], view: View, indices: I64) -> Mask:
+        """Mark the points (M,) that some of the ``past`` frames have, unlabelled."""
         world = view.xyz[indices]
         still = np.zeros(len(indices), np.bool_)
         reach = self.reach(world)
-        for earlier, labelled in self.past:
+        for earlier, labelled in past:
             rest = np.flatnonzero(~still)
             T = earlier.T_world_frame
             at: F64 = world[rest].astype(np.float64)
@@ -44,7 +48,7 @@ class PointBackground:
             near = found & (np.asarray(distance) < reach[rest])
             near[found] &= ~labelled[np.asarray(index)[found]]
             still[rest[near]] = True
-        return still, np.zeros(len(indices), np.bool_)
+        return still
 
     def _widen(self, view: View, labelled: Mask, some: NDArray[np.floating]) -> None:
         """Mark what a run missed beside ``some`` (M, 3) of its objects: no background."""
@@ -71,9 +75,9 @@ class PointBackground:
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
 
-    def faint(self, _view: View, indices: I64) -> Mask:
-        """See ``Background``; what is known here is no depth."""
-        return np.zeros(len(indices), np.bool_)
+    def faint(self, view: View, indices: I64) -> Mask:
+        """See ``Background``: a run may have missed what a person has not left unlabelled."""
+        return ~self._seen_in(self.past[:1], view, indices)
 
     def drawn_on(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; without a depth image no scene is drawn on."""

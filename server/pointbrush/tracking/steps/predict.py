@@ -146,6 +146,8 @@ def _before_background(
     """Of the points ``around`` (P,) those ``near``, ``moving`` and ``faint``: see ``Search``."""
     options = track.options.search
     far, still = background.static(view, around)
+    if track.stands:  # What was missed of it stands as still as it does.
+        far &= ~background.faint(view, around)
     if track.large:
         speed = track.motion.speed
         stay = (
