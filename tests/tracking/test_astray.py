@@ -109,7 +109,7 @@ def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
     def some(colour: np.ndarray, count: int) -> np.ndarray:
         return (colour + rng.normal(0, 0.01, (count, 3))).astype(np.float32)
 
-    appearance = ColourHistogram.of(some(blue, 400), options=OPTIONS)
+    appearance = ColourHistogram.of(some(blue, 400), OPTIONS.appearance)
     beside = np.concatenate([some(blue, 20), some(skin, 480)])  # a missed strip, and a hand
     rather = appearance.rather(beside)
     assert rather[:20].mean() > 0.8

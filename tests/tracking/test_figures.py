@@ -89,7 +89,7 @@ class Strip:
         sure = np.full(len(self.x), certain)
         nobody, others = none if outside is None else outside, none if other is None else other
         clothes = dict.fromkeys(
-            cores, ColourHistogram.of(np.empty((0, 3), np.float32), options=OPTIONS)
+            cores, ColourHistogram.of(np.empty((0, 3), np.float32), OPTIONS.appearance)
         )
         longest = dict.fromkeys(cores, far)
         return self.cells.spread(cores, nobody, others, sure, longest, clothes)

@@ -294,7 +294,7 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Per
 def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
     middle, tints = body(right, colour)
     person = Person.met(
-        OPTIONS, label, middle, tints, 0, ColourHistogram.of(tints, options=OPTIONS)
+        OPTIONS, label, middle, tints, 0, ColourHistogram.of(tints, OPTIONS.appearance)
     )
     person.well, person.area = well, 30 * 5 * 9.0
     return person

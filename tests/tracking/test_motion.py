@@ -19,7 +19,7 @@ def flight(i: int) -> np.ndarray:
 
 
 def test_free_flight_with_spin_is_predicted() -> None:
-    motion = Motion(OPTIONS, np.zeros(3))
+    motion = Motion(OPTIONS.search, np.zeros(3))
     assert motion.fresh
     for i in range(1, 4):
         motion.add(flight(i))
@@ -30,7 +30,7 @@ def test_free_flight_with_spin_is_predicted() -> None:
 
 def test_what_tumbles_about_another_point_than_its_centre_is_predicted() -> None:
     """As a pin does: the middle of what was painted is not its centre of mass."""
-    motion = Motion(OPTIONS, np.array([0.0, 0.12, 0.0]))
+    motion = Motion(OPTIONS.search, np.array([0.0, 0.12, 0.0]))
     flown = []
     for i in range(5):
         T = np.eye(4)
@@ -47,7 +47,7 @@ def test_what_tumbles_about_another_point_than_its_centre_is_predicted() -> None
 
 
 def test_an_unsure_pose_leaves_the_motion_as_it_was() -> None:
-    motion = Motion(OPTIONS, np.zeros(3))
+    motion = Motion(OPTIONS.search, np.zeros(3))
     for i in range(1, 4):
         motion.add(flight(i))
     before = motion.speed
@@ -58,7 +58,7 @@ def test_an_unsure_pose_leaves_the_motion_as_it_was() -> None:
 
 
 def test_what_rested_is_looked_for_where_it_was_until_it_is_well_seen_elsewhere() -> None:
-    motion, pushed = Motion(OPTIONS, np.zeros(3)), np.eye(4)
+    motion, pushed = Motion(OPTIONS.search, np.zeros(3)), np.eye(4)
     for _ in range(8):
         motion.add(np.eye(4))
     motion.seen(unit=0.01)

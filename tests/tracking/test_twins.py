@@ -39,7 +39,7 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
     In the frame in which they meet they are found a share ``meant`` of the way off where they were
     going, towards each other; ``swapped``: from there on each is found where the other is.
     """
-    tracks, twins, result = pair(colour), Swaps(options=OPTIONS), []
+    tracks, twins, result = pair(colour), Swaps(OPTIONS.identity), []
     start = {n: track.motion.centre.copy() for n, track in tracks.items()}
     for number in range(1, 12):
         places = {}

@@ -142,7 +142,7 @@ class Run:
         self.options = method.options
         self._watch, self._near = method.watch, method.options.companions
         self.known, self.asked, self.labels = known, asked, [s.label for s in seeds]
-        self.swaps = Swaps(self.options)
+        self.swaps = Swaps(self.options.identity)
         self.tracks: dict[int, Track] = {}
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
@@ -202,7 +202,7 @@ class Run:
 
     def through(self, order: Sequence[int]) -> Iterator[FrameResult]:
         """Find everything in the frames that follow, and what was in doubt once it is known."""
-        smoother = Smoother(self.asked, self.options)
+        smoother = Smoother(self.asked, self.options.smoothing)
         for number in order:
             yield from smoother.take(self.step(number), self.tracks, self.background)
         yield from smoother.rest()

@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter
 
 from pointbrush.tracking.compute.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import AppearanceOptions
 
 BIN = 0.028
 """Width of a bin, in the units of ``View.colour``."""
@@ -28,21 +28,21 @@ class ColourHistogram:
     says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
     """
 
-    options: TrackerOptions
+    options: AppearanceOptions
     common: F32
     hues: F32
     usual: float
     alone: Mask
 
     @staticmethod
-    def of(colour: F32, options: TrackerOptions) -> ColourHistogram:
+    def of(colour: F32, options: AppearanceOptions) -> ColourHistogram:
         """Of the colours (M, 3) of an object's points, as ``View.colour`` gives them."""
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
         common = LIKE**3 * uniform_filter(share, LIKE, mode="constant").ravel()
         hues = LIKE**2 * uniform_filter(share.sum(axis=2), LIKE, mode="constant").ravel()
         usual = (
-            float(np.log(common[_bins(colour)] + options.appearance.absent_share).mean())
+            float(np.log(common[_bins(colour)] + options.absent_share).mean())
             if len(colour)
             else 0.0
         )
@@ -50,7 +50,7 @@ class ColourHistogram:
 
     def apart_from(self, others: Iterable[ColourHistogram]) -> ColourHistogram:
         """The same, with the colours told that are its alone among ``others``."""
-        options = self.options.appearance
+        options = self.options
         alone = self.common > options.common_share
         for other in others:
             alone &= self.common > options.rather_ratio * other.common
@@ -65,7 +65,7 @@ class ColourHistogram:
     def each(self, colour: F32) -> F32:
         """(M,) logarithm of how common each of the colours (M, 3) is."""
         return np.asarray(
-            np.log(self.common[_bins(colour)] + self.options.appearance.absent_share), np.float32
+            np.log(self.common[_bins(colour)] + self.options.absent_share), np.float32
         )
 
     def likeness(self, colour: F32) -> float:
@@ -74,11 +74,11 @@ class ColourHistogram:
 
     def unlike(self, colour: F32) -> bool:
         """Whether the colours (M, 3) are much rarer here than its own usually are."""
-        return self.likeness(colour) < self.usual - self.options.appearance.rarer_log
+        return self.likeness(colour) < self.usual - self.options.rarer_log
 
     def rather(self, colour: F32) -> Mask:
         """Mark the colours (M, 3) far commoner in the histogram than among themselves."""
-        options = self.options.appearance
+        options = self.options
         at = _at(colour)
         cell = _flat(at // options.coarse_bins)
         number = numbered(cell)
@@ -94,14 +94,12 @@ class ColourHistogram:
     def strange(self, colour: F32) -> Mask:
         """Mark the colours (M, 3) without a similar hue in the histogram, be they brighter or
         darker."""
-        return np.asarray(
-            self.hues[_bins(colour) // SHAPE[2]] <= self.options.appearance.strange_share
-        )
+        return np.asarray(self.hues[_bins(colour) // SHAPE[2]] <= self.options.strange_share)
 
     def share(self, colour: F32) -> float:
         """Share of the colours (M, 3) that have their like."""
         return (
-            float((self.common[_bins(colour)] > self.options.appearance.absent_share).mean())
+            float((self.common[_bins(colour)] > self.options.absent_share).mean())
             if len(colour)
             else 0.0
         )

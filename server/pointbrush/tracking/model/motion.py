@@ -8,14 +8,14 @@ import numpy as np
 
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import SearchOptions
 
 
 @dataclass(eq=False)
 class Motion:
     """Poses ``T_frame_start`` of the last frames; ``centre`` (3,) of the object in the start."""
 
-    options: TrackerOptions
+    options: SearchOptions
     centre: F64
     poses: list[F64] = field(default_factory=lambda: [np.eye(4)])
     gap: int = 1
@@ -39,7 +39,7 @@ class Motion:
             return
         if self.gap > 1:
             self.poses = [_between(self.poses[-1], pose, self.centre, 1 - 1 / self.gap)]
-        self.poses = [*self.poses[-(self.options.search.remembered_poses - 1) :], pose]
+        self.poses = [*self.poses[-(self.options.remembered_poses - 1) :], pose]
         self.gap = 1
 
     def begin(self, pose: F64) -> None:
@@ -79,7 +79,7 @@ class Motion:
 
     def rests(self, unit: float) -> bool:
         """Whether it has stayed where it is for all the frames that are remembered."""
-        if len(self.poses) < self.options.search.remembered_poses:
+        if len(self.poses) < self.options.remembered_poses:
             return False
         path = np.vstack([transform(T, self.centre[None]) for T in self.poses])
         return bool(np.linalg.norm(path - path[-1], axis=1).max() < 2 * unit)
@@ -124,9 +124,7 @@ class Motion:
         poses = np.stack(self.poses)
         bend = poses[:-2] - 2 * poses[1:-1] + poses[2:]
         A, b = bend[:, :3, :3], -(bend[:, :3, :3] @ self.centre + bend[:, :3, 3])
-        leaning = self.options.search.pivot_ridge**2 * np.eye(3) + (A.transpose(0, 2, 1) @ A).sum(
-            axis=0
-        )
+        leaning = self.options.pivot_ridge**2 * np.eye(3) + (A.transpose(0, 2, 1) @ A).sum(axis=0)
         pivot = self.centre + np.linalg.solve(leaning, np.einsum("kij,ki->j", A, b))
         path = poses[:, :3, :3] @ pivot + poses[:, :3, 3]
         velocity, gain = path[-1] - path[-2], (bend[:, :3, :3] @ pivot + bend[:, :3, 3]).mean(0)

@@ -11,7 +11,7 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.grid import bounds, middle, numbered
 from pointbrush.tracking.compute.rigid import carried, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import LensOptions, TrackerOptions
+from pointbrush.tracking.options import LensOptions, SurfaceOptions
 from pointbrush.tracking.sensors.camera import Lens, Pixels, pixel
 from pointbrush.tracking.sensors.view import View
 
@@ -25,7 +25,7 @@ class Model:
     counts, ``spacing`` metres between neighbours.
     """
 
-    options: TrackerOptions
+    options: SurfaceOptions
     xyz: F64
     colour: F32
     seen: F64
@@ -40,7 +40,7 @@ class Model:
         colour: F32,
         eye: F64 | None,
         spacing: float,
-        options: TrackerOptions,
+        options: SurfaceOptions,
         most: int | None = None,
     ) -> Model:
         """A model of the points (M, 3) that a sensor at ``eye`` sees, ``most`` of them."""
@@ -54,7 +54,7 @@ class Model:
             np.ones(n, np.float32),
             np.zeros(n, np.float32),
         )
-        return model._thin(most or options.surface.max_points)
+        return model._thin(most or options.max_points)
 
     @property
     def centre(self) -> F64:
@@ -67,7 +67,7 @@ class Model:
         if self._radius is None:
             away = self.xyz - self.centre
             square = np.einsum("ij,ij->i", away, away)
-            most = int(self.options.surface.radius_share * (len(square) - 1))
+            most = int(self.options.radius_share * (len(square) - 1))
             self._radius = float(np.sqrt(np.partition(square, most)[most]))
         return self._radius
 
@@ -77,9 +77,7 @@ class Model:
         xyz, seen = self.xyz[which], self.seen[which]
         if eye is None:
             return np.ones((len(poses), len(xyz)), np.bool_)
-        return _facing(
-            xyz, seen, poses, np.asarray(eye, np.float64), self.options.surface.facing_cos
-        )
+        return _facing(xyz, seen, poses, np.asarray(eye, np.float64), self.options.facing_cos)
 
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool | Mask
@@ -89,7 +87,7 @@ class Model:
         Where the points are not ``sure``, new ones join only beside well confirmed ones: what
         holds an object moves with it, and must not become part of it bit by bit.
         """
-        options = self.options.surface
+        options = self.options
         sure = np.broadcast_to(sure, len(xyz))
         on = gap < options.hit_spacings * self.spacing
         self._hit(nearest[on], sure[on])
@@ -111,7 +109,7 @@ class Model:
 
     def _hit(self, which: I64, sure: Mask) -> None:
         """Confirm points; what was only ever seen beside a hand never counts as certain."""
-        options = self.options.surface
+        options = self.options
         capped = self.hits < options.sure_hits
         capped[which[sure]] = False
         self.hits[which] += 1
@@ -123,20 +121,18 @@ class Model:
         Returns the new number of each point (M,), -1 for those that have left.
         """
         self.misses[which] += 1
-        return self.drop(
-            self.misses > np.minimum(self.hits, self.options.surface.max_counted_hits) + 1
-        )
+        return self.drop(self.misses > np.minimum(self.hits, self.options.max_counted_hits) + 1)
 
     def drop(self, which: Mask) -> I64:
         """Give up points (M,), unless hardly any are left; new numbers as of ``miss``."""
-        if not which.any() or np.count_nonzero(~which) < self.options.surface.min_points:
+        if not which.any() or np.count_nonzero(~which) < self.options.min_points:
             return np.arange(len(which))
         self._keep(np.flatnonzero(~which))
         return np.where(which, -1, np.cumsum(~which) - 1)
 
     def _distinct(self, most: int) -> I64:
         """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
-        options = self.options.surface
+        options = self.options
         key = np.floor(self.xyz / (options.cell_spacings * self.spacing)).astype(np.int64)
         lo, hi = (end.astype(np.int64) for end in bounds(key))
         size = hi - lo + 1

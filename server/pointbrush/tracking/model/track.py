@@ -330,20 +330,20 @@ def _made(
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
         weight = options.track.colour_units * unit / max(speckle, options.track.min_colour_noise)
-    model = Model.of(xyz, colour, view.eye, spacing, options=view.options)
+    model = Model.of(xyz, colour, view.eye, spacing, options.surface)
     model.hits[:] = options.surface.sure_hits
     count = len(indices)
     return Track(
         view.options,
         label,
         model,
-        Motion(view.options, model.centre),
+        Motion(options.search, model.centre),
         weight,
         unit,
         other_movers,
         Painted.of(view, indices, xyz, model.radius),
         Sampling(view.lens is not None, view.scans, grain=unit),
-        ColourHistogram.of(colour, options=view.options),
+        ColourHistogram.of(colour, options.appearance),
         LastObservation(count),
         float(count),
         SeenAlone(0, options.confidence.usual_cost),

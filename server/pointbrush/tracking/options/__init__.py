@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.confidence import (
+    ConfidenceOptions,
+    IcpConfidenceOptions,
+    PersonConfidenceOptions,
+)
 from pointbrush.tracking.options.people import (
     ArrivalOptions,
     BodyOptions,
-    PersonConfidenceOptions,
     StatureOptions,
     StrideOptions,
 )
@@ -28,7 +32,6 @@ from pointbrush.tracking.options.sensors import (
 from pointbrush.tracking.options.steps import (
     ClaimOptions,
     ComponentOptions,
-    ConfidenceOptions,
     ContextOptions,
     DeformationOptions,
     FlyingPixelOptions,
@@ -46,7 +49,6 @@ from pointbrush.tracking.options.steps import (
 from pointbrush.tracking.options.tracks import (
     AppearanceOptions,
     CompanionOptions,
-    IcpConfidenceOptions,
     IdentityOptions,
     JumpOptions,
     ObjectOptions,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options, Weights
+from pointbrush.tracking.options.base import Options
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,31 +214,3 @@ class StatureOptions(Options):
     patch_cos: float = 0.85  # cosine of its angle to the rough vertical at most
     # Metres about the level that are fitted, one after the other.
     fit_m: tuple[float, float, float] = (0.12, 0.06, 0.06)
-
-
-@dataclass(frozen=True, slots=True)
-class PersonWeights(Weights):
-    """Of people; features as of `PersonEvidence`."""
-
-    fit: float = -0.5
-    disputed: float = -3.0
-    size: float = -1.2
-    change: float = -0.3
-    like: float = 1.0
-    back: float = -0.5
-    touching: float = -5.0
-    wider: float = -20.0
-    astray: float = -1.4
-
-
-@dataclass(frozen=True, slots=True)
-class PersonConfidenceOptions(Options):
-    """Confidence of a person, the same way."""
-
-    signed: ClassVar[frozenset[str]] = frozenset({"min_log_clothes"})
-
-    weights: PersonWeights = field(default_factory=PersonWeights)
-    offset: float = 3.0  # log odds that are added
-    max_log_size: float = 4.0  # greatest log ratio of size
-    max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
-    min_log_clothes: float = -3.0  # least log ratio of clothes

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options, Weights
+from pointbrush.tracking.options.base import Options
 
 
 @dataclass(frozen=True, slots=True)
@@ -367,87 +367,6 @@ class VerdictOptions(Options):
     min_size_share: float = 0.01  # the same, as a share of its size
     min_trust_share: float = 0.4  # share of its confidence kept when next to nothing shows
     remaining_share: float = 0.1  # share of its last points from which a scanned object is there
-
-
-@dataclass(frozen=True, slots=True)
-class FitWeights(Weights):
-    """Of small objects before a camera, and others; features as of `Evidence`."""
-
-    inliers: float = 2.64
-    sure: float = 2.5
-    gap: float = -3.5
-    cost: float = -1.5
-    fit: float = -1.0
-    size: float = -1.07
-    change: float = 0.21
-    grown: float = -4.0
-    isolated: float = 1.79
-    share: float = -0.51
-
-
-@dataclass(frozen=True, slots=True)
-class BodyWeights(Weights):
-    """Of bodies before a known scene."""
-
-    inliers: float = 1.38
-    sure: float = 0.0
-    gap: float = -3.28
-    cost: float = -0.75
-    fit: float = 0.0
-    size: float = -1.73
-    change: float = -1.0
-    grown: float = 0.0
-    isolated: float = 0.0
-    share: float = 3.03
-    appearance: float = 1.76
-
-
-@dataclass(frozen=True, slots=True)
-class ScanWeights(Weights):
-    """Of scanned tracks."""
-
-    left: float = -0.9
-    others: float = -0.3
-    tall: float = -1.53
-    bend: float = -5.38
-    coarse: float = -0.65
-    change: float = -0.63
-    grown: float = -4.17
-
-
-@dataclass(frozen=True, slots=True)
-class ConfidenceOptions(Options):
-    """Calibrated confidence: logistic regression of named features."""
-
-    divisors: ClassVar[frozenset[str]] = frozenset({"many_points", "usual_cost"})
-    signed: ClassVar[frozenset[str]] = frozenset({"scan_offset", "min_log_clothes"})
-
-    stretch: float = 1.5  # stretch of the log odds about the middle
-    middle: float = 1.1  # log odds of confidence 0.5
-    weights: FitWeights = field(default_factory=FitWeights)
-    offset: float = 3.22  # log odds that are added
-    body_weights: BodyWeights = field(default_factory=BodyWeights)
-    body_offset: float = 4.99  # log odds that are added for bodies
-    body_middle: float = 1.5  # log odds of confidence 0.5 for bodies
-    scan_weights: ScanWeights = field(default_factory=ScanWeights)
-    scan_offset: float = -2.7  # log odds that are added for scanned tracks
-    scan_middle: float = 0.35  # log odds of confidence 0.5 for scanned tracks
-    scan_stretch: float = 2.0  # stretch of the log odds of scanned tracks
-    many_points: int = 300  # points from which a fit before a pixel grid is told apart well
-    few_weight: float = 2.5  # weight of the log share of them that there are
-    pointlike_ratio: float = 1.0  # units over radius from which an object is one place
-    bent_change_weight: float = 3.5  # weight of a changed size of what bends
-    colourless_border_weight: float = 13.0  # weight of the border of an object without colours
-    usual_cost: float = 1.2  # usual cost from which a track's cost counts as a multiple of it
-    max_log_size: float = 2.0  # greatest log ratio of size and height
-    max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
-    max_log_left: float = 4.0  # greatest log ratio of what is left beside it over its own
-    max_log_coarse: float = 6.0  # greatest log of how coarsely it is seen
-    max_log_few: float = 7.0  # greatest log of how few points it has
-    max_log_odds: float = 30.0  # greatest log odds
-    min_log_clothes: float = -3.0  # least mean log ratio of clothes
-    regain: float = 0.15  # confidence that a frame can give back
-    regain_scanned: float = 0.03  # the same for scanned tracks
 
 
 @dataclass(frozen=True, slots=True)

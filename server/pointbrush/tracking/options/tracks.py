@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options, Weights
+from pointbrush.tracking.options.base import Options
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,27 +203,3 @@ class SmoothingOptions(Options):
 
     lag_frames: int = 12  # frames for which a result is held back at most
     sure: float = 0.5  # confidence from which an object is found
-
-
-@dataclass(frozen=True, slots=True)
-class IcpWeights(Weights):
-    """Of `icp` and `color-icp`; features as of `IcpEvidence`."""
-
-    kept: float = 0.77
-    residual: float = -2.18
-    size: float = -2.41
-
-
-@dataclass(frozen=True, slots=True)
-class IcpConfidenceOptions(Options):
-    """Confidence of `icp` and `color-icp`: logistic regression of named features."""
-
-    signed: ClassVar[frozenset[str]] = frozenset({"offset"})
-
-    weights: IcpWeights = field(default_factory=IcpWeights)
-    offset: float = 0.52  # log odds that are added
-    kept_spacings: float = 2.0  # spacings from a point within which painted surface lies on it
-    max_log_residual: float = 3.0  # greatest log of a residual in spacings
-    max_log_size: float = 2.0  # greatest log ratio of numbers of points
-    max_odds: float = 30.0  # greatest log odds
-    regain: float = 0.15  # confidence that a frame can give back

@@ -321,7 +321,7 @@ def newcomers(
                 appearance = (
                     None
                     if some is None
-                    else ColourHistogram.of(some, options=observation.view.options)
+                    else ColourHistogram.of(some, observation.options.appearance)
                 )
                 middle, colour = observation.cells.middle[cells], observation.cells.colour[cells]
                 fresh.append(

@@ -85,13 +85,13 @@ class Identity:
 
     def __post_init__(self) -> None:
         """Begin without a measured stature."""
-        self.stature = Stature(self.options)
+        self.stature = Stature(self.options.stature)
 
     def show(self, colours: F32, area: float) -> None:
         """So much of them shows as never before: what they wear has also these ``colours`` (M,
         3)."""
         self.colours, self.shown = np.vstack([self.colours, colours]), area
-        self.appearance = ColourHistogram.of(self.colours, self.options)
+        self.appearance = ColourHistogram.of(self.colours, self.options.appearance)
 
 
 @dataclass(eq=False)

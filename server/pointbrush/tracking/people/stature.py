@@ -15,7 +15,7 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.graph import Paths, paths_into, root_of
 from pointbrush.tracking.compute.grid import cells_of
 from pointbrush.tracking.interface import F64, I64
-from pointbrush.tracking.options import StatureOptions, TrackerOptions
+from pointbrush.tracking.options import StatureOptions
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.sensors.view import View
 
@@ -82,18 +82,18 @@ def _plane(xyz: F64) -> tuple[F64, F64]:
 class Stature:
     """The ``tops`` measured so far, in metres along the way up from any one place."""
 
-    options: TrackerOptions
+    options: StatureOptions
     tops: list[float] = field(default_factory=list)
 
     @property
     def known(self) -> bool:
         """Whether there were enough measurements."""
-        return len(self.tops) >= self.options.stature.min_tops
+        return len(self.tops) >= self.options.min_tops
 
     def likelihood(self, top: float) -> float:
         """Logarithm of the density of a measured top, over that of any within the range; 0 while
         the stature is not known."""
-        options = self.options.stature
+        options = self.options
         if not self.known:
             return 0.0
         varies = options.sigma_m * math.sqrt(1 + 1 / len(self.tops))

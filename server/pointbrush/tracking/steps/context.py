@@ -146,6 +146,6 @@ def tell_apart(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -
             _unlabelled(view, _box_around(track.model.xyz, view.options.context.reach_m))
         )
         track.appearance = track.appearance.apart_from(
-            [ColourHistogram.of(beside, options=view.options), *others]
+            [ColourHistogram.of(beside, view.options.appearance), *others]
         )
         track.appearance = track.appearance.commoner_than(about, track.size)

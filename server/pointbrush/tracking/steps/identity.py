@@ -16,7 +16,7 @@ import numpy as np
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.options import IdentityOptions, TrackerOptions
+from pointbrush.tracking.options import IdentityOptions
 
 Pair = tuple[int, int]
 
@@ -29,14 +29,14 @@ class Meeting:
     where one was not seen.
     """
 
-    options: TrackerOptions
+    options: IdentityOptions
     confidence_cap: float
     before: F64
     after: list[F64 | None] = field(default_factory=list)
 
     def kept_places(self) -> bool:
         """Whether the two are known to have kept their places, by their ways."""
-        options = self.options.identity
+        options = self.options
         late = [both for both in self.after[1:] if both is not None]
         if len(late) < options.compared_frames or not self.before.shape[1]:
             return False
@@ -50,7 +50,7 @@ class Meeting:
 class Swaps:
     """All pairs of small objects of a run that look alike and met."""
 
-    def __init__(self, options: TrackerOptions) -> None:
+    def __init__(self, options: IdentityOptions) -> None:
         self.options = options
         self.meetings: dict[Pair, Meeting] = {}
 
@@ -62,7 +62,7 @@ class Swaps:
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
             if pair not in self.meetings and _may_be_changed(
-                tracks, at, pair, options=self.options.identity
+                tracks, at, pair, options=self.options
             ):
                 for label in pair:
                     if label not in ahead:
@@ -84,7 +84,7 @@ class Swaps:
         self, tracks: Mapping[int, Track], at: dict[int, F64], ahead: dict[int, F64], pair: Pair
     ) -> None:
         """Begin a meeting where two may have changed places in this frame."""
-        options = self.options.identity
+        options = self.options
         one, other = pair
         rough = sum((options.prediction_units * tracks[n].unit) ** 2 for n in pair)
         kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
@@ -104,7 +104,7 @@ class Swaps:
     def _go_on(self, at: Mapping[int, F64]) -> None:
         """Remember where those that met are; end the meetings of those told apart by it."""
         for (one, other), meeting in list(self.meetings.items()):
-            if len(meeting.after) <= self.options.identity.compared_frames:
+            if len(meeting.after) <= self.options.compared_frames:
                 seen = one in at and other in at
                 meeting.after.append(np.stack([at[one], at[other]]) if seen else None)
                 if meeting.kept_places():

@@ -35,9 +35,9 @@ def proposals(track: Track, target: Target, pose: F64) -> list[F64]:
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, length = _axis(world)
-    result = [*_moved(pose, middle, middle, _turns(model.options.propose.turn_deg))]
+    result = [*_moved(pose, middle, middle, _turns(options.turn_deg))]
     for centre, points in _clusters(track, target):
-        turns = [AS_IT_WAS, _turns(model.options.propose.turn_deg)]
+        turns = [AS_IT_WAS, _turns(options.turn_deg)]
         along, other = _axis(points) if length > options.long_ratio else (axis, 1.0)
         if other > options.long_ratio:
             turns += [_turn(axis, sign * along)[None] for sign in (1.0, -1.0)]
@@ -78,9 +78,8 @@ def shifts(model: F64, target: F64, pose: F64, unit: float, options: ProposalOpt
     return list(found[1:])
 
 
-def nudges(model: Model, pose: F64) -> list[F64]:
+def nudges(model: Model, pose: F64, options: ProposalOptions) -> list[F64]:
     """Poses (4, 4) beside ``pose``: turned a little about each axis, and slid along the longest."""
-    options = model.options.propose
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
@@ -95,9 +94,8 @@ def turned_at(model: Model, pose: F64, middle: F64) -> F64:
     return _moved(pose, at, middle, ALL_WAYS)
 
 
-def alike(model: Model, colour: F32) -> Mask:
+def alike(model: Model, colour: F32, options: ProposalOptions) -> Mask:
     """Mark the colours (M, 3) that the model has about."""
-    options = model.options.propose
     palette = model.colour[:: max(1, len(model.colour) // options.palette_points)]
     return close_to(colour, palette, options.alike_colour)
 
@@ -110,8 +108,8 @@ def _clusters(track: Track, target: Target) -> list[tuple[F64, F64]]:
     options = track.options.propose
     model, points = track.model, target.xyz
     if target.weight > 0:
-        points = points[alike(model, target.colour)]
-    found = _alone(model, points, track.unit) if track.hand_sized else []
+        points = points[alike(model, target.colour, options)]
+    found = _alone(track, points) if track.hand_sized else []
     radius = max(model.radius, options.min_radius_m)
     while len(points) >= options.min_cluster_points and len(found) < options.clusters:
         some = points[:: max(1, len(points) // options.seeds)]
@@ -132,9 +130,9 @@ def _clusters(track: Track, target: Target) -> list[tuple[F64, F64]]:
     return found
 
 
-def _alone(model: Model, points: F64, unit: float) -> list[tuple[F64, F64]]:
+def _alone(track: Track, points: F64) -> list[tuple[F64, F64]]:
     """Middles and points of the pieces no larger than the model, the largest first."""
-    options = model.options
+    options, model, unit = track.options, track.model, track.unit
     if len(points) < options.propose.min_cluster_points:
         return []
     piece = pieces(points, unit, options=options.link)

@@ -148,7 +148,7 @@ def _elsewhere(search: Search) -> list[F64]:
 def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
     """Poses beside the best and, while the motion is unknown, beside the best at another place."""
     track, best = search.track, int(np.argmin(scores))
-    others = nudges(track.model, poses[best])
+    others = nudges(track.model, poses[best], track.options.propose)
     if track.motion.fresh and track.hand_sized:
         at = transform_each(poses, track.model.centre[None])[:, 0]
         away = (
@@ -156,7 +156,8 @@ def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
             > search.options.register.other_place_radii * track.model.radius
         )
         if away.any():
-            others += nudges(track.model, poses[np.argmin(np.where(away, scores, np.inf))])
+            other = poses[np.argmin(np.where(away, scores, np.inf))]
+            others += nudges(track.model, other, track.options.propose)
     return others
 
 

@@ -220,7 +220,7 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
     """Middles (3,) of what hangs together in the object's colours, the likeliest sizes first."""
     options = track.options
     if track.weight > 0.0:
-        points = points[alike(track.model, view.colour(points))]
+        points = points[alike(track.model, view.colour(points), options.propose)]
     if not len(points):
         return []
     xyz = view.xyz[points].astype(np.float64)

@@ -239,7 +239,7 @@ def hides(track: Track, view: View, fit: Registration, given: LabelledPoints) ->
         return False
     known = ColourHistogram.of(
         track.model.colour[track.model.hits >= options.surface.sure_hits],
-        options=track.options,
+        track.options.appearance,
     )
     return known.likeness(colour) < known.usual - options.update.hiding_log_colour
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options import SmoothingOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Associations
@@ -66,9 +66,9 @@ class Held:
 class Smoother:
     """The last frames of a run, from the first on in which something small is in doubt."""
 
-    def __init__(self, asked: TrackOptions, options: TrackerOptions) -> None:
+    def __init__(self, asked: TrackOptions, options: SmoothingOptions) -> None:
         self._held: list[Held] = []
-        self._asked, self.options = asked, options
+        self._asked, self._options = asked, options
 
     def take(
         self, new: Held, tracks: Mapping[int, Track], background: Background
@@ -80,7 +80,7 @@ class Smoother:
                 self._go_back(track, new, background)
         self._held.append(new)
         while self._held and (
-            len(self._held) > self.options.smoothing.lag_frames
+            len(self._held) > self._options.lag_frames
             or not any(self._held[0].open(label) for label in small)
         ):
             yield self._held.pop(0).result
@@ -97,7 +97,7 @@ class Smoother:
         again = replace(
             track,
             model=deepcopy(track.model),
-            motion=Motion(track.options, track.motion.centre, [track.motion.poses[-1]]),
+            motion=Motion(track.options.search, track.motion.centre, [track.motion.poses[-1]]),
             carving_views=list(track.carving_views),
         )
         astray: dict[int, int] = {}

@@ -89,7 +89,7 @@ def _make_anew(track: Track, observation: Observation) -> None:
         view.colour(points),
         _eye_of(back, view),
         before.spacing,
-        track.options,
+        options.surface,
         options.surface.max_points_bent,
     )
     new.xyz = np.vstack([new.xyz, transform(back, fit.world[old])])
