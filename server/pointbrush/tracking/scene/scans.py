@@ -76,7 +76,10 @@ class PointBackground:
         return np.zeros(len(indices), np.bool_)
 
     def faint(self, view: View, indices: I64) -> Mask:
-        """See ``Background``: a run may have missed what a person has not left unlabelled."""
+        """See ``Background``: of what a lidar sees a run may have missed what a person has not
+        left unlabelled."""
+        if not view.scans:
+            return np.zeros(len(indices), np.bool_)
         return ~self._seen_in(self.past[:1], view, indices)
 
     def drawn_on(self, _view: View, indices: I64) -> Mask:
