@@ -9,6 +9,8 @@ import boto3
 import pytest
 from moto.server import ThreadedMotoServer
 
+from pointbrush import worker
+
 _numbers = itertools.count()
 
 
@@ -32,6 +34,8 @@ def s3(s3_endpoint: str, monkeypatch: pytest.MonkeyPatch) -> str:
         "AWS_EC2_METADATA_DISABLED": "true",
     }.items():
         monkeypatch.setenv(name, value)
+    # Workers that are forked have the environment of before.
+    monkeypatch.setattr(worker, "START_METHOD", "spawn")
     bucket = f"lab-{next(_numbers)}"
     boto3.client("s3").create_bucket(Bucket=bucket)
     return f"s3://{bucket}/recordings"

@@ -48,7 +48,7 @@ class ServerProcess:
             **environment,
         }
         self.process: ForkedCommand | subprocess.Popen[bytes]
-        if prefix:
+        if prefix or "LD_PRELOAD" in environment:
             command = [*prefix, sys.executable, "-m", "pointbrush.cli", *arguments]
             with stdout.open("ab") as out, stderr.open("ab") as err:
                 self.process = subprocess.Popen(command, stdout=out, stderr=err, env=environment)
