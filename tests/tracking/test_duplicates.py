@@ -131,6 +131,6 @@ def test_equal_points_are_found_whatever_the_sign_of_zero_and_none_where_all_dif
     copies = Copies.of(xyz)
     assert copies is not None
     assert copies.first.tolist() == [0, 1, 4]
-    assert copies.place.tolist() == [0, 1, 0, 1, 2]
+    assert copies.position.tolist() == [0, 1, 0, 1, 2]
     assert Copies.of(np.random.default_rng(0).random((5000, 3)).astype(np.float32)) is None
     assert Copies.of(np.empty((0, 3), np.float32)) is None
