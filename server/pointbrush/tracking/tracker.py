@@ -27,7 +27,6 @@ from pointbrush.tracking.interface import (
     FrameResult,
     Frames,
     Known,
-    Mask,
     Seed,
     TrackOptions,
     TrackState,
@@ -40,7 +39,7 @@ from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.association import Associations, LabelledPoints
+from pointbrush.tracking.steps.association import Associations
 from pointbrush.tracking.steps.claim import together
 from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
 from pointbrush.tracking.steps.grow import grow
@@ -48,6 +47,12 @@ from pointbrush.tracking.steps.identity import Swaps
 from pointbrush.tracking.steps.pieces import with_ground
 from pointbrush.tracking.steps.predict import Search, crop, share_out
 from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
+from pointbrush.tracking.steps.results import (
+    FrameAssociations,
+    FrameClaims,
+    FrameOutcomes,
+    FrameTask,
+)
 from pointbrush.tracking.steps.settle import Outcome, settle
 from pointbrush.tracking.steps.smooth import Held, Smoother
 from pointbrush.tracking.steps.update import begin_anew, begin_label, corrected, withheld
@@ -83,46 +88,6 @@ class AutoTracker:
             for result in chain([first], run.through(order[1:])):
                 asked = run.companions.without(result)
                 yield run.scene.since(asked, back, order[0])
-
-
-@dataclass(frozen=True, eq=False)
-class FrameTask:
-    """A frame to track into: ``fixed`` points of labels are known, those of labels ``aside`` too,
-    which are not followed; ``free`` (N,) may be taken by the tracks that are ``sought``."""
-
-    view: View
-    rules: FrameRules
-    fixed: dict[int, I64]
-    aside: dict[int, I64]
-    free: Mask
-    sought: list[Track]
-
-
-@dataclass(frozen=True, eq=False)
-class FrameAssociations:
-    """``associations`` of tracks in a frame; label → confidence at most in ``caps``, and moving
-    points (M,) among which a large track that is not found may be ``hidden``."""
-
-    associations: Associations
-    caps: Mapping[int, float]
-    hidden: Mapping[int, I64]
-
-
-@dataclass(frozen=True, eq=False)
-class FrameClaims:
-    """Points that tracks are given, ``labelled``, and those of large ones that have ``emerged``
-    from hiding, so changed that they are learnt anew; by label."""
-
-    labelled: Mapping[int, LabelledPoints]
-    emerged: Mapping[int, I64]
-
-
-@dataclass(frozen=True, eq=False)
-class FrameOutcomes:
-    """Outcome of the tracks that were ``settled``, and points of those ``emerged``."""
-
-    settled: Mapping[int, Outcome]
-    emerged: Mapping[int, I64]
 
 
 class Run:

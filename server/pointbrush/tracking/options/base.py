@@ -11,6 +11,10 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 
+PositiveInt = int
+PositiveFloat = float
+"""Types of fields that something is divided by: above zero."""
+
 
 class Options:
     """Numbers of one step, each with its unit in its name or comment."""
@@ -21,8 +25,6 @@ class Options:
     all_signed: ClassVar[bool] = False
     above_one: ClassVar[frozenset[str]] = frozenset()
     """Shares of something that may be more than all of it."""
-    divisors: ClassVar[frozenset[str]] = frozenset()
-    """Fields that something is divided by: above zero."""
 
     def __post_init__(self) -> None:
         """Check the values; raises BadInputError."""
@@ -35,7 +37,7 @@ class Options:
             if isinstance(value, Options):
                 continue
             low, high = self._bounds(each.name)
-            integral = "int" in str(each.type)
+            integral, positive = "int" in str(each.type).lower(), "Positive" in str(each.type)
             expected = "a whole number" if integral else "a number"
             numbers = value if str(each.type).startswith("tuple") else (value,)
             kinds = int if integral else (int, float)
@@ -44,11 +46,11 @@ class Options:
                 and not isinstance(number, bool)
                 and math.isfinite(number)
                 and low <= number <= high
-                and not (number == 0 and each.name in self.divisors)
+                and not (positive and number == 0)
                 for number in numbers
             )
             if not good:
-                least = "above 0" if each.name in self.divisors else f"from {low:g}"
+                least = "above 0" if positive else f"from {low:g}"
                 raise BadInputError(
                     f"{type(self).__name__}.{each.name}: expected {expected} {least} to {high:g}, "
                     f"got {value!r}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options, Weights
+from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt, Weights
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,6 @@ class ScanWeights(Weights):
 class ConfidenceOptions(Options):
     """Calibrated confidence: logistic regression of named features."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"many_points", "usual_cost"})
     signed: ClassVar[frozenset[str]] = frozenset({"scan_offset", "min_log_clothes"})
 
     stretch: float = 1.5  # stretch of the log odds about the middle
@@ -72,12 +71,14 @@ class ConfidenceOptions(Options):
     scan_offset: float = -2.7  # log odds that are added for scanned tracks
     scan_middle: float = 0.35  # log odds of confidence 0.5 for scanned tracks
     scan_stretch: float = 2.0  # stretch of the log odds of scanned tracks
-    many_points: int = 300  # points from which a fit before a pixel grid is told apart well
+    many_points: PositiveInt = 300  # points from which a fit before a pixel grid is told apart well
     few_weight: float = 2.5  # weight of the log share of them that there are
     pointlike_ratio: float = 1.0  # units over radius from which an object is one place
     bent_change_weight: float = 3.5  # weight of a changed size of what bends
     colourless_border_weight: float = 13.0  # weight of the border of an object without colours
-    usual_cost: float = 1.2  # usual cost from which a track's cost counts as a multiple of it
+    usual_cost: PositiveFloat = (
+        1.2  # usual cost from which a track's cost counts as a multiple of it
+    )
     max_log_size: float = 2.0  # greatest log ratio of size and height
     max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
     max_log_left: float = 4.0  # greatest log ratio of what is left beside it over its own

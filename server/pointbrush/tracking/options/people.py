@@ -3,28 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
 class BodyOptions(Options):
     """Bodies before a known scene: cells, parts, people followed together."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {
-            "cell_units",
-            "colour_points",
-            "sampled_points",
-            "unlike_colour",
-            "colour_change",
-            "way_radii",
-            "nearest_m",
-        }
-    )
-
-    cell_units: float = 3.0  # size of a cell in units
+    cell_units: PositiveFloat = 3.0  # size of a cell in units
     cell_radius_share: float = 0.045  # share of the figure's radius that a cell is at least
     disputed_share: float = 0.3  # share of the smaller claim from which two tracks want one body
     distinct_log: float = 1.4  # log ratio from which a colour is one track's alone
@@ -34,11 +21,11 @@ class BodyOptions(Options):
     clothes_radii: float = 0.2
     clothes_radii_per_frame: float = 0.2  # radii more for each frame unseen
     clothes_max_frames: int = 8  # frames unseen for which that adds up
-    sampled_points: int = 4000  # moving points of which it is told what they touch
+    sampled_points: PositiveInt = 4000  # moving points of which it is told what they touch
     min_claim_points: int = 5  # points of a claim from which it counts
     touching_cells: float = 1.7  # distance of cells that touch, in cells
     thin_share: float = 0.15  # share of the usual number of points under which a cell leads nowhere
-    unlike_colour: float = 0.08  # colour difference that makes a way twice as long
+    unlike_colour: PositiveFloat = 0.08  # colour difference that makes a way twice as long
     # Share of the longest way within which what lies apart is a figure's.
     bridge_share: float = 0.25
     clothed_cells: int = 12  # cells from which a part shows whose clothes it wears
@@ -50,7 +37,7 @@ class BodyOptions(Options):
     alike_cells_share: float = 0.6
     min_claim_share: float = 0.03  # share of a body that its owner has to have claimed
     min_part_cells: int = 4  # cells of a part that lies apart
-    way_radii: float = 0.6  # share of the figure's radius at which a way ends
+    way_radii: PositiveFloat = 0.6  # share of the figure's radius at which a way ends
     cell_sigmas: float = 4.5  # deviations of the depth noise that a cell has at least
     limb_share: float = 0.1  # share of a person's radius that is a limb: the largest cell
     forgotten_frames: int = 5  # frames unseen after which an unlabelled person is forgotten
@@ -59,7 +46,7 @@ class BodyOptions(Options):
     # Metres by which a person is spread along the ground, a standard deviation.
     spread_m: float = 0.2
     # Metres under which a person is as expected, and beyond which no other's.
-    nearest_m: tuple[float, float] = (0.1, 1.0)
+    nearest_m: tuple[PositiveFloat, PositiveFloat] = (0.1, 1.0)
     sure_likelihood: float = 0.75  # likelihood from which a frame tells stature and clothes
     better_ratio: float = 1.5  # times as much of a person that tells their clothes anew
     touching_share: float = 0.02  # share of that which touches others at most
@@ -68,8 +55,8 @@ class BodyOptions(Options):
     heads_apart_m: float = 0.25  # metres along the ground between two people at least
     head_lower_m: float = 0.6  # metres by which one's head is lower at most
     limb_m: float = 0.1  # metres between points of one person at most: limbs are no thicker
-    colour_change: float = 0.08  # change of colour at which cells agree a third as much
-    colour_points: int = 400  # points whose colours are compared
+    colour_change: PositiveFloat = 0.08  # change of colour at which cells agree a third as much
+    colour_points: PositiveInt = 400  # points whose colours are compared
     before_m: float = 0.15  # metres by which something nearer hides a place
     seen_min_cells: int = 4  # cells under which a person is not seen
     seen_min_share: float = 0.02  # share of their most cells likewise
@@ -93,38 +80,34 @@ class BodyOptions(Options):
 class StrideOptions(Options):
     """Strides of people, and whose each cell is."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"sampled_cells", "same_depth_m", "other_colour", "shade", "limbs_m", "body_sigma_m"}
-    )
-
     stride_m: float = 0.08  # metres by which a stride varies
     stride_share: float = 0.45  # share of the last stride by which it varies
     stride_m_per_frame: float = 0.05  # metres more for each frame unseen
     max_unseen_frames: int = 6  # frames unseen after which the search grows no more
-    sampled_cells: int = 120  # cells by which a place is judged
-    same_depth_m: float = 0.2  # metres within which surface is as deep as it should be
+    sampled_cells: PositiveInt = 120  # cells by which a place is judged
+    same_depth_m: PositiveFloat = 0.2  # metres within which surface is as deep as it should be
     hidden_cost: float = 0.55  # cost of a cell that is hidden; one seen through costs 1
     unknown_cost: float = 0.5  # cost of a cell where nothing is measured
     depth_weight: float = 0.6  # weight of depth where it is measured
     colour_weight: float = 0.7  # weight of colour where it is measured
-    other_colour: float = 0.1  # difference of another colour
+    other_colour: PositiveFloat = 0.1  # difference of another colour
     # Weight of the mean cost against half a squared deviation of the stride.
     evidence_weight: float = 14.0
     own_cells: float = 1.5  # cells from a person within which a cell is theirs
-    limbs_m: float = 0.06  # metres by which limbs move anyhow
+    limbs_m: PositiveFloat = 0.06  # metres by which limbs move anyhow
     swing_share: float = 0.4  # share of the fastest step by which limbs swing
     slowest_m: float = 0.02  # metres of that step at least
     fastest_m: float = 0.3  # metres of that step at most
     limbs_m_per_frame: float = 0.04  # metres more for each frame unseen
     limbs_max_frames: int = 8  # frames unseen for which that adds up
-    shade: float = 0.06  # difference of colour that counts as much as that distance
+    shade: PositiveFloat = 0.06  # difference of colour that counts as much as that distance
     cap: float = 4.0  # cost of a cell that is nowhere near a person
     clothes_weight: float = 0.35  # weight of clothes
     clothes_rarer_log: float = 0.5  # mean log ratio by which colours are rarer than usual ones
     clothes_max_log: float = 4.0  # greatest log ratio that counts
     hidden_cost_owner: float = 1.0  # cost of being a person's who was hidden
     body_m: float = 0.25  # metres from the middle, along the ground, that hold a body
-    body_sigma_m: float = 0.2  # metres of deviation beyond
+    body_sigma_m: PositiveFloat = 0.2  # metres of deviation beyond
     body_max_cost: float = 2.0  # cost beyond at most
     rounds: int = 3  # times at most that strides are corrected
     settled_m: float = 0.02  # metres up to which one correction is enough
@@ -147,8 +130,6 @@ class StrideOptions(Options):
 class ArrivalOptions(Options):
     """People who come, come back or were exchanged."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"return_points", "back_m"})
-
     min_cells: int = 12  # cells from which a body may be a new person
     min_share: float = 0.12  # share of the usual number of cells likewise
     back_min_cells: int = 6  # cells from which a body may be a missing person
@@ -157,7 +138,7 @@ class ArrivalOptions(Options):
     part_share: float = 0.2  # share of the usual number of cells that such a part has
     part_log_clothes: float = 0.7  # mean log ratio by which the part is more like their clothes
     unclaimed_share: float = 0.7  # share of a connected body that must be no track's
-    back_m: float = 0.3  # metres from where a missing person should be
+    back_m: PositiveFloat = 0.3  # metres from where a missing person should be
     back_m_per_frame: float = 0.2  # metres more for each frame missing
     back_max_frames: int = 10  # frames missing for which that adds up
     clothes_weight: float = 0.5  # weight of clothes against the way
@@ -174,7 +155,7 @@ class ArrivalOptions(Options):
     exchange_usual_log: float = 0.7  # mean log ratio by which each may be less so than usual
     exchange_frames: int = 3  # frames in which that has to be so, one after the other
     return_alike_share: float = 0.7  # share of a figure's colours that show that it is the same
-    return_points: int = 400  # points whose colours are compared
+    return_points: PositiveInt = 400  # points whose colours are compared
     # Mean log ratio by which it may look less like one's clothes than another's.
     return_log: float = 0.1
     # Radii from where a person was expected within which they may come out.
@@ -189,26 +170,22 @@ class ArrivalOptions(Options):
 class StatureOptions(Options):
     """Stature of people, and the vertical."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"sampled_points", "sigma_m", "bent_range_m", "patch_m", "level_stride"}
-    )
-
-    sampled_points: int = 50  # points that tell how far away a person is
+    sampled_points: PositiveInt = 50  # points that tell how far away a person is
     top_share: float = 0.01  # share of a person's most points above what is taken for their top
     # Metres above their top where only what lies behind may be seen.
     above_m: tuple[float, float] = (0.12, 0.25)
     behind_m: float = 0.15  # metres by which that lies behind
-    sigma_m: float = 0.02  # metres by which a measured top varies
+    sigma_m: PositiveFloat = 0.02  # metres by which a measured top varies
     bent_share: float = 0.1  # share of the frames in which a person bends, sits or lifts an arm
-    bent_range_m: float = 1.0  # metres over which their top is then
+    bent_range_m: PositiveFloat = 1.0  # metres over which their top is then
     min_tops: int = 2  # measured tops from which a stature is known
     decisive_log_odds: float = 3.0  # log odds (20 to 1) from which one of two is told
     # Cosine of the picture's downward axis and the vertical, under which it is unknown.
     leaning_cos: float = 0.7
-    level_stride: int = 3  # stride of the points that are asked for what is level
+    level_stride: PositiveInt = 3  # stride of the points that are asked for what is level
     level_points: int = 300  # points that have to lie on it
     level_sigma_m: float = 0.3  # metres of their deviation along its shorter side
-    patch_m: float = 0.4  # metres of a patch of surface
+    patch_m: PositiveFloat = 0.4  # metres of a patch of surface
     patch_points: int = 20  # points that it has to have
     patch_flatness: float = 0.1  # variance through it over the lesser along it at most
     patch_cos: float = 0.85  # cosine of its angle to the rough vertical at most

@@ -5,23 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
 class LensOptions(Options):
     """Pinhole image of a depth camera."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"sampled_points", "pixel_spacings", "behind_ratio"}
-    )
-
     min_points: int = 500  # points from which a frame can have an image
     # Pixel of a sensor without a known lattice, in spacings of its points.
-    pixel_spacings: float = 1.5
+    pixel_spacings: PositiveFloat = 1.5
     min_pitch_spacings: float = 0.1  # spacings under which a pitch is chance, not a lattice's
     margin_px: int = 8  # pixels beyond the outermost points of the sample
-    behind_ratio: float = 1.25  # depth over the nearest of a pixel that the sensor cannot see
+    behind_ratio: PositiveFloat = (
+        1.25  # depth over the nearest of a pixel that the sensor cannot see
+    )
     behind_share: float = 0.02  # share of such points up to which the sensor is there
     behind_share_told: float = 0.1  # the same, up to which it may be where the recording tells
     filled_share: float = 0.5  # share of the pixels that a depth image fills at least
@@ -30,7 +28,7 @@ class LensOptions(Options):
     torn_share: float = 0.15  # share of such pairs from which an image is none
     half_view_tan: float = 1.6  # tangent of half the widest field of view of a pinhole image
     max_pixels: int = 4_000_000  # pixels of an image at most
-    sampled_points: int = 20_000  # points that tell where an image looks and its pixel size
+    sampled_points: PositiveInt = 20_000  # points that tell where an image looks and its pixel size
     nearest_m: float = 0.001  # metres before the eye from which a point has a pixel
     lattice_tolerance: float = 2e-05  # tangents nearer than that are of one column or row
     min_lattice_lines: int = 20  # columns or rows that make a lattice at least
@@ -41,19 +39,17 @@ class LensOptions(Options):
 class RangeImageOptions(Options):
     """Range image of a lidar."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"azimuth_deg", "elevations_deg", "spread_points", "up_points", "behind_ratio"}
-    )
-
-    azimuth_deg: float = 0.4  # degrees of a cell around
+    azimuth_deg: PositiveFloat = 0.4  # degrees of a cell around
     # Degrees of a cell up and down, the least that is mostly filled.
-    elevations_deg: tuple[float, ...] = (0.4, 0.8, 1.6, 3.2)
+    elevations_deg: tuple[PositiveFloat, ...] = (0.4, 0.8, 1.6, 3.2)
     filled_share: float = 0.6  # share of the cells that show something
     hidden_share: float = 0.03  # share of its range by which a hidden point lies behind all others
     min_points: int = 2000  # points of a frame of which its sensor is asked
     # Metres above a frame's origin at which its sensor is looked for.
     sensor_heights_m: tuple[float, ...] = (0.0, 1.0, 1.8, 2.6)
-    behind_ratio: float = 1.25  # range over the nearest in its direction that the sensor cannot see
+    behind_ratio: PositiveFloat = (
+        1.25  # range over the nearest in its direction that the sensor cannot see
+    )
     behind_share: float = 0.02  # share of such points up to which the sensor is there
     swept_share: float = 0.07  # the same of all points: a lidar sees while it drives
     # Farthest range over nearest from which a place between is a lidar's.
@@ -64,10 +60,10 @@ class RangeImageOptions(Options):
     camera_share: float = 0.95  # share of the points that lie nearer
     spread_power: float = 0.5  # power of the range by which points lie farther apart if seen
     spread_neighbours: int = 3  # neighbours of which that is asked
-    spread_points: int = 2000  # points of which that is asked
+    spread_points: PositiveInt = 2000  # points of which that is asked
     rim_share: float = 0.02  # share of the points beyond the edges of what is seen
     stray_share: float = 0.05  # share of the nearest and farthest points, stray ones
-    up_points: int = 5000  # points that tell which axis is up
+    up_points: PositiveInt = 5000  # points that tell which axis is up
     blind_cells: int = 6  # cells beside the last measured direction from which nothing is seen
 
 
@@ -75,11 +71,7 @@ class RangeImageOptions(Options):
 class ViewpointOptions(Options):
     """Place of a sensor that the recording does not tell."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"directions", "part_spacings", "coarse_points", "fine_points"}
-    )
-
-    part_spacings: float = 4.0  # spacings of the points across a part of the image
+    part_spacings: PositiveFloat = 4.0  # spacings of the points across a part of the image
     min_mean_ray: float = 0.6  # length of the mean ray of an image at least
     min_ray_cos: float = 0.45  # cosine from the mean ray below which a ray is far aside
     # Shares of the distance at which the search is begun.
@@ -91,9 +83,9 @@ class ViewpointOptions(Options):
     min_points: int = 2000  # points from which a place can be told
     # Distances from the middle, in sizes of the scene.
     distance_sizes: tuple[float, ...] = (0.7, 1.0, 1.4, 2.0, 2.8)
-    directions: int = 160  # directions from the middle
-    coarse_points: int = 4000  # points that places far apart are compared by
-    fine_points: int = 30_000  # points that places close together are compared by
+    directions: PositiveInt = 160  # directions from the middle
+    coarse_points: PositiveInt = 4000  # points that places far apart are compared by
+    fine_points: PositiveInt = 30_000  # points that places close together are compared by
     followed_places: int = 4  # places from which it is looked for closer
     # First and last step, and the last by all points, in sizes of the scene.
     place_steps: tuple[float, float, float] = (0.3, 0.005, 0.002)
@@ -117,10 +109,8 @@ class TintOptions(Options):
 class GroundOptions(Options):
     """Ground under a lidar."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"cell", "length_share"})
-
-    length_share: float = 0.02  # share of the median distance that lengths are counted in
-    cell: float = 6.0  # size of a cell, in such lengths
+    length_share: PositiveFloat = 0.02  # share of the median distance that lengths are counted in
+    cell: PositiveFloat = 6.0  # size of a cell, in such lengths
     thickness: float = 0.5  # height above the ground up to which something lies there
     kerb: float = 1.0  # height above the lowest point around up to which a cell's lowest is ground
     min_points: int = 2000  # points of a frame from which ground is looked for
@@ -132,17 +122,16 @@ class GroundOptions(Options):
 class VisualOdometryOptions(Options):
     """Way of a depth camera: dense visual odometry."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_pixels", "robust_sigmas"})
     signed: ClassVar[frozenset[str]] = frozenset({"start_aside_px", "start_upward_px"})
 
     longest_side_px: int = 200  # pixels of the finest picture's longer side at most
     shortest_side_px: int = 20  # pixels of the coarsest picture's shorter side at least
-    sampled_pixels: int = 4000  # pixels of a picture that are compared
+    sampled_pixels: PositiveInt = 4000  # pixels of a picture that are compared
     near_px: float = 1.0  # pixels of the coarsest picture up to which a motion is the nearest
     tried_iterations: int = 10  # iterations of a motion that is tried
     iterations: int = 30  # iterations at each size at most
     settled_px: float = 0.02  # pixels under which a step ends the iterations
-    robust_sigmas: float = 2.0  # deviations at which the weight of a pixel is a quarter
+    robust_sigmas: PositiveFloat = 2.0  # deviations at which the weight of a pixel is a quarter
     min_pixels: int = 60  # pixels that have to fall into both pictures
     # Pixels of the coarsest picture by which a camera may have turned aside.
     start_aside_px: tuple[float, ...] = (-6.0, -3.0, 0.0, 3.0, 6.0)
@@ -162,27 +151,16 @@ class VisualOdometryOptions(Options):
 class ScanOdometryOptions(Options):
     """Way of a lidar: planes registered point to plane."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {
-            "plane_points",
-            "planes",
-            "asked_per_plane",
-            "cell_share",
-            "cell_min_m",
-            "shift_pixel_cells",
-        }
-    )
-
-    cell_share: float = 0.02  # size of a thinning cell, as a share of the median distance
-    cell_min_m: float = 0.5  # metres of such a cell at least, of a lidar
-    plane_points: int = 100_000  # points that planes are looked for in
+    cell_share: PositiveFloat = 0.02  # size of a thinning cell, as a share of the median distance
+    cell_min_m: PositiveFloat = 0.5  # metres of such a cell at least, of a lidar
+    plane_points: PositiveInt = 100_000  # points that planes are looked for in
     plane_neighbours: int = 10  # neighbours that a plane is fitted to
     min_points: int = 500  # points of a frame that planes are looked for in at least
     min_planes: int = 10  # neighbourhoods likewise
-    asked_per_plane: int = 6  # places asked for one that may be registered
+    asked_per_plane: PositiveInt = 6  # places asked for one that may be registered
     plane_flatness: float = 0.05  # share of the variance across a plane at most
     plane_breadth: float = 0.08  # share of the variance along its shorter side at least
-    planes: int = 1500  # planes that are registered
+    planes: PositiveInt = 1500  # planes that are registered
     # Scales of the robust weights, in cells.
     scales_cells: tuple[float, ...] = (
         8.0,
@@ -213,7 +191,7 @@ class ScanOdometryOptions(Options):
     restart_drop: float = 0.05  # fall of that share since the last frames that is no reason to
     shifts: int = 2  # shifts that are tried
     shift_cells: float = 1.0  # cells from what was found at which they are another start
-    shift_pixel_cells: float = 3.0  # size of a pixel, in thinning cells
+    shift_pixel_cells: PositiveFloat = 3.0  # size of a pixel, in thinning cells
     shift_side_px: int = 256  # pixels of a picture along each side
     shift_steep_px: float = 1.0  # pixels between the highest and lowest point of what stands up
     shift_max_px: int = 64  # pixels of the longest shift
@@ -236,8 +214,6 @@ class SwayOptions(Options):
 @dataclass(frozen=True, slots=True)
 class BackgroundOptions(Options):
     """The scene at rest before a depth camera or a lidar."""
-
-    divisors: ClassVar[frozenset[str]] = frozenset({"fill_cell_px", "block_px", "far_m"})
 
     # Share of the continued scene's depth from which a depth is the scene's.
     same_depth_share: float = 0.93
@@ -265,11 +241,11 @@ class BackgroundOptions(Options):
     covered_share: float = 0.125
     survey_frames: int = 16  # frames that are looked through for what large objects hide
     near_sigmas: float = 3.0  # noise deviations within which a depth is the same depth
-    fill_cell_px: int = 4  # pixels of a cell in which the hidden scene is continued
+    fill_cell_px: PositiveInt = 4  # pixels of a cell in which the hidden scene is continued
     empty_cells: int = 4  # unmeasured cells around one from which no scene is there
-    block_px: int = 16  # pixels along a block that shares one noise deviation
+    block_px: PositiveInt = 16  # pixels along a block that shares one noise deviation
     block_min_px: int = 64  # measured pixels of a block that tell its deviation
-    far_m: float = 1000.0  # metres at which the endlessly far scene is drawn
+    far_m: PositiveFloat = 1000.0  # metres at which the endlessly far scene is drawn
     usual_over_calmest: float = 1.15  # usual deviation over that of the calmest pair of frames
     # Share of its depth within which a surface goes on to the next pixel.
     surface_jump_share: float = 0.01
@@ -296,8 +272,6 @@ class DepthNoiseOptions(Options):
 class MappingOptions(Options):
     """The scene at rest before a camera that is carried."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_points"})
-
     beside_m: float = 0.4  # metres from an object's last place within which new surface may be its
     min_views: int = 2  # frames that have to show a surface element
     seen_through_share: float = 0.1  # frames that may see through it, for each that shows it
@@ -306,7 +280,7 @@ class MappingOptions(Options):
     side_share: float = 0.15
     # Share of the longest object's length for the rest of another behind it.
     body_share: float = 0.5
-    sampled_points: int = 2000  # points of an object of which its distance is asked
+    sampled_points: PositiveInt = 2000  # points of an object of which its distance is asked
     rim_px: int = 2  # pixels about an object that are its outline
     outline_share: float = 0.03  # share of its distance by which a surface changes at an outline
     steep_share: float = 0.05  # share of its distance by which an element may differ within a pixel

@@ -5,22 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
 class SearchOptions(Options):
     """Prediction, and what is cut out of a frame around it."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"coarse_points", "fine_points", "target_points"}
-    )
-
     # Frames after which what rests beside a resting object is scenery: never.
     never_frames: int = 1_000_000
-    coarse_points: int = 120  # model points that a hypothesis is judged by
-    fine_points: int = 400  # model points of the last iterations
-    target_points: int = 1200  # points of the frame at most that a model is fitted to
+    coarse_points: PositiveInt = 120  # model points that a hypothesis is judged by
+    fine_points: PositiveInt = 400  # model points of the last iterations
+    target_points: PositiveInt = 1200  # points of the frame at most that a model is fitted to
     min_moving_points: int = 5  # moving points under which nothing is there
     radii: float = 1.5  # radii around the predictions that are searched
     radii_unknown_motion: float = 0.6  # radii added while no motion is known
@@ -45,9 +41,6 @@ class SearchOptions(Options):
 class ProposalOptions(Options):
     """Pose hypotheses where no prediction fits."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"seeds", "palette_points", "vote_step_units", "max_steps_across", "min_radius_m"}
-    )
     signed: ClassVar[frozenset[str]] = frozenset({"slide_radii"})
 
     turn_deg: float = 40.0  # degrees of the turns that a cluster is tried with
@@ -55,27 +48,28 @@ class ProposalOptions(Options):
     crowd_radii: float = 0.6  # radii within which the neighbours of a seed are counted
     cluster_radii: float = 1.1  # radii within which a cluster lies
     mean_shift_rounds: int = 3  # rounds in which a cluster moves to its mean
-    seeds: int = 60  # seeds, of which the densest begins a cluster
+    seeds: PositiveInt = 60  # seeds, of which the densest begins a cluster
     clusters: int = 4  # clusters that are looked at
     min_cluster_points: int = 8  # points of a cluster at least
     closed_radii: float = 1.5  # radii of a cluster that ends all round at most
     # Steps along the longest direction, in radii.
     slide_radii: tuple[float, ...] = (-0.6, -0.3, 0.3, 0.6)
-    vote_step_units: float = 4.0  # units of a step between shifts that points vote for
+    vote_step_units: PositiveFloat = 4.0  # units of a step between shifts that points vote for
     voted_shifts: int = 8  # shifts that are tried
     same_shift_steps: int = 2  # steps up to which two shifts are one
     vote_window_steps: int = 300  # steps, most voted for, among which shifts are looked for
-    max_steps_across: int = 1000  # steps across all that is seen
+    max_steps_across: PositiveInt = 1000  # steps across all that is seen
     alike_colour: float = 0.12  # colour difference up to which colours are alike
-    palette_points: int = 200  # model points that tell which colours an object has
-    min_radius_m: float = 0.001  # metres of radius that clusters are looked for with at least
+    palette_points: PositiveInt = 200  # model points that tell which colours an object has
+    min_radius_m: PositiveFloat = (
+        0.001  # metres of radius that clusters are looked for with at least
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class RelocationOptions(Options):
     """Search in the whole frame for a track that went astray."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"retry_frames"})
     above_one: ClassVar[frozenset[str]] = frozenset({"alone_size_share"})
 
     kept_share: float = 0.85  # share of its claim under which a track is looked for elsewhere
@@ -103,45 +97,28 @@ class RelocationOptions(Options):
     clusters: int = 4  # clusters that are looked at
     tries: int = 2  # clusters that the track is fitted to
     patient_frames: int = 2  # frames for which it is looked for in each
-    retry_frames: int = 3  # frames between two searches after that
+    retry_frames: PositiveInt = 3  # frames between two searches after that
 
 
 @dataclass(frozen=True, slots=True)
 class RegistrationOptions(Options):
     """Registration of a model to a frame, and the choice among hypotheses."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {
-            "retry_frames",
-            "nodes_per_radius",
-            "nodes_per_radius_soft",
-            "cap_scales",
-            "pair_scales",
-            "predicted_scales",
-            "anywhere_scales",
-            "final_scales",
-            "judged_units",
-            "judged_units_unfitted",
-            "judged_units_rest",
-            "surprise_radii",
-        }
-    )
-
     # Radii by which an object may come nearer; nearer surface is another's.
     nearer_radii: float = 1.0
     # Units nearer or farther from which a measurement hides or sees through.
     occlusion_units: float = 4.0
-    cap_scales: float = 3.0  # scales beyond which a distance costs no more
+    cap_scales: PositiveFloat = 3.0  # scales beyond which a distance costs no more
     unseen_cost: float = 0.6  # cost of a pose that shows nothing of the model
     unseen_weight: float = 0.1  # weight of that cost, in models
     # Visible model points from which the hidden ones are left out of a fit.
     min_visible_points: int = 20
     # Scales in units of the iterations from a prediction.
-    predicted_scales: tuple[float, ...] = (3.0, 3.0, 3.0, 2.5)
+    predicted_scales: tuple[PositiveFloat, ...] = (3.0, 3.0, 3.0, 2.5)
     # Scales in units of the iterations from anywhere.
-    anywhere_scales: tuple[float, ...] = (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
+    anywhere_scales: tuple[PositiveFloat, ...] = (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
     # Scales in units of the iterations of the best hypothesis.
-    final_scales: tuple[float, float, float] = (2.5, 2.0, 2.0)
+    final_scales: tuple[PositiveFloat, PositiveFloat, PositiveFloat] = (2.5, 2.0, 2.0)
     target_scales: float = 4.0  # first final scales around the best pose that are left of a target
     tries: int = 6  # hypotheses that are fitted beside the predictions
     tries_unknown_motion: int = 18  # hypotheses that are fitted while the motion is unknown
@@ -159,23 +136,23 @@ class RegistrationOptions(Options):
     good_cost: float = 0.2  # cost at which the next hypothesis is not tried
     # Cost over the best one's up to which the next hypothesis is tried.
     try_next_ratio: float = 1.25
-    nodes_per_radius: int = 5  # deformation nodes along the radius
-    nodes_per_radius_soft: int = 8  # the same, of soft objects
+    nodes_per_radius: PositiveInt = 5  # deformation nodes along the radius
+    nodes_per_radius_soft: PositiveInt = 8  # the same, of soft objects
     node_units: float = 3.0  # units between nodes at least
     pull_units: float = 4.0  # units within which nodes are pulled to the data
-    judged_units: float = 3.0  # scale in units that fits are judged by
-    judged_units_unfitted: float = 6.0  # the same, of hypotheses that nothing was fitted to
-    judged_units_rest: float = 2.0  # the same, of what stays where it was
-    retry_frames: int = 4  # frames between two searches elsewhere that found nothing better
+    judged_units: PositiveFloat = 3.0  # scale in units that fits are judged by
+    judged_units_unfitted: PositiveFloat = 6.0  # the same, of hypotheses that nothing was fitted to
+    judged_units_rest: PositiveFloat = 2.0  # the same, of what stays where it was
+    retry_frames: PositiveInt = 4  # frames between two searches elsewhere that found nothing better
     other_place_radii: float = 0.5  # radii between two hypotheses at different places
     surprise_cost: float = 0.6  # cost of a pose far from every prediction
     turn_cost: float = 0.6  # cost of a pose turned half round against every prediction
-    surprise_radii: float = 3.0  # radii a frame unseen from which a pose is far
+    surprise_radii: PositiveFloat = 3.0  # radii a frame unseen from which a pose is far
     limit_radii: float = 0.5  # radii by which a scanned object may be off its predictions
     limit_radii_unknown: float = 1.5  # the same, while its motion is unknown
     limit_units: float = 3.0  # units a frame unseen that add to it
     beyond_cost: float = 2.0  # cost of a pose beyond that limit
-    pair_scales: float = 3.0  # scales of a fit within which points are paired
+    pair_scales: PositiveFloat = 3.0  # scales of a fit within which points are paired
     min_pairs: int = 6  # pairs that tell a turn
     on_units: float = 3.0  # units from a surface within which points are on it
     beside_units: float = 6.0  # units within which points are beside it
@@ -187,24 +164,20 @@ class RegistrationOptions(Options):
 class DeformationOptions(Options):
     """Deformation graph of what bends."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"nodes_per_point", "nodes_around", "previous_weight"}
-    )
-
-    nodes_per_point: int = 4  # nearest nodes that move a point
-    nodes_around: int = 6  # nodes that smooth a node's motion, itself among them
+    nodes_per_point: PositiveInt = 4  # nearest nodes that move a point
+    nodes_around: PositiveInt = 6  # nodes that smooth a node's motion, itself among them
     rounds: int = 3  # rounds of pairing
     round_shrink: float = 0.5  # round n has the scale divided by 1 + n times this
     pair_scales: float = 3.0  # scales of a round within which points are paired
     smooth_weight: float = 0.5  # weight of the mean over the nodes around in a node's motion
-    previous_weight: float = 0.5  # weight with which a node stays where the round before left it
+    previous_weight: PositiveFloat = (
+        0.5  # weight with which a node stays where the round before left it
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class ClaimOptions(Options):
     """Points that a registered model claims."""
-
-    divisors: ClassVar[frozenset[str]] = frozenset({"border_points"})
 
     hiding_units: float = 3.0  # units by which what may hide the surface beside a pixel is nearer
     hiding_px: int = 2  # pixels aside at which it is looked for
@@ -225,7 +198,7 @@ class ClaimOptions(Options):
     coloured_units_bent: float = 3.0  # the same, of what bends
     bent_colour_weight: float = 0.2  # share of the weight of colour for what bends
     bent_steps: int = 8  # steps by which new surface of what bends goes on in a frame
-    border_points: int = 2000  # points of an object of which its border is told
+    border_points: PositiveInt = 2000  # points of an object of which its border is told
     touching_units: float = 3.0  # units within which others touch them
     uncovered_share: float = 0.3  # share of uncovered surface from which it may be an object's
 
@@ -261,11 +234,10 @@ class GrowthOptions(Options):
 class PieceOptions(Options):
     """Missed pieces that are given back."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"slow_frames"})
     above_one: ClassVar[frozenset[str]] = frozenset({"max_size_share"})
 
     max_size_share: float = 1.1  # share of its size up to which a track is given pieces
-    slow_frames: int = 4  # frames between two questions of what is slow
+    slow_frames: PositiveInt = 4  # frames between two questions of what is slow
     min_size_share: float = 0.01  # share of its size that a piece has at least
     min_points: float = 5.0  # points that it has at least
     touching_units: float = 2.5  # units between an object and what touches it
@@ -286,8 +258,6 @@ class PieceOptions(Options):
 class ContextOptions(Options):
     """Unlabelled surface beside a track."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"max_points"})
-
     explained_units: float = 4.0  # units from unlabelled surface within which it explains a point
     yield_ratio: float = 0.7  # share of its cost at which it takes a point from a claim
     stayed_units: float = 7.0  # units within which unlabelled surface is where it was
@@ -296,7 +266,7 @@ class ContextOptions(Options):
     reach_m: float = 1.0  # metres about an object within which whoever may hold it is
     beside_radii: float = 0.5  # radii about an object within which unlabelled surface is beside it
     beside_units: float = 4.0  # units likewise
-    max_points: int = 1000  # unlabelled points kept of those beside an object
+    max_points: PositiveInt = 1000  # unlabelled points kept of those beside an object
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,9 +301,7 @@ class GroundContactOptions(Options):
 class ComponentOptions(Options):
     """Connected components of points."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"cell_units"})
-
-    cell_units: float = 1.5  # units of a cell of connected components
+    cell_units: PositiveFloat = 1.5  # units of a cell of connected components
     touching_cells: float = 1.75  # cells between the middles of two that touch
     crumb_share: float = 0.04  # share of a label under which a piece apart is no part of it
     crumb_points: int = 10  # points of such a piece
@@ -344,13 +312,11 @@ class ComponentOptions(Options):
 class MeanFieldOptions(Options):
     """Mean field over cells."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"full_neighbours"})
-
     sweeps: int = 30  # sweeps over the cells at most
     neighbour_weight: float = 8.0  # weight of all neighbours of a cell against its own cost
     settled_change: float = 0.02  # change of probability under which a sweep was the last
     same_change: float = 0.002  # change of which no neighbour need know
-    full_neighbours: float = 3.0  # neighbours from which they have their full weight
+    full_neighbours: PositiveFloat = 3.0  # neighbours from which they have their full weight
 
 
 @dataclass(frozen=True, slots=True)
@@ -373,15 +339,13 @@ class VerdictOptions(Options):
 class UpdateOptions(Options):
     """Update of a track from a frame."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"colour_points"})
-
     correction_min_points: int = 20  # painted points from which a pose is found among them
     correction_max_cost: float = 0.3  # cost up to which a model is what a person painted
     correction_explained_share: float = 0.6  # share of the painted points that it has to explain
     # Units from the model within which a painted point is new surface.
     new_surface_units: float = 8.0
     left_over_units: float = 8.0  # units around an object within which what is left over may be its
-    colour_points: int = 1000  # points whose colours are compared with the painted ones
+    colour_points: PositiveInt = 1000  # points whose colours are compared with the painted ones
     soft_step: float = 0.7  # share of its way to the measured points that soft surface goes
     teach_units: float = 3.0  # units from the model within which points and new surface teach it
     teach_units_alone: float = 8.0  # the same, where nothing else is beside it, or before a lidar

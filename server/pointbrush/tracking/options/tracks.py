@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
 class CompanionOptions(Options):
     """Labels that go along with those that a run is asked for, and how near they are followed."""
-
-    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_points"})
 
     most: int = 12
     """Labels that go along, the nearest: a correction among a hundred cars costs no more."""
@@ -25,7 +23,7 @@ class CompanionOptions(Options):
     """Units of tolerance, likewise."""
     near_steps: float = 0.5
     """Times the label's speed, for each frame since it was seen, likewise."""
-    sampled_points: int = 60
+    sampled_points: PositiveInt = 60
     """Points of a label by which that is told."""
 
 
@@ -33,11 +31,9 @@ class CompanionOptions(Options):
 class JumpOptions(Options):
     """Jumps of a sensor at rest: when one is assumed, and how it is found."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"sampled_points", "pixel_cells"})
-
     stride_frames: int = 8
     """Frames between two that are compared; where they differ, those between are."""
-    sampled_points: int = 500
+    sampled_points: PositiveInt = 500
     """Points of a frame that are looked for in another."""
     near_share: float = 0.03
     """Distance within which a point is found again, in median distances from the middle; at
@@ -48,7 +44,7 @@ class JumpOptions(Options):
     """Share of the points that are found again while the sensor rests."""
     shifts: int = 4
     """Shifts from which frames are registered."""
-    pixel_cells: float = 2.0
+    pixel_cells: PositiveFloat = 2.0
     """Size of a pixel of the correlation, in cells that the frames are thinned to."""
     side_pixels: int = 128
     """Pixels of the correlation along each side."""
@@ -72,17 +68,16 @@ class JumpOptions(Options):
 class StrainOptions(Options):
     """Whether an object bends."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset({"bent_points", "target_points", "stiff_frames"})
     signed: ClassVar[frozenset[str]] = frozenset({"outline_offsets_px"})
 
     min_known_points: int = 100  # known points that have to be in sight
     min_off_share: float = 0.005  # share of them off their place to ask for strain
-    stiff_frames: int = 4  # frames between two questions of a stiff object
+    stiff_frames: PositiveInt = 4  # frames between two questions of a stiff object
     hint_share: float = 0.25  # share of soft strain from which it is asked in all
     loose_cost: float = 0.15  # cost of a fit from which it is asked in all of a dense object
     max_frame_ratio: float = 1.5  # times the soft strain that one frame can say
-    bent_points: int = 600  # points at most that are bent to find out
-    target_points: int = 6000  # points at most onto which
+    bent_points: PositiveInt = 600  # points at most that are bent to find out
+    target_points: PositiveInt = 6000  # points at most onto which
     off_units: float = 1.5  # units from a measurement at which a model point is off its place
     on_units: float = 1.0  # units at which it is on it
     far_units: float = 3.0  # units within which that is looked for
@@ -97,24 +92,22 @@ class StrainOptions(Options):
 class SurfaceOptions(Options):
     """Surface model of a track."""
 
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"max_points", "max_points_bent", "cell_spacings"}
-    )
-
     carve_views: int = 10  # earlier views kept of an object
     carve_units: float = 3.0  # units by which a measurement lies behind a place looked through
     carve_min_views: int = 2  # views that have to agree: one pose may be wrong
     carve_margin_px: int = 8  # pixels around the object that are kept
     carve_turn_deg: float = 12.0  # degrees between two views that are kept
-    max_points: int = 2500  # points of a model
-    max_points_bent: int = 1000  # points of a model that is made anew in each frame, since it bends
+    max_points: PositiveInt = 2500  # points of a model
+    max_points_bent: PositiveInt = (
+        1000  # points of a model that is made anew in each frame, since it bends
+    )
     sure_hits: float = 12.0  # hits from which a point may have new neighbours
     radius_share: float = 0.98  # share of the points within the radius
     hit_spacings: float = 1.2  # spacings up to which a measured point hits a known one
     new_spacings: float = 0.9  # spacings from which a measured point is new surface
     min_points: int = 10  # points that a model keeps at least
     max_counted_hits: int = 4  # hits that count against misses
-    cell_spacings: float = 0.8  # spacings across a cell that keeps one point
+    cell_spacings: PositiveFloat = 0.8  # spacings across a cell that keeps one point
     coarser_factor: float = 1.05  # how much coarser a full model becomes
     facing_cos: float = 0.25  # cosine between directions from which a point was and would be seen
 
@@ -124,24 +117,18 @@ class AppearanceOptions(Options):
     """Colour histograms."""
 
     signed: ClassVar[frozenset[str]] = frozenset({"strange_share"})
-    divisors: ClassVar[frozenset[str]] = frozenset({"coarse_bins", "absent_share"})
-
     rather_ratio: float = 10.0  # times as common among painted colours that is rather the track's
-    coarse_bins: int = 3  # bins, each way, of the cells of a histogram of few colours
+    coarse_bins: PositiveInt = 3  # bins, each way, of the cells of a histogram of few colours
     common_share: float = 0.02  # share of colours from which they are common
     # Mean log ratio by which colours may be rarer than its own and still like them.
     rarer_log: float = 2.0
-    absent_share: float = 0.002  # share of colours that are nowhere among the painted ones
+    absent_share: PositiveFloat = 0.002  # share of colours that are nowhere among the painted ones
     strange_share: float = 0.002  # share of hues, however bright, up to which they are strange
 
 
 @dataclass(frozen=True, slots=True)
 class ObjectOptions(Options):
     """Kind of object that a label is, and its tolerance."""
-
-    divisors: ClassVar[frozenset[str]] = frozenset(
-        {"sampled_points", "max_approach", "min_spacing_m", "min_colour_noise", "dense_points"}
-    )
 
     # Confidence of a label begun anew from what came out from behind another.
     emerged_confidence: float = 0.3
@@ -157,11 +144,11 @@ class ObjectOptions(Options):
     ring_share: float = 0.3  # share of the way between rings that is a unit
     edge_px: int = 2  # pixels from the edge of the picture
     edge_share: float = 0.15  # share of the painted points at the edge from which it is cut
-    sampled_points: int = 400  # points whose neighbours are looked at
+    sampled_points: PositiveInt = 400  # points whose neighbours are looked at
     lone_spacing_m: float = 0.02  # metres between points where there are too few to tell
-    min_spacing_m: float = 0.0001  # metres between points at least, where all are one point
+    min_spacing_m: PositiveFloat = 0.0001  # metres between points at least, where all are one point
     black_share: float = 0.1  # share of black points from which many were seen by no camera
-    min_colour_noise: float = 0.03  # least colour noise
+    min_colour_noise: PositiveFloat = 0.03  # least colour noise
     bent_share: float = 0.2  # unexplained share from which an object bends
     bent_share_large: float = 0.05  # the same, of a large one
     tall_m: float = 0.4  # metres of radius from which an object is large as people are
@@ -172,10 +159,10 @@ class ObjectOptions(Options):
     soft_strain: float = 0.006
     hardly_share: float = 0.2  # share of its size under which hardly anything of it was seen
     min_unit_spacings: float = 0.5  # share of the model's spacing that a unit is at least
-    max_approach: float = 2.0  # times as near or far as an object comes in a frame at most
+    max_approach: PositiveFloat = 2.0  # times as near or far as an object comes in a frame at most
     colour_units: float = 0.5  # units that a usual colour difference between neighbours counts for
     # Points from which an object is looked at more coarsely than it is seen.
-    dense_points: int = 3000
+    dense_points: PositiveInt = 3000
 
 
 @dataclass(frozen=True, slots=True)
