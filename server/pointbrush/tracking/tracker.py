@@ -202,8 +202,7 @@ class Run:
         there = [track for track in frame.sought if not (track.absent or track.lost)]
         cut = {t.label: crop(t, frame.view, self.background, frame.free) for t in there}
         searches = {label: search for label, search in cut.items() if search is not None}
-        share_out(list(searches.values()), options=self.options.search)
-        return searches
+        return share_out(searches, options=self.options.search)
 
     def _register(self, frame: FrameTask, searches: Mapping[int, Search]) -> Associations:
         """Register each track to its part of the frame, and claim points for it."""

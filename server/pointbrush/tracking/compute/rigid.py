@@ -31,7 +31,7 @@ Pair = Callable[[F64], tuple[F64, I64]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Registration:
+class IcpResult:
     """A rigid motion and how good it is.
 
     ``T_target_source`` (4, 4); ``rmse`` metres; ``iterations``; ``converged`` False where the
@@ -95,7 +95,7 @@ def icp(
     iterations: int = 50,
     tolerance: float = 1e-6,
     watch: Callable[[IcpStep], None] | None = None,
-) -> Registration:
+) -> IcpResult:
     """Besl and McKay 1992: repeat {pair each point, best motion} until the error stands still.
 
     ``source`` (M, 3) and ``target`` (N, 3) metres, neither empty; ``tolerance`` is the change of
@@ -116,9 +116,9 @@ def icp(
         # 3. Stop when the mean square error no longer falls.
         error = float(np.mean(distance**2))
         if before - error < tolerance:
-            return Registration(T, float(np.sqrt(error)), iteration, converged=True)
+            return IcpResult(T, float(np.sqrt(error)), iteration, converged=True)
         before = error
-    return Registration(T, float(np.sqrt(error)), iterations, converged=False)
+    return IcpResult(T, float(np.sqrt(error)), iterations, converged=False)
 
 
 @dataclass(eq=False)

@@ -96,14 +96,8 @@ def come_back(
     found: set[int] = set()
     given: set[int] = set()
     gone_on: set[int] = set()
-    young = [
-        0,
-        *(
-            f.label
-            for f in people
-            if not f.named and f.since > now - observation.options.arrivals.recent_frames
-        ),
-    ]
+    recent = now - observation.options.arrivals.recent_frames
+    young = [0, *(f.label for f in people if not f.named and f.since > recent)]
     for _, label, number in ranked:
         if label in found or number in given:
             continue
@@ -253,11 +247,9 @@ def _cost(
 def _tall(observation: PersonObservation, person: Person, cells: I64) -> float:
     """Gain in cost by the likelihood of a person's stature for some cells."""
     top = top_of(observation, cells, person.area) if person.identity.stature.known else None
-    return (
-        0.0
-        if top is None
-        else observation.options.arrivals.stature_weight * person.identity.stature.likelihood(top)
-    )
+    if top is None:
+        return 0.0
+    return observation.options.arrivals.stature_weight * person.identity.stature.likelihood(top)
 
 
 def far_from(observation: PersonObservation, person: Person, cells: I64, now: int) -> float:

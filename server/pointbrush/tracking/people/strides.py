@@ -82,14 +82,12 @@ def _costs(observation: PersonObservation, cell: I32, depth: F32, loose: Mask) -
     return cost
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Shares:
-    """``stride`` (K, 3) metres of each person; ``cost`` (N, K) of a cell to be theirs,
-    ``chance``."""
+    """``stride`` (K, 3) metres of each person; ``cost`` (N, K) of a cell to be theirs."""
 
     stride: F64
     cost: F64
-    chance: F64
 
     def disputed(self, cells: I64, who: int, options: StrideOptions) -> float:
         """Share of a person's cells that hardly less are another's."""
@@ -137,7 +135,7 @@ def shared_out(observation: PersonObservation, people: Sequence[Person], stride:
     _leave(observation, cost.min(axis=1), chance.max(axis=1))
     for k, person in enumerate(people):
         _drop(observation, person, stride[k])
-    return Shares(stride, cost, chance)
+    return Shares(stride, cost)
 
 
 def _clothes(observation: PersonObservation, people: Sequence[Person]) -> F64:

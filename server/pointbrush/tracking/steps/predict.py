@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -21,13 +21,14 @@ from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.verdict import Look, costs_of, look
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Search:
     """An object's part of the frame: points ``around`` its ``hypotheses`` (K, 4, 4), inside a
     ``box``.
 
     ``near`` are those that it may have, ``moving`` those before the background that were not
-    there in the last frame either, ``faint`` those of ``near`` that are hardly before it.
+    there in the last frame either, ``faint`` those of ``near`` that are hardly before it.  The
+    model is fitted to the ``left`` target, all that moves where that is None.
     """
 
     track: Track
@@ -38,25 +39,33 @@ class Search:
     near: I64
     moving: I64
     faint: I64
-    few: I64 = field(init=False)
-    """Numbers of the model points that hypotheses are judged by."""
-    many: I64 = field(init=False)
-    """Numbers of those that the last iterations use."""
-    target: Target = field(init=False)
-    """Some of the moving points, to which the model is fitted."""
+    left: Target | None = None
 
     @property
     def options(self) -> TrackerOptions:
         """The options of the run."""
         return self.view.options
 
-    def __post_init__(self) -> None:
-        """Sample the model and the moving points."""
-        options = self.options.search
-        count = len(self.track.model.xyz)
-        self.few = np.arange(0, count, max(1, count // options.coarse_points))
-        self.many = np.arange(0, count, max(1, count // options.fine_points))
-        self.target = target_of(self.view, self.moving, self.track.weight)
+    @cached_property
+    def few(self) -> I64:
+        """Numbers of the model points that hypotheses are judged by."""
+        return self._some(self.options.search.coarse_points)
+
+    @cached_property
+    def many(self) -> I64:
+        """Numbers of those that the last iterations use."""
+        return self._some(self.options.search.fine_points)
+
+    def _some(self, count: int) -> I64:
+        total = len(self.track.model.xyz)
+        return np.arange(0, total, max(1, total // count))
+
+    @cached_property
+    def target(self) -> Target:
+        """Some of the moving points, to which the model is fitted."""
+        if self.left is not None:
+            return self.left
+        return target_of(self.view, self.moving, self.track.weight)
 
     @cached_property
     def costs(self) -> F64:
@@ -69,14 +78,6 @@ class Search:
             self.at,
             self.options.search.judged_units * track.unit,
         )
-
-    def aim(self, target: Target) -> None:
-        """Look for it in another target."""
-        self.target = target
-        # What hides the object depends on the target without a depth image only.
-        known = ("costs",) if self.view.lens is not None else ("costs", "at", "own")
-        for name in known:
-            self.__dict__.pop(name, None)
 
     @cached_property
     def at(self) -> Look:
@@ -197,32 +198,29 @@ def target_of(view: View, indices: I64, weight: float, most: int | None = None) 
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
 
 
-def share_out(searches: Iterable[Search], options: SearchOptions) -> None:
+def share_out(searches: Mapping[int, Search], options: SearchOptions) -> dict[int, Search]:
     """Take out of each target what another object's prediction explains clearly better."""
-    searches = list(searches)
-    ghosts = [_ghost(search) for search in searches]
-    sure = [n for n, s in enumerate(searches) if min(s.costs) < _limit(s.track)]
-    new: list[tuple[Search, Target]] = []
-    for search, ghost in zip(searches, ghosts, strict=True):
-        left = search.target
+    ghosts = {label: _ghost(search) for label, search in searches.items()}
+    sure = [n for n, search in searches.items() if min(search.costs) < _limit(search.track)]
+    shared = dict(searches)
+    for label, search in searches.items():
+        left, ghost = search.target, ghosts[label]
         drop = np.zeros(len(left.xyz), np.bool_)
-        for number in sure:
-            if searches[number] is not search and ghosts[number].meets(ghost, options=options):
-                reach = options.explained_units * searches[number].track.unit
-                own, theirs = ghost.surface, ghosts[number].surface
+        for other in sure:
+            if other != label and ghosts[other].meets(ghost, options=options):
                 _drop_theirs(
                     drop,
                     left.xyz,
                     left.colour,
-                    own,
-                    theirs,
-                    reach,
+                    ghost.surface,
+                    ghosts[other].surface,
+                    options.explained_units * searches[other].track.unit,
                     options.clearly_nearer_share,
                 )
         if drop.any() and (~drop).sum() >= options.min_moving_points:
-            new.append((search, Target(left.xyz[~drop], left.colour[~drop], left.weight)))
-    for search, target in new:
-        search.aim(target)
+            target = Target(left.xyz[~drop], left.colour[~drop], left.weight)
+            shared[label] = replace(search, left=target)
+    return shared
 
 
 def _limit(track: Track) -> float:
