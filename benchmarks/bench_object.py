@@ -15,7 +15,7 @@ import argparse
 import statistics
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, cast
 
@@ -28,13 +28,15 @@ from scipy.spatial import cKDTree
 from pointbrush.selection import Points
 from pointbrush.selection.grow import grow
 from pointbrush.selection.objects import Candidate, ObjectState, candidates, load_weights, prepare
-from pointbrush.selection.objects.weights import Weights, built_in
+from pointbrush.selection.objects.weights import FILE, Weights
 from pointbrush.selection.points import Blocks
+from pointbrush.sensor_kind import SensorKind
 
 CLICKS = (1, 2, 3, 6)
 LINK = {"lidar": 0.3, "camera": 0.05, "room": 0.05}
 """Metres; radius that ``fill`` is given."""
 Scores = dict[str, list[float]]
+All = Mapping[SensorKind, Weights]
 
 
 class Session:
@@ -101,10 +103,11 @@ def filled(scene: Scene, tree: cKDTree, truth: Mask, at: NDArray[Any]) -> float:
     return iou(as_mask(region, len(truth)), truth)
 
 
-def score(scene: Scene, weights: Weights, peers: bool = True) -> tuple[Scores, list[float], float]:
+def score(scene: Scene, weights: All, peers: bool = True) -> tuple[Scores, list[float], float]:
     """Scores of a scene's objects by name, seconds of the answers, seconds to prepare."""
+    pair = weights[scene.frame.sensor]
     start = time.perf_counter()
-    state = prepare(scene.frame, weights=weights)
+    state = prepare(scene.frame, weights=pair)
     prepared = time.perf_counter() - start
     scores: Scores = defaultdict(list)
     seconds: list[float] = []
@@ -113,7 +116,7 @@ def score(scene: Scene, weights: Weights, peers: bool = True) -> tuple[Scores, l
         truth = scene.instance == number
         click = next_click(scene.frame.xyz, truth, None)
         assert click is not None
-        session = Session(scene, state, truth, weights)
+        session = Session(scene, state, truth, pair)
         if tree is not None:
             scores["fill"].append(filled(scene, tree, truth, click[0]))
             scores["ball"].append(ball(scene.frame.xyz, truth, click[0]))
@@ -129,14 +132,14 @@ def score(scene: Scene, weights: Weights, peers: bool = True) -> tuple[Scores, l
     return scores, seconds, prepared
 
 
-def report(name: str, scenes: Iterable[Scene], weights: Weights, peers: bool = True) -> None:
+def report(name: str, scenes: Iterable[Scene], weights: All, peers: bool = True) -> None:
     """Print the scores of some scenes together."""
     every: Scores = defaultdict(list)
     seconds: list[float] = []
     prepared: list[float] = []
     for scene in scenes:
         if not prepared:
-            prepare(scene.frame, weights=weights)  # compiles
+            prepare(scene.frame, weights=weights[scene.frame.sensor])  # compiles
         scores, answers, first = score(scene, weights, peers)
         for key, reached in scores.items():
             every[key] += reached
@@ -163,7 +166,7 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="*", default=[*GENERATED, "recorded"])
     parser.add_argument("--seeds", type=int, default=4)
     given = parser.parse_args()
-    weights = load_weights(given.weights) if given.weights else built_in()
+    weights = load_weights(given.weights or FILE)
     for kind in given.kinds:
         made = (
             recorded()

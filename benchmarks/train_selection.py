@@ -1,15 +1,16 @@
 """Train the weights of object selection from generated scenes, and write them into the package.
 
-python benchmarks/train_selection.py [--leave KIND ...] [--scenes N] [--out weights.npz]
+python benchmarks/train_selection.py [--rooms] [--leave KIND ...] [--out weights.npz]
 
 Needs LightGBM (``pip install lightgbm``; nothing at run time does).  The same seeds give the same
-file.  ``--leave`` trains without a kind of scene, so that it can be scored on it.
+file.  ``--rooms`` trains for scanned rooms and keeps the package's weights for the others.
+``--leave`` trains without a kind of scene, so that it can be scored on it.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,34 +18,69 @@ from typing import Any
 import lightgbm
 import numpy as np
 from numpy.typing import NDArray
-from object_clicks import LEAST_POINTS, as_mask, next_click, objects, stroke
+from object_clicks import LEAST_POINTS, MOST_OBJECTS, as_mask, next_click, objects, stroke
 from object_scenes import GENERATED, HELD_OUT, Scene
 
 from pointbrush.selection.objects import ObjectOptions, ObjectState
 from pointbrush.selection.objects.choosing import propose
 from pointbrush.selection.objects.clicks import place_clicks
-from pointbrush.selection.objects.preparing import Parts, part_frame
-from pointbrush.selection.objects.state import state_of
+from pointbrush.selection.objects.growing import grow_region
+from pointbrush.selection.objects.options import LadderOptions
+from pointbrush.selection.objects.preparing import part_frame
+from pointbrush.selection.objects.state import Parts, state_of
 from pointbrush.selection.objects.sums import COUNT
 from pointbrush.selection.objects.tree import FEATURES, record_tree
 from pointbrush.selection.objects.unions import Unions
-from pointbrush.selection.objects.value import VALUES
-from pointbrush.selection.objects.weights import FILE, Forest, Weights, save_weights
+from pointbrush.selection.objects.value import SUPPORT, VALUES
+from pointbrush.selection.objects.weights import (
+    FILE,
+    Forest,
+    Weights,
+    load_weights,
+    save_weights,
+)
 
-SCENES = {
-    "juggling": 10,
-    "tabletop": 16,
-    "walking": 10,
-    "contacts": 44,
-    "view": 40,
-    "scan": 36,
-    "street": 40,
-}
-"""Frames of each kind; all sizes of the sets below are for all of them."""
+
+@dataclass(frozen=True)
+class Lesson:
+    """Frames of each kind, seeds from 0 on, and whether regions that grow are learnt besides."""
+
+    frames: Mapping[str, int]
+    grown: bool = True
+    clicked: int = 12
+    """Objects of a scene that are clicked at most, evenly chosen."""
+
+    @property
+    def options(self) -> ObjectOptions:
+        """Options by which its candidates are made."""
+        growing = LadderOptions().growing if self.grown else frozenset()
+        return ObjectOptions(ladder=LadderOptions(growing=growing))
+
+
+EVERY = Lesson(
+    {
+        "juggling": 10,
+        "tabletop": 16,
+        "walking": 10,
+        "contacts": 44,
+        "view": 40,
+        "scan": 36,
+        "street": 40,
+    },
+    grown=False,
+    clicked=MOST_OBJECTS,
+)
+"""For lidar and depth cameras."""
+ROOMS = Lesson({"home": 18, "scan": 6})
+"""For scanned rooms; all sizes of the sets below are for a lesson."""
 ROUNDS = 3
 MERGE_ROWS, VALUE_ROWS = 260_000, 260_000
 SCORED = 60_000
 """Pairs noted in one tree."""
+GROWN_OBJECTS, GROWN_STEPS, GROWN_SCORED = 12, 120, 1500
+"""Regions grown in a scene and round: their number, the pieces added, the pairs noted."""
+PURE = 0.7
+"""Share of a region that is of its object while it counts."""
 EXPONENT = 0.6
 """A pair counts by the size of its smaller part to this power."""
 GOOD = 0.6
@@ -170,35 +206,59 @@ def merge_rows(one: Example, model: Forest, most: int, rng: np.random.Generator)
     return scored.rows[chosen], (a == b)[chosen].astype(float), size**EXPONENT
 
 
-def train_merge(examples: Sequence[Example]) -> Forest:
+def grown_rows(one: Example, model: Forest, rng: np.random.Generator) -> Rows:
+    """The same of the pairs that are scored while regions grow from pieces of the objects."""
+    sums, truth = one.parts.pieces.sums, one.truth
+    rows, wanted, weight = [np.empty((0, FEATURES))], [np.empty(0)], [np.empty(0)]
+    found = np.unique(truth[truth > 0])
+    for number in rng.permutation(found)[:GROWN_OBJECTS].tolist():
+        seeds = rng.choice(np.flatnonzero(truth == number), 1)
+        nothing = np.zeros(len(truth), np.bool_)
+        between = one.parts.pieces.between.astype(np.float32)
+        order, _, scored, asked = grow_region(
+            sums, one.parts.pieces.pairs.astype(np.int32), between, seeds, nothing,
+            one.parts.size**2, model, GROWN_STEPS, GROWN_SCORED,
+        )  # fmt: skip
+        # A region that has left its object says nothing about it.
+        size = np.append(sums[seeds, COUNT], sums[order, COUNT])
+        own = np.append(True, truth[order] == number)
+        pure = np.cumsum(size * own) >= PURE * np.cumsum(size)
+        end = len(pure) if pure.all() else int(pure.argmin())
+        counts = (asked[:, 0] < end) & (truth[asked[:, 1]] >= 0)
+        chosen = np.flatnonzero(counts)
+        smaller = np.minimum(np.cumsum(size)[asked[chosen, 0]], sums[asked[chosen, 1], COUNT])
+        rows.append(scored[chosen])
+        wanted.append((truth[asked[chosen, 1]] == number).astype(float))
+        weight.append(smaller**EXPONENT)
+    return np.concatenate(rows), np.concatenate(wanted), np.concatenate(weight)
+
+
+def train_merge(examples: Sequence[Example], lesson: Lesson) -> Forest:
     """Grow trees with the model so far, add what it was asked, refit."""
     rng = np.random.default_rng(5)
     model, seen = NO_MODEL, []
     most = MERGE_ROWS * 2 // max(len(examples) * (ROUNDS + 1), 1)
     for turn in range(ROUNDS):
         for one in examples:
-            rows, wanted, weight = merge_rows(one, model, most, rng)
             # Each scene and round counts alike.
-            seen.append((rows, wanted, weight / max(weight.sum(), 1e-9) * len(rows)))
+            seen.append(_evened(*merge_rows(one, model, most, rng)))
+            if lesson.grown and model is not NO_MODEL:
+                seen.append(_evened(*grown_rows(one, model, rng)))
         rows, wanted, weight = (np.concatenate(column) for column in zip(*seen, strict=True))
         model = fit(MERGE, MERGE_TREES, rows, wanted, weight, MERGE_ROWS)
         print(f"  round {turn}: {len(rows)} pairs, {wanted.mean():.2f} the same", flush=True)
     return model
 
 
+def _evened(rows: NDArray[Any], wanted: NDArray[Any], weight: NDArray[Any]) -> Rows:
+    return rows, wanted, weight / max(weight.sum(), 1e-9) * len(rows)
+
+
 def grow(one: Example, model: Forest) -> ObjectState:
     """State of an example under a merge model."""
     parts = one.parts
     tree, _ = record_tree(parts.pieces, parts.size**2, model, 0)
-    return state_of(
-        parts.size,
-        parts.of_point,
-        parts.center,
-        parts.piece,
-        parts.pieces.pairs,
-        parts.pieces.between,
-        tree,
-    )
+    return state_of(parts, one.scene.frame.sensor, tree)
 
 
 def overlaps(state: ObjectState, unions: Unions, truth: NDArray[np.bool_]) -> NDArray[Any]:
@@ -214,6 +274,8 @@ def overlaps(state: ObjectState, unions: Unions, truth: NDArray[np.bool_]) -> ND
 def session(
     state: ObjectState,
     scene: Scene,
+    model: Forest,
+    lesson: Lesson,
     truth: NDArray[np.bool_],
     first: NDArray[Any],
     further: int,
@@ -226,9 +288,10 @@ def session(
     for _ in range(further + 1):
         yes = place_clicks(state, wanted, "positives")
         no = place_clicks(state, unwanted, "negatives")
-        proposals = propose(state, yes, no, taken, ObjectOptions())
+        proposals = propose(state, yes, no, taken, model, lesson.options)
         good = overlaps(state, proposals.unions, truth)
-        found.append((proposals.features, good))
+        features = proposals.features if lesson.grown else proposals.features[:, :SUPPORT]
+        found.append((features, good))
         # People also go on from a level that was wrong: it is to be seen through.
         better = np.flatnonzero(good >= good.max() - (0.15 if rng.random() < GOOD else 1.0))
         taken = as_mask(proposals.points(state, int(rng.choice(better))), len(xyz))
@@ -243,12 +306,13 @@ def session(
     return found
 
 
-def value_rows(one: Example, model: Forest, seed: int) -> Rows:
+def value_rows(one: Example, model: Forest, lesson: Lesson, seed: int) -> Rows:
     """Rows of sessions on the objects of a scene."""
     rng = np.random.default_rng([seed, 61])
     state, scene = grow(one, model), one.scene
-    rows, wanted = [np.empty((0, VALUES))], [np.empty(0)]
-    for number in objects(scene.instance, LEAST_POINTS[scene.frame.sensor]):
+    rows, wanted = [np.empty((0, VALUES if lesson.grown else SUPPORT))], [np.empty(0)]
+    every = objects(scene.instance, LEAST_POINTS[scene.frame.sensor])
+    for number in every[:: max(1, -(-len(every) // lesson.clicked))]:
         truth = scene.instance == number
         inside = np.flatnonzero(truth)
         centre = next_click(scene.frame.xyz, truth, None)
@@ -259,50 +323,54 @@ def value_rows(one: Example, model: Forest, seed: int) -> Rows:
             else:
                 starts.append((scene.frame.xyz[rng.choice(inside, 1)].astype(float), k % 2))
         for first, further in starts:
-            for numbers, good in session(state, scene, truth, first, further, rng):
+            for numbers, good in session(state, scene, model, lesson, truth, first, further, rng):
                 rows.append(numbers)
                 wanted.append(good)
-    every = np.concatenate(rows)
-    return every, np.concatenate(wanted), np.full(len(every), 1.0)
+    found = np.concatenate(rows)
+    return found, np.concatenate(wanted), np.full(len(found), 1.0)
 
 
-def train_value(examples: Sequence[Example], halves: Sequence[Forest]) -> Forest:
+def train_value(examples: Sequence[Example], halves: Sequence[Forest], lesson: Lesson) -> Forest:
     """Sessions on each scene, its tree grown by the merge model that has not seen it."""
     seen = []
     for k, one in enumerate(examples):
-        rows, wanted, weight = value_rows(one, halves[1 - k % 2], k)
+        rows, wanted, weight = value_rows(one, halves[1 - k % 2], lesson, k)
         seen.append((rows, wanted, weight / max(len(rows), 1) ** 0.5))
     rows, wanted, weight = (np.concatenate(column) for column in zip(*seen, strict=True))
     print(f"  {len(rows)} candidates, mean IoU {wanted.mean():.2f}", flush=True)
     return fit(VALUE, VALUE_TREES, rows, wanted, weight, VALUE_ROWS)
 
 
-def train(examples: Sequence[Example]) -> Weights:
-    """Merge model and value model of some examples."""
-    halves = [train_merge(examples[k::2]) for k in range(2)]
-    return Weights(train_merge(examples), train_value(examples, halves))
+def train(lesson: Lesson, leave: Sequence[str]) -> Weights:
+    """Merge model and value model of a lesson."""
+    made = examples(lesson, leave)
+    halves = [train_merge(made[k::2], lesson) for k in range(2)]
+    return Weights(train_merge(made, lesson), train_value(made, halves, lesson))
 
 
-def scenes(leave: Sequence[str], share: float) -> list[Scene]:
+def examples(lesson: Lesson, leave: Sequence[str]) -> list[Example]:
     """Training scenes of all kinds but those left out, kinds mixed."""
-    made = []
-    for kind, count in SCENES.items():
+    order = []
+    for kind, count in lesson.frames.items():
         if kind not in leave:
-            made += [(k / count, kind, k) for k in range(max(1, round(count * share)))]
-    assert max(SCENES.values()) < HELD_OUT
-    return [GENERATED[kind](seed) for _, kind, seed in sorted(made)]
+            order += [(k / count, kind, k) for k in range(count)]
+    assert max(lesson.frames.values()) < HELD_OUT
+    made = [example(GENERATED[kind](seed)) for _, kind, seed in sorted(order)]
+    print(f"{len(made)} scenes, {sum(len(e.truth) for e in made)} pieces", flush=True)
+    return made
 
 
 def main() -> None:
     """Train and write."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rooms", action="store_true", help="keep the package's for the others")
     parser.add_argument("--leave", nargs="*", default=[], choices=GENERATED)
-    parser.add_argument("--share", type=float, default=1.0, help="of the scenes")
     parser.add_argument("--out", type=Path, default=FILE)
     given = parser.parse_args()
-    examples = [example(scene) for scene in scenes(given.leave, given.share)]
-    print(f"{len(examples)} scenes, {sum(len(e.truth) for e in examples)} pieces", flush=True)
-    weights = train(examples)
+    weights = load_weights(FILE)
+    if not given.rooms:
+        weights["lidar"] = weights["camera"] = train(EVERY, given.leave)
+    weights["room"] = train(ROOMS, given.leave)
     save_weights(given.out, weights)
     print(f"{given.out}: {given.out.stat().st_size / 1e3:.0f} kB")
 

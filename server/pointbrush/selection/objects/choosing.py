@@ -23,7 +23,7 @@ from pointbrush.selection.objects.options import LadderOptions, ObjectOptions
 from pointbrush.selection.objects.state import ObjectState
 from pointbrush.selection.objects.unions import Origin, Unions, find_unions
 from pointbrush.selection.objects.value import expected_iou, value_features
-from pointbrush.selection.objects.weights import Weights, built_in
+from pointbrush.selection.objects.weights import Forest, Weights, built_in
 
 Mask = NDArray[np.bool_]
 NOWHERE = np.empty((0, 3))
@@ -34,22 +34,23 @@ def choose_levels(
     size: NDArray[np.float64],
     score: NDArray[np.float64],
     kept: int | None,
-    tree: Mask,
+    alone: Mask,
+    margin: float,
     options: LadderOptions,
 ) -> list[int]:
     """Choose nested candidates: the one to show, then the others by falling score.
 
     ``masks`` (n, P) pieces, ``size`` (n,) their cells, ``score`` (n,); ``kept`` the number of
-    what was taken before, which stays among them, and first unless another is clearly better;
-    ``tree`` (n,) those that the clicks alone give: the best of them is offered beside ``kept``,
+    what was taken before, which stays among them, and first unless another is better by ``margin``;
+    ``alone`` (n,) those that the clicks alone give: the best of them is offered beside ``kept``,
     nested or not.
     """
     order = np.argsort(-score, kind="stable").tolist()
     if kept is None:
         return _chain(masks, size, order, options.closest, options.levels)
     # Both stay in reach, whichever is first: what was taken, mended, and the best in its place.
-    fresh = next((i for i in order if i != kept and tree[i]), kept)
-    better = score[order[0]] > score[kept] + options.keep
+    fresh = next((i for i in order if i != kept and alone[i]), kept)
+    better = score[order[0]] > score[kept] + margin
     first, other = (order[0], kept) if better else (kept, fresh)
     chain = _chain(masks, size, [first, *order], options.closest_after, options.levels - 1)
     return chain if other in chain else [chain[0], other, *chain[1:]]
@@ -110,11 +111,15 @@ def propose(
     wanted: Clicks,
     unwanted: Clicks,
     mask: NDArray[np.integer] | Mask | None,
+    model: Forest,
     options: ObjectOptions,
 ) -> Proposals:
-    """Return all regions for some clicks.  Raises BadInputError for a mask out of range."""
+    """Return all regions for some clicks; ``model`` is the merge model.
+
+    Raises BadInputError for a mask out of range.
+    """
     taken = taken_so_far(state, mask, wanted, unwanted, options.clicks)
-    unions = find_unions(state, wanted, unwanted, taken, options.ladder.times)
+    unions = find_unions(state, wanted, unwanted, taken, model, options.ladder)
     pieces = None if taken is None else taken.pieces
     features = value_features(state, unions, wanted, unwanted, pieces)
     return Proposals(unions, features, taken, kept_cells(state, wanted, unwanted))
@@ -151,13 +156,15 @@ def candidates(
     unwanted = place_clicks(state, negatives, "negatives", options.clicks)
     if len(wanted) == 0:
         return []
-    found = propose(state, wanted, unwanted, mask, options)
-    score = expected_iou(found.features, (weights or built_in()).value)
+    model = weights or built_in(state.sensor)
+    found = propose(state, wanted, unwanted, mask, model.merge, options)
+    score = expected_iou(found.features, model.value)
     size = found.unions.masks.astype(np.float64) @ state.sums[: state.piece_count, sums.COUNT]
     kept = None if found.taken is None else len(size) - 1
-    chosen = choose_levels(
-        found.unions.masks, size, score, kept, found.unions.origin == Origin.TREE, options.ladder
-    )
+    alone = np.isin(found.unions.origin, (Origin.TREE, Origin.GROWN))
+    ladder = options.ladder
+    margin = ladder.room_keep if state.sensor == "room" else ladder.keep
+    chosen = choose_levels(found.unions.masks, size, score, kept, alone, margin, ladder)
     points = [found.points(state, i) for i in chosen]
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")
     return [

@@ -6,13 +6,14 @@ from dataclasses import dataclass, field, fields
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.candidate import MOST_LEVELS
+from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
 
 def _above_zero(options: object) -> None:
     """Raise BadInputError unless every number of an options object is above 0."""
     for each in fields(options):  # type: ignore[arg-type]
         value = getattr(options, each.name)
-        if not value > 0:
+        if isinstance(value, (int, float)) and not value > 0:
             raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
 
 
@@ -139,12 +140,22 @@ class LadderOptions:
     """The same once something is taken: corrections are small."""
     times: int = 40
     """Unions over merge times that are looked at."""
+    growing: frozenset[SensorKind] = frozenset({"room"})
+    """Sensors for which regions are grown besides; their value model has seen such regions."""
+    grown: int = 300
+    """Pieces that a region is grown by, at most."""
+    grown_kept: int = 24
+    """Regions on the way that are looked at."""
     keep: float = 0.02
     """Score by which another candidate must be better than what was taken, to be shown first."""
+    room_keep: float = 0.08
+    """The same in scanned rooms, where scores are less sure."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
         _above_zero(self)
+        if unknown := self.growing.difference(SENSOR_KINDS):
+            raise BadInputError(f"growing: expected sensors, got {', '.join(sorted(unknown))}")
         if self.levels > MOST_LEVELS:
             raise BadInputError(f"levels: expected at most {MOST_LEVELS}, got {self.levels}")
         for name in ("closest", "closest_after"):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +13,7 @@ from pointbrush.selection.objects.cells import (
 )
 from pointbrush.selection.objects.graph import Graph, across_edges, bridges, make_graph, make_pieces
 from pointbrush.selection.objects.options import ObjectOptions
-from pointbrush.selection.objects.state import ObjectFrame, ObjectState, state_of
+from pointbrush.selection.objects.state import ObjectFrame, ObjectState, Parts, state_of
 from pointbrush.selection.objects.sums import Pieces, sum_pieces
 from pointbrush.selection.objects.tree import grow_tree
 from pointbrush.selection.objects.weights import Weights, built_in
@@ -26,20 +24,6 @@ LEVEL_FROM_ROOM = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 """Rotation from room coordinates, y up, to level ones, z up."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Parts:
-    """A frame up to the merge tree: what training and ``prepare`` share.
-
-    ``of_point`` (N,) int32 cell of each point, -1 for none; ``center`` (C, 3) local, metres.
-    """
-
-    of_point: NDArray[np.int32]
-    center: Floats
-    size: float
-    piece: NDArray[np.int64]
-    pieces: Pieces
-
-
 def prepare(
     frame: ObjectFrame, options: ObjectOptions | None = None, weights: Weights | None = None
 ) -> ObjectState:
@@ -48,17 +32,9 @@ def prepare(
     Raises BadInputError for a malformed frame and for options out of range.
     """
     parts = part_frame(frame, options or ObjectOptions())
-    model = (weights or built_in()).merge
+    model = (weights or built_in(frame.sensor)).merge
     tree = grow_tree(parts.pieces, parts.size**2, model)
-    return state_of(
-        parts.size,
-        parts.of_point,
-        parts.center,
-        parts.piece,
-        parts.pieces.pairs,
-        parts.pieces.between,
-        tree,
-    )
+    return state_of(parts, frame.sensor, tree)
 
 
 def part_frame(frame: ObjectFrame, options: ObjectOptions) -> Parts:

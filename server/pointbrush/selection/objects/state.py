@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.selection.objects.sums import Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
-VERSION = 2
+VERSION = 3
 """Of the file; a state of another version is prepared anew."""
 
 
@@ -55,11 +56,13 @@ class ObjectFrame:
 class ObjectState:
     """Cells, pieces and merge tree of a frame; its arrays cannot be written to.
 
+    ``sensor`` and ``size`` of the cells, metres;
     ``of_point`` (N,) int32 cell of each point, -1 for one without finite coordinates;
     ``center`` (C, 3) float32 local metres; ``piece`` (C,) int32 piece of each cell;
     ``pairs`` (B, 2) neighbouring pieces, ``between`` (B, 6) sums of their boundaries.
     """
 
+    sensor: SensorKind
     size: float
     of_point: NDArray[np.int32]
     center: NDArray[np.float32]
@@ -85,7 +88,8 @@ class ObjectState:
     @property
     def nbytes(self) -> int:
         """Bytes of all arrays."""
-        return sum(getattr(self, each.name).nbytes for each in fields(self) if each.name != "size")
+        every = (getattr(self, each.name) for each in fields(self))
+        return sum(each.nbytes for each in every if isinstance(each, np.ndarray))
 
     def save(self, path: Path) -> None:
         """Write to a file (.npz)."""
@@ -108,27 +112,36 @@ class ObjectState:
                 values: dict[str, Any] = {each.name: stored[each.name] for each in fields(cls)}
         except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
             raise BadInputError(f"{path.name}: expected a saved object state: {error}") from None
-        size = float(values.pop("size"))
-        return cls(size=size, **values)
+        sensor, size = str(values.pop("sensor")), float(values.pop("size"))
+        if sensor not in SENSOR_KINDS:
+            raise BadInputError(f"{path.name}: expected a known sensor, got {sensor!r}")
+        return cls(sensor=sensor, size=size, **values)
 
 
-def state_of(
-    size: float,
-    of_point: NDArray[np.int32],
-    center: NDArray[np.float64],
-    piece: NDArray[np.int64],
-    pairs: NDArray[np.int64],
-    between: NDArray[np.float64],
-    tree: MergeTree,
-) -> ObjectState:
+@dataclass(frozen=True, slots=True, eq=False)
+class Parts:
+    """A frame up to the merge tree: what training and ``prepare`` share.
+
+    ``of_point`` (N,) int32 cell of each point, -1 for none; ``center`` (C, 3) local, metres.
+    """
+
+    of_point: NDArray[np.int32]
+    center: NDArray[np.float64]
+    size: float
+    piece: NDArray[np.int64]
+    pieces: Pieces
+
+
+def state_of(parts: Parts, sensor: SensorKind, tree: MergeTree) -> ObjectState:
     """Return the state in the types that it is kept in."""
     return ObjectState(
-        size,
-        of_point,
-        center.astype(np.float32),
-        piece.astype(np.int32),
-        pairs.astype(np.int32),
-        between.astype(np.float32),
+        sensor,
+        parts.size,
+        parts.of_point,
+        parts.center.astype(np.float32),
+        parts.piece.astype(np.int32),
+        parts.pieces.pairs.astype(np.int32),
+        parts.pieces.between.astype(np.float32),
         tree.parent.astype(np.int32),
         tree.score.astype(np.float32),
         tree.sums,

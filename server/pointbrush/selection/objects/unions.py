@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled
 from pointbrush.selection.objects import sums
 from pointbrush.selection.objects.clicks import Clicks, Taken
+from pointbrush.selection.objects.growing import grow_region
+from pointbrush.selection.objects.options import LadderOptions
 from pointbrush.selection.objects.state import ObjectState
+from pointbrush.selection.objects.weights import Forest
 
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -28,6 +31,8 @@ class Origin(IntEnum):
     """The points taken so far, without a node."""
     KEPT = 3
     """The points taken so far."""
+    GROWN = 4
+    """Pieces that the clicks grow to, one after the other."""
 
 
 STEP = 1.03
@@ -50,16 +55,25 @@ class Unions:
 
 
 def find_unions(
-    state: ObjectState, wanted: Clicks, unwanted: Clicks, taken: Taken | None, most: int
+    state: ObjectState,
+    wanted: Clicks,
+    unwanted: Clicks,
+    taken: Taken | None,
+    model: Forest,
+    options: LadderOptions,
 ) -> Unions:
     """Return the regions that hold the wanted clicks and none of the unwanted ones.
+
+    ``model`` is the merge model.
 
     What can be added to ``taken`` and removed from it is offered besides; the last region is then
     that of ``taken`` itself.
     """
-    n = state.piece_count
+    n, most = state.piece_count, options.times
     nothing = np.zeros(n, np.bool_)
     found = [_over_times(state, wanted.piece, unwanted.piece, most, nothing, Origin.TREE)]
+    if state.sensor in options.growing:
+        found.append(_grown(state, wanted.piece, unwanted.piece, model, options))
     if taken is not None:
         if len(taken.missed):
             found.append(
@@ -87,9 +101,10 @@ def _joined(parts: list[Unions]) -> Unions:
 
 def _once(unions: Unions) -> Unions:
     """The same without repeated masks; the first stays."""
-    packed = np.packbits(unions.masks, axis=1)
-    _, first = np.unique(packed, axis=0, return_index=True)
-    kept = np.sort(first)
+    first: dict[bytes, int] = {}
+    for i, packed in enumerate(np.packbits(unions.masks, axis=1)):
+        first.setdefault(packed.tobytes(), i)
+    kept = list(first.values())
     return Unions(unions.masks[kept], unions.made[kept], unions.ended[kept], unions.origin[kept])
 
 
@@ -112,6 +127,40 @@ def _over_times(
     made = np.where(times[kept] < len(base), 8.0, np.minimum(score[times[kept]], 8.0))
     masks = _masks(state.parent, reached[kept], len(base)) | base
     return Unions(masks, made, _after(state, reached[kept]), np.full(len(kept), origin))
+
+
+def _grown(
+    state: ObjectState, seeds: Ints, blocked: Ints, model: Forest, options: LadderOptions
+) -> Unions:
+    """Regions on the way from the seeds: of each size the one that least wants to grow."""
+    count = state.piece_count
+    barred = np.zeros(count, np.bool_)
+    barred[blocked] = True
+    barred[seeds] = False
+    seeds = np.unique(seeds)
+    leaves = state.sums[:count]
+    order, odds = grow_region(
+        leaves, state.pairs, state.between, seeds, barred, state.size**2, model, options.grown
+    )[:2]
+    size = leaves[seeds, sums.COUNT].sum() + np.append(0.0, np.cumsum(leaves[order, sums.COUNT]))
+    made, ended = np.append(8.0, odds), np.append(odds, -8.0)
+    kept = _settled(size, ended, options.grown_kept)
+    masks = np.zeros((len(kept), count), np.bool_)
+    masks[:, seeds] = True
+    for row, added in zip(masks, kept.tolist(), strict=True):
+        row[order[:added]] = True
+    clipped = np.clip(made[kept], -8.0, 8.0), np.clip(ended[kept], -8.0, 8.0)
+    return Unions(masks, *clipped, np.full(len(kept), Origin.GROWN))
+
+
+def _settled(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -> Ints:
+    """Numbers, ascending, of at most ``most`` sizes: in each step of the sizes the least ended."""
+    if size[-1] <= size[0]:
+        return np.zeros(1, np.int64)
+    step = np.minimum((most * np.log(size / size[0]) / np.log(size[-1] / size[0])), most - 1)
+    order = np.lexsort((ended, step.astype(np.int64)))
+    first = np.flatnonzero(np.diff(step.astype(np.int64)[order], prepend=-1))
+    return np.sort(order[first])
 
 
 def _after(state: ObjectState, reached: Ints) -> NDArray[np.float64]:

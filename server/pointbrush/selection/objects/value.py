@@ -9,14 +9,18 @@ from pointbrush.compiled import compiled, innermost
 from pointbrush.selection.objects import sums
 from pointbrush.selection.objects.clicks import Clicks
 from pointbrush.selection.objects.state import ObjectState
-from pointbrush.selection.objects.unions import Unions
+from pointbrush.selection.objects.unions import Origin, Unions
 from pointbrush.selection.objects.weights import Forest, answer
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-VALUES = 54
+VALUES = 60
 """Numbers of a candidate."""
-REGION, CUT, CLICKS, HISTORY, STEPS = 0, 23, 31, 39, 45
+REGION, CUT, CLICKS, HISTORY, STEPS, SUPPORT = 0, 23, 31, 39, 45, 54
+LEVEL = 0.9
+"""Mean |nz| from which on a piece counts as level."""
+BOTTOM = 0.2
+"""Share of a region's height that is its bottom."""
 FAR = 1e3
 """Metres; stands for no such cell."""
 
@@ -38,7 +42,15 @@ def value_features(
     out[:, CLICKS + 5], out[:, CLICKS + 6] = len(wanted), len(unwanted)
     out[:, CLICKS + 7] = out[:, CLICKS] / np.maximum(out[:, CLICKS + 3], 1e-3)
     _history(leaves[:, sums.COUNT], unions, mask, out[:, HISTORY:STEPS])
-    _steps(total[:, sums.COUNT], out[:, REGION + 4], unions, out[:, STEPS:])
+    # What grows from the clicks is a way of its own: its steps are from one to the next on it.
+    grown = unions.origin == Origin.GROWN
+    for part in (np.flatnonzero(~grown), np.flatnonzero(grown)):
+        if len(part):
+            size, reach = total[part, sums.COUNT], out[part, REGION + 4]
+            out[part, STEPS:SUPPORT] = _steps(size, reach, unions.made[part], unions.ended[part])
+    clicked = np.zeros(pieces, np.bool_)
+    clicked[wanted.piece] = True
+    _support(masks, clicked, state.pairs, state.between, leaves, total, out[:, SUPPORT:])
     return out
 
 
@@ -91,6 +103,51 @@ def _cut(
                 out[i, 7] = max(out[i, 7], chance[b])
         out[i, 8] = inner / edges if edges > 0 else 1.0
     return out
+
+
+@compiled
+def _support(
+    masks: Mask,
+    clicked: Mask,
+    pairs: NDArray[np.int32],
+    between: NDArray[np.float32],
+    leaves: Floats,
+    total: Floats,
+    out: Floats,
+) -> None:
+    """Write what tells a thing from a thing with what it stands on to ``out`` (n, 6).
+
+    Shares of the region that are the clicked pieces, its largest piece, and level pieces at its
+    bottom; over its boundary: the share of level pieces below it, how level what is outside is,
+    and how much higher it is, metres.
+    """
+    z = sums.XYZ + 2
+    for i in range(len(masks)):
+        count = max(total[i, sums.COUNT], 1.0)
+        low = total[i, sums.LOW + 2]
+        bottom = low + BOTTOM * (total[i, sums.HIGH + 2] - low)
+        for p in range(len(leaves)):
+            if masks[i, p]:
+                n = leaves[p, sums.COUNT]
+                out[i, 0] += n / count * clicked[p]
+                out[i, 1] = max(out[i, 1], n / count)
+                if leaves[p, sums.STEEP] >= LEVEL * n and leaves[p, z] <= bottom * n:
+                    out[i, 2] += n / count
+        edges = 0.0
+        for b in range(len(pairs)):
+            one, other = pairs[b, 0], pairs[b, 1]
+            if masks[i, one] == masks[i, other]:
+                continue
+            inner, outer = (one, other) if masks[i, one] else (other, one)
+            m, n = between[b, 0], leaves[outer, sums.COUNT]
+            step = leaves[outer, z] / n - leaves[inner, z] / leaves[inner, sums.COUNT]
+            steep = leaves[outer, sums.STEEP] / n
+            edges += m
+            out[i, 3] += m * (steep >= LEVEL and step < 0)
+            out[i, 4] += m * steep
+            out[i, 5] += m * step
+        for k in range(3, 6):
+            out[i, k] /= max(edges, 1.0)
 
 
 @compiled
@@ -176,21 +233,23 @@ def _history(size: Floats, unions: Unions, mask: Mask | None, out: Floats) -> No
     out[:, 3], out[:, 4], out[:, 5] = unions.made, unions.ended, unions.origin
 
 
-def _steps(size: Floats, reach: Floats, unions: Unions, out: Floats) -> None:
-    """Write size and reach against the next smaller and larger candidate, and scores beside."""
+def _steps(size: Floats, reach: Floats, made: Floats, after: Floats) -> Floats:
+    """Size and reach (n, 9) against the next smaller and larger candidate, and scores beside."""
     order = np.argsort(size, kind="stable")
     ranked = np.log(np.maximum(size[order], 1.0))
     far = np.log(np.maximum(reach[order], 1e-4))
-    rows = out[order]
+    rows = np.empty((len(order), SUPPORT - STEPS))
     none = 3.0
     rows[:, 0] = np.diff(ranked, append=ranked[-1:] + none)
     rows[:, 1] = np.diff(ranked, prepend=ranked[:1] - none)
     rows[:, 2] = np.diff(far, append=far[-1:] + none)
     rows[:, 3] = np.diff(far, prepend=far[:1] - none)
-    ended = unions.ended[order]
+    ended = after[order]
     rows[:, 4] = np.maximum.accumulate(ended[::-1])[::-1]
     rows[:, 5] = np.minimum.accumulate(np.append(8.0, ended[:-1]))
     rows[:, 6] = ended - rows[:, 5]
     rows[:, 7] = np.arange(len(order)) / max(len(order) - 1, 1)
-    rows[:, 8] = unions.made[order] - ended
+    rows[:, 8] = made[order] - ended
+    out = np.empty_like(rows)
     out[order] = rows
+    return out

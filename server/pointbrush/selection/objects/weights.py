@@ -1,4 +1,4 @@
-"""Learnt weights: two forests of boosted trees in one file of the package.
+"""Learnt weights: two forests of boosted trees for each kind of sensor, in one file of the package.
 
 The trees are plain arrays, read by compiled loops; ``benchmarks/train_selection.py`` makes them.
 """
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import innermost
+from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
 FILE = Path(__file__).with_name("weights.npz")
 
@@ -52,27 +53,35 @@ class Weights(NamedTuple):
 
 
 @cache
-def built_in() -> Weights:
-    """Return the weights of the package."""
+def _shipped() -> Mapping[SensorKind, Weights]:
     return load_weights(FILE)
 
 
-def load_weights(path: Path) -> Weights:
-    """Return the weights in a file."""
+def built_in(sensor: SensorKind) -> Weights:
+    """Return the package's weights for a kind of sensor."""
+    return _shipped()[sensor]
+
+
+def load_weights(path: Path) -> dict[SensorKind, Weights]:
+    """Return the weights in a file by the kind of sensor."""
     with np.load(path) as stored:
-        return Weights(_forest(stored, "merge"), _forest(stored, "value"))
+        return {
+            sensor: Weights(_forest(stored, f"{sensor}_merge"), _forest(stored, f"{sensor}_value"))
+            for sensor in SENSOR_KINDS
+        }
 
 
-def save_weights(path: Path, weights: Weights) -> None:
+def save_weights(path: Path, weights: Mapping[SensorKind, Weights]) -> None:
     """Write weights; children are kept as steps from their node, which pack better."""
     arrays: dict[str, Any] = {}
-    for name, forest in weights._asdict().items():
-        here = np.arange(len(forest.feature))
-        arrays[f"{name}_feature"] = forest.feature.astype(np.int8)
-        arrays[f"{name}_threshold"] = forest.threshold
-        arrays[f"{name}_left"] = (forest.left - here).astype(np.int16)
-        arrays[f"{name}_right"] = (forest.right - here).astype(np.int16)
-        arrays[f"{name}_roots"] = forest.roots
+    for sensor, pair in weights.items():
+        for kind, forest in pair._asdict().items():
+            name, here = f"{sensor}_{kind}", np.arange(len(forest.feature))
+            arrays[f"{name}_feature"] = forest.feature.astype(np.int8)
+            arrays[f"{name}_threshold"] = forest.threshold
+            arrays[f"{name}_left"] = (forest.left - here).astype(np.int16)
+            arrays[f"{name}_right"] = (forest.right - here).astype(np.int16)
+            arrays[f"{name}_roots"] = forest.roots
     np.savez_compressed(path, **arrays)
 
 

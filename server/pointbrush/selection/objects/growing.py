@@ -1,0 +1,198 @@
+"""Regions grown from the clicks alone, piece by piece: the likeliest neighbour is added next.
+
+The merge tree joins everywhere at once, so that a leg joined to the floor is lost to its chair;
+from a click only what touches the region counts.
+"""
+
+from __future__ import annotations
+
+import heapq
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.selection.objects import sums
+from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH
+from pointbrush.selection.objects.tree import FEATURES, pair_features
+from pointbrush.selection.objects.weights import Forest, answer
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+OUTGROWN = 1.3
+"""Times its size by which a region grows before all its neighbours are asked anew."""
+
+
+class _Around(NamedTuple):
+    """Neighbours of the pieces, and what is known of those round the region.
+
+    ``starts`` (P + 1,) where a piece's neighbours begin in ``far`` and ``border``; ``between``
+    (B, PAIR_WIDTH) sums of borders, ``shared`` (P, PAIR_WIDTH) of a piece's with the region;
+    ``inside``, ``asked`` (P,) pieces that are never added, and to be asked; ``version`` (P,) of
+    their answers; ``frontier`` (P,) the neighbours.
+    """
+
+    starts: Ints
+    far: Ints
+    border: Ints
+    between: NDArray[np.float32]
+    shared: Floats
+    inside: Mask
+    asked: Mask
+    version: Ints
+    frontier: Ints
+
+
+def grow_region(
+    leaves: Floats,
+    pairs: NDArray[np.int32],
+    between: NDArray[np.float32],
+    seeds: Ints,
+    blocked: Mask,
+    area: float,
+    model: Forest,
+    most: int,
+    noted: int = 0,
+) -> tuple[Ints, Floats, Floats, Ints]:
+    """Return the pieces added to ``seeds``, in order and at most so many, and their log odds.
+
+    ``leaves`` (P, WIDTH) sums of pieces; ``blocked`` (P,) are never added.  Also the pairs that
+    were scored, ``noted`` at most: rows (S, FEATURES), and how many pieces were added until then
+    and the one that was asked for (S, 2).
+    """
+    count = len(leaves)
+    around = _Around(
+        *_neighbours(count, pairs),
+        between,
+        np.zeros((count, PAIR_WIDTH)),
+        blocked.copy(),
+        np.zeros(count, np.bool_),
+        np.zeros(count, np.int64),
+        np.empty(count, np.int64),
+    )
+    return _grow(leaves, around, seeds, area, model, most, noted)
+
+
+@compiled
+def _neighbours(count: int, pairs: NDArray[np.int32]) -> tuple[Ints, Ints, Ints]:
+    """Neighbours of each piece: where they begin (P + 1,), the pieces, and the borders to them."""
+    starts = np.zeros(count + 1, np.int64)
+    for b in range(len(pairs)):
+        starts[pairs[b, 0] + 1] += 1
+        starts[pairs[b, 1] + 1] += 1
+    starts = np.cumsum(starts)
+    at = starts[:-1].copy()
+    far, border = np.empty(2 * len(pairs), np.int64), np.empty(2 * len(pairs), np.int64)
+    for b in range(len(pairs)):
+        for side in range(2):
+            own = pairs[b, side]
+            far[at[own]], border[at[own]] = pairs[b, 1 - side], b
+            at[own] += 1
+    return starts, far, border
+
+
+@innermost
+def _take_in(piece: int, leaves: Floats, region: Floats, around: _Around, reached: int) -> int:
+    """Add a piece to the region; the number of its neighbours then."""
+    around.inside[piece] = True
+    sums.add(region, leaves[piece], region)
+    region[sums.PERIMETER] -= 2 * around.shared[piece, sums.EDGES]
+    for k in range(around.starts[piece], around.starts[piece + 1]):
+        p, b = around.far[k], around.border[k]
+        if around.shared[p, sums.EDGES] == 0 and not around.inside[p]:
+            around.frontier[reached] = p
+            reached += 1
+        for w in range(PAIR_WIDTH):
+            around.shared[p, w] += around.between[b, w]
+        around.asked[p] = True
+    return reached
+
+
+@innermost
+def _ask_all(around: _Around, reached: int) -> int:
+    """Have all neighbours asked; those that were added leave the frontier.  Their number."""
+    kept = 0
+    for f in range(reached):
+        p = around.frontier[f]
+        if not around.inside[p]:
+            around.frontier[kept] = p
+            around.asked[p] = True
+            kept += 1
+    return kept
+
+
+@innermost
+def _odds(
+    piece: int,
+    leaves: Floats,
+    region: Floats,
+    around: _Around,
+    area: float,
+    model: Forest,
+    work: Floats,
+    row: Floats,
+) -> float:
+    """Log odds that a piece and the region are one object; their numbers are left in ``row``."""
+    if leaves[piece, sums.COUNT] < region[sums.COUNT]:
+        pair_features(leaves[piece], region, around.shared[piece], area, work, row)
+    else:
+        pair_features(region, leaves[piece], around.shared[piece], area, work, row)
+    return answer(model, row)
+
+
+@compiled
+def _likeliest(waiting: list[tuple[float, int, int]], around: _Around) -> tuple[int, float]:
+    """Take the likeliest neighbour and its log odds, outdated answers aside; -1 for none."""
+    while len(waiting) > 0:
+        minus, p, stamp = heapq.heappop(waiting)
+        if around.version[p] == stamp and not around.inside[p]:
+            return p, -minus
+    return -1, 0.0
+
+
+@compiled
+def _grow(
+    leaves: Floats,
+    around: _Around,
+    seeds: Ints,
+    area: float,
+    model: Forest,
+    most: int,
+    noted: int,
+) -> tuple[Ints, Floats, Floats, Ints]:
+    region, work, row = np.zeros(WIDTH), np.empty((3, WIDTH)), np.empty(FEATURES)
+    region[sums.LOW : sums.HIGH], region[sums.HIGH :] = np.inf, -np.inf
+    rows, asks = np.empty((noted, FEATURES)), np.empty((noted, 2), np.int64)
+    order, odds = np.empty(most, np.int64), np.empty(most)
+    waiting = [(0.0, 0, 0)][:0]
+    found = scored = reached = 0
+    for seed in seeds:
+        if not around.inside[seed]:
+            reached = _take_in(seed, leaves, region, around, reached)
+    sized = 0.0
+    while found < most:
+        # What the region has outgrown is asked anew, else only what has a new border.
+        if region[sums.COUNT] > OUTGROWN * sized:
+            sized = region[sums.COUNT]
+            reached = _ask_all(around, reached)
+        for f in range(reached):
+            p = around.frontier[f]
+            if not around.asked[p] or around.inside[p]:
+                continue
+            around.asked[p] = False
+            chance = _odds(p, leaves, region, around, area, model, work, row)
+            if scored < noted:
+                rows[scored] = row
+                asks[scored, 0], asks[scored, 1] = found, p
+                scored += 1
+            around.version[p] += 1
+            heapq.heappush(waiting, (-chance, p, around.version[p]))
+        added, chance = _likeliest(waiting, around)
+        if added < 0:
+            break
+        order[found], odds[found] = added, chance
+        found += 1
+        reached = _take_in(added, leaves, region, around, reached)
+    return order[:found], odds[:found], rows[:scored], asks[:scored]
