@@ -2,7 +2,7 @@ import js from '@eslint/js';
 import tseslint from 'typescript-eslint';
 
 export default tseslint.config(
-  { ignores: ['node_modules', 'dist', 'src/protocol/messages.ts', 'assembly'] },
+  { ignores: ['node_modules', 'dist', 'assembly'] },
   js.configs.recommended,
   tseslint.configs.strictTypeChecked,
   {

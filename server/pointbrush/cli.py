@@ -12,15 +12,16 @@ from functools import partial
 from importlib import import_module
 from keyword import iskeyword
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from pointbrush import __version__
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.formats.names import AXES, DELIMITERS, LABEL_FORMATS
-from pointbrush.options import UNBOUNDED, Option, hide_password
+from pointbrush.options import UNBOUNDED, Option, hide_password, options_of
 from pointbrush.permissions import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import REMOTE, Settings, options
+from pointbrush.work.tracking.options import RunOptions
 
 Command = Callable[[argparse.Namespace, Settings], None]
 COLLECT_AFTER = (10_000, 20, 20)
@@ -119,22 +120,7 @@ def parser() -> argparse.ArgumentParser:
         help="the last frame; before I tracks backward",
     )  # fmt: skip
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
-    track_.add_argument("--method", default="auto", help="icp, color-icp or auto")
-    track_.add_argument(
-        "--overwrite",
-        default="tracked",
-        choices=("never", "tracked", "all"),
-        help="which labels a run may replace (default: tracked; painted ones stay)",
-    )
-    track_.add_argument(
-        "--continue-lost", action="store_true", help="look on for a label after it was lost"
-    )
-    track_.add_argument(
-        "--until-painted", action="store_true", help="end a label where it is painted again"
-    )
-    track_.add_argument(
-        "--stop-unsure", action="store_true", help="end the run where a label is doubtful"
-    )
+    _choices(track_, RunOptions)
 
     export_ = _command(commands, "export", "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
@@ -221,6 +207,17 @@ def parser() -> argparse.ArgumentParser:
     bench_ = _command(commands, "bench", "run the benchmarks of a checkout")
     bench_.add_argument("name", nargs="?", help="one of them; all unless given")
     return top
+
+
+def _choices(command: argparse.ArgumentParser, kind: type) -> None:
+    """Add a flag for each choice of a dataclass, see ``options.choice``."""
+    for each in options_of(kind):
+        text = each.definition.help
+        if each.kind is bool:
+            command.add_argument(each.flag, action="store_true", help=text)
+        else:
+            known = get_args(each.kind) or None
+            command.add_argument(each.flag, default=each.default, choices=known, help=text)
 
 
 def _corrections(command: argparse.ArgumentParser) -> None:

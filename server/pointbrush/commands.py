@@ -19,6 +19,7 @@ from pointbrush.permissions import open_to_others
 from pointbrush.printing import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, own_url, restore_backup
+from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
 
 AUTHOR = "command line"
@@ -107,12 +108,8 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             start=given.start,
             stop=given.stop,
             labels=labels,
-            method=given.method,
-            overwrite=given.overwrite,
-            continue_lost=given.continue_lost,
-            until_painted=given.until_painted,
-            stop_unsure=given.stop_unsure,
             author=AUTHOR,
+            **RunOptions.of(given),
         )
         result = follow(workspace.job, job)
         printing.tracked(result)

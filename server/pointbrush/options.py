@@ -82,6 +82,11 @@ def option(default: Any, help_text: str, *, where: tuple[str, ...], **more: Any)
     return field(default=default, metadata={"definition": definition})
 
 
+def choice(default: Any, help_text: str, **more: Any) -> Any:
+    """Return the field of a dataclass of choices for one call; ``more`` as in ``Definition``."""
+    return option(default, help_text, where=(), **more)
+
+
 def options_of(kind: type) -> tuple[Option, ...]:
     """Return the options that are the fields of the dataclass ``kind``, in their order."""
     hints = get_type_hints(kind)

@@ -18,6 +18,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.printing import follow
 from pointbrush.settings import Settings
+from pointbrush.work.tracking.options import RunOptions
 
 
 def client_of(settings: Settings) -> Client:
@@ -88,16 +89,7 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
         if given.labels:
             palette = recording.labels()
             labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
-        job = recording.start_tracking(
-            labels,
-            given.start,
-            given.stop,
-            method=given.method,
-            overwrite=given.overwrite,
-            continue_lost=given.continue_lost,
-            until_painted=given.until_painted,
-            stop_unsure=given.stop_unsure,
-        )
+        job = recording.start_tracking(labels, given.start, given.stop, **RunOptions.of(given))
         printing.tracked(_followed(client, job))
 
 

@@ -10,8 +10,9 @@ import pytest
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.labels import Write
-from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions, TrackState
+from pointbrush.tracking import METHODS, FrameResult, Seed, TrackState
 from pointbrush.work.tracking.job import TrackingWork
+from pointbrush.work.tracking.options import RunOptions
 from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
@@ -82,9 +83,8 @@ def test_a_run_stops_at_the_frame_it_is_unsure_of(
         0,
         FRAMES - 1,
         (Seed(1, POINTS),),
-        "doubts",
-        TrackOptions(),
-        stops,
+        RunOptions("doubts", stop_unsure=stops),
+        frozenset(),
     )(notes)
     # The doubtful frame itself is found: that is where a person looks.
     assert notes.frames == list(range(last + 1))

@@ -17,8 +17,9 @@ from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import import_frames
-from pointbrush.tracking import FrameResult, TrackOptions
+from pointbrush.tracking import FrameResult
 from pointbrush.work.tracking.job import LEAD, PendingEdit, TrackingWork, lead, prepare
+from pointbrush.work.tracking.options import RunOptions
 from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -137,8 +138,8 @@ def results_of(workspace: Workspace, asked: Request) -> list[FrameResult]:
         asked.start,
         asked.stop,
         seeds,
-        asked.method,
-        TrackOptions(asked.overwrite, frozenset({LOCKED}), continue_lost=asked.continue_lost),
+        RunOptions(asked.method, asked.overwrite, continue_lost=asked.continue_lost),
+        frozenset({LOCKED}),
     )(notes)
     return notes.found
 

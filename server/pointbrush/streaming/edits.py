@@ -24,6 +24,7 @@ from pointbrush.streaming.viewer import Viewer
 from pointbrush.system import shortages_in_words
 from pointbrush.work.annotate.strokes import LiveStroke
 from pointbrush.work.objects import ObjectStroke
+from pointbrush.work.tracking.options import RunOptions
 
 Edit = (
     messages.StrokeBegin
@@ -288,12 +289,8 @@ class Editor:
             stop=edit.stop,
             author=viewer.author,
             labels=edit.labels,
-            method=edit.method,
-            overwrite=edit.overwrite,
-            continue_lost=edit.continue_lost,
-            until_painted=edit.until_painted,
-            stop_unsure=edit.stop_unsure,
             edit=edit.id,
+            **RunOptions.of(edit),
         )
 
     # ── on the event loop ────────────────────────────────────────────────────────────────

@@ -20,6 +20,7 @@ from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
 from pointbrush.web.context import one_of
 from pointbrush.web.schemas import Body, Name, PaintId
+from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Preview
 
 ColumnName = Annotated[str, Field(min_length=1, max_length=200)]
@@ -79,7 +80,7 @@ class PreviewOut(Preview):
         return cls(**asdict(preview), upload=upload)
 
 
-class TrackingBody(Body):
+class TrackingBody(Body, RunOptions):
     """A tracking run; ``stop`` below ``start`` tracks backward.
 
     A label ends at its first lost frame unless ``continue_lost``, and at the next frame where it
@@ -89,11 +90,7 @@ class TrackingBody(Body):
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
     start: FrameIndex
     stop: FrameIndex
-    method: Annotated[str, Field(pattern=one_of(METHODS))] = "auto"
-    overwrite: Literal["never", "tracked", "all"] = "tracked"
-    continue_lost: bool = False
-    until_painted: bool = False
-    stop_unsure: bool = False
+    method: Annotated[str, Field(pattern=one_of(METHODS))] = RunOptions.method
     id: Uuid | None = None
 
 

@@ -28,6 +28,7 @@ from pointbrush.work.events import Event
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.objects import Answer, Level, Objects, ObjectStroke
 from pointbrush.work.palettes import NamedLabel
+from pointbrush.work.tracking.options import RunOptions
 
 if TYPE_CHECKING:
     from pointbrush.work.tracking.runs import Runs
@@ -283,29 +284,17 @@ class Labelling(ABC):
         stop: int,
         author: str,
         labels: Sequence[int] | None = None,
-        method: str = "auto",
-        overwrite: str = "tracked",
-        continue_lost: bool = False,
-        until_painted: bool = False,
-        stop_unsure: bool = False,
         edit: str | None = None,
+        **chosen: Any,
     ) -> Job:
         """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job.
 
-        A label ends at its first lost frame unless ``continue_lost``, and at the next frame where
-        it is painted with ``until_painted``.  ``stop_unsure`` ends the run at the first frame that
-        a person should look at.  ``edit``: the id of its edit and of its job; of a run that
-        ``author`` has begun before, that job is returned.
+        ``chosen``: fields of ``RunOptions``.  ``edit``: the id of its edit and of its job; of a
+        run that ``author`` has begun before, that job is returned.
         """
-        from pointbrush.tracking import TrackOptions
         from pointbrush.work.tracking.runs import TrackRequest
 
-        options = TrackOptions(
-            overwrite=overwrite,  # type: ignore[arg-type]  # checked by `start`
-            continue_lost=continue_lost,
-            until_painted=until_painted,
-        )
-        request = TrackRequest(start, stop, labels, method, options, stop_unsure)
+        request = TrackRequest(start, stop, labels, RunOptions(**chosen))
         begin = partial(self._runs.start, self.recording(sequence), request, author)
         return self._job_book.begin_once(edit, author, begin)
 

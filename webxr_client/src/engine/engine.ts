@@ -272,9 +272,7 @@ export class Engine {
   private track(request: TrackRequest): void {
     this.playback.pause();
     runAsked(request);
-    const { labels, ...rest } = request;
-    const id = crypto.randomUUID();
-    this.link.send({ type: 'track', id, labels: labels && [...labels], ...rest });
+    this.link.send({ type: 'track', id: crypto.randomUUID(), ...request });
   }
 
   private openSequence(id: string): void {

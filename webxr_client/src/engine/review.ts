@@ -179,7 +179,7 @@ function doubtful(rows: Rows, id: number, frame: number): boolean {
 }
 
 interface Again {
-  readonly labels: readonly number[];
+  readonly labels: number[];
   readonly start: number;
   readonly stop: number;
 }

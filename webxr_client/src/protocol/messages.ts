@@ -197,16 +197,16 @@ export interface StrokeSamples {
 
 /** Start a tracking run; its ``job`` messages follow. */
 export interface Track {
-  type: 'track';
-  id: string;
-  labels?: number[] | null;
-  start: number;
-  stop: number;
   method?: string;
   overwrite?: 'never' | 'tracked' | 'all';
   continue_lost?: boolean;
   until_painted?: boolean;
   stop_unsure?: boolean;
+  type: 'track';
+  id: string;
+  labels?: number[] | null;
+  start: number;
+  stop: number;
 }
 
 /** Take back this author's last edit; answered with a final ``stroke_result``. */

@@ -2,6 +2,7 @@
  * Actions that a user can ask for, from a button, a key or a controller.  The engine implements these
  * (`bindActions`); before it does, they do nothing.
  */
+import type { Track } from '../protocol/messages';
 import type {
   Bookmark,
   BrushShape,
@@ -20,21 +21,8 @@ export interface LabelPatch {
   readonly visible?: boolean;
 }
 
-export interface TrackRequest {
-  /** null: every label painted in the start frame. */
-  readonly labels: readonly number[] | null;
-  readonly start: number;
-  /** Smaller than `start`: backward. */
-  readonly stop: number;
-  readonly method: string;
-  readonly overwrite: 'never' | 'tracked' | 'all';
-  /** Look for a label on after its first lost frame. */
-  readonly continue_lost?: boolean;
-  /** End a label at the next frame where it is painted. */
-  readonly until_painted?: boolean;
-  /** End at the first frame that a person should look at. */
-  readonly stop_unsure?: boolean;
-}
+/** `labels` null: every label painted in the start frame; `stop` smaller than `start`: backward. */
+export type TrackRequest = Readonly<Omit<Track, 'type' | 'id'>>;
 
 export type ViewPreset = 'sensor' | 'top' | 'front' | 'left' | 'right' | 'fit';
 

@@ -21,6 +21,7 @@ from pointbrush.streaming.messages.values import (
     Uuid,
     Vec3,
 )
+from pointbrush.work.tracking.options import RunOptions
 
 
 class Hello(Message):
@@ -172,7 +173,7 @@ class Redo(Message):
     id: Uuid
 
 
-class Track(Message):
+class Track(Message, RunOptions):
     """Start a tracking run; its ``job`` messages follow."""
 
     type: Literal["track"] = "track"
@@ -180,14 +181,7 @@ class Track(Message):
     labels: Annotated[list[LabelId], Field(max_length=65534)] | None = None
     start: FrameIndex
     stop: FrameIndex
-    method: Annotated[str, Field(max_length=64)] = "auto"
-    overwrite: Literal["never", "tracked", "all"] = "tracked"
-    continue_lost: bool = False
-    """Look for a label on after its first lost frame."""
-    until_painted: bool = False
-    """End a label at the next frame where it is painted."""
-    stop_unsure: bool = False
-    """End the run at the first frame where a label is found with little confidence, or lost."""
+    method: Annotated[str, Field(max_length=64)] = RunOptions.method
 
 
 class ClientPresence(Message):

@@ -17,6 +17,7 @@ from pointbrush.web.schemas_work import (
     TrackingBody,
     TrackOut,
 )
+from pointbrush.work.tracking.options import RunOptions
 
 router = resource("tracking")
 
@@ -32,12 +33,8 @@ def start_tracking(
         stop=body.stop,
         author=who.author,
         labels=body.labels,
-        method=body.method,
-        overwrite=body.overwrite,
-        continue_lost=body.continue_lost,
-        until_painted=body.until_painted,
-        stop_unsure=body.stop_unsure,
         edit=body.id,
+        **RunOptions.of(body),
     )
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)

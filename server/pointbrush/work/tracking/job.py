@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from pointbrush.tracking import (
 )
 from pointbrush.tracking.permissions import FEWEST
 from pointbrush.work.compiling import are_compiled
+from pointbrush.work.tracking.options import RunOptions
 from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.worker import Channel
 
@@ -46,14 +47,13 @@ class TrackingWork:
     start: int
     stop: int
     seeds: tuple[Seed, ...]
-    method: str
-    options: TrackOptions
-    stop_unsure: bool = False
-    """End at the first frame that a person should look at."""
+    chosen: RunOptions
+    locked: frozenset[int]
 
     def __call__(self, channel: Channel) -> None:
         """Track frame by frame from ``start`` to ``stop``, either way."""
-        if self.method == "auto":  # the others have few loops, which are compiled as they are met
+        chosen = self.chosen
+        if chosen.method == "auto":  # the others have few loops, which are compiled as they are met
             _compile(lambda message: channel.progress(0.0, message))
         recording = open_sequence(self.files)
         store = LabelStore(self.database)
@@ -63,10 +63,17 @@ class TrackingWork:
             before = lead(counts, [s.label for s in self.seeds], order, len(recording))
             painted = frozenset(frame for (frame, _), (_, by_hand) in counts.items() if by_hand)
             ahead = (os.cpu_count() or 1) > 1
-            options = replace(self.options, before=before, painted=painted, read_ahead=ahead)
-            if self.method == "auto":  # the others ask nothing of the sensor
+            known = {each.name for each in fields(TrackOptions)}
+            options = TrackOptions(
+                locked=self.locked,
+                before=before,
+                painted=painted,
+                read_ahead=ahead,
+                **{name: value for name, value in asdict(chosen).items() if name in known},
+            )
+            if chosen.method == "auto":  # the others ask nothing of the sensor
                 options = replace(options, sensor=sensor_of(recording))
-            results = METHODS[self.method]().track(
+            results = METHODS[chosen.method]().track(
                 recording.__getitem__,
                 order,
                 self.seeds,
@@ -76,7 +83,7 @@ class TrackingWork:
             for done, found in enumerate(results, start=1):
                 channel.item(found)
                 channel.progress(min(done / len(order), 1.0), f"frame {found.frame}")
-                if self.stop_unsure and wants_look(found):
+                if chosen.stop_unsure and wants_look(found):
                     channel.progress(1.0, f"frame {found.frame}: not sure")
                     break
         finally:

@@ -3,53 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from pointbrush.errors import BadInputError
 from pointbrush.jobs import MESSAGE, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.tracking import FrameResult, TrackOptions
+from pointbrush.tracking import FrameResult
 from pointbrush.work.events import Event, Provisional, Retracted
 from pointbrush.work.tracking import TRACK
 from pointbrush.work.tracking import job as tracking
 from pointbrush.work.tracking.job import doubtful
+from pointbrush.work.tracking.options import RunOptions
 
+BESIDE = ("method", "stop_unsure")
+"""Options that a job's record keeps beside the others."""
 MOST_NAMED = 4
 """Labels that are told of one by one; of those beyond only their number."""
 
 
 @dataclass(frozen=True)
 class TrackRequest:
-    """Carry ``labels``, all in frame ``start`` when None, to frame ``stop``; either way.
-
-    ``stop_unsure``: to the first frame that a person should look at.
-    """
+    """Carry ``labels``, all in frame ``start`` when None, to frame ``stop``; either way."""
 
     start: int
     stop: int
     labels: Sequence[int] | None
-    method: str
-    options: TrackOptions
-    stop_unsure: bool
+    options: RunOptions
 
     def as_json(self) -> dict[str, Any]:
         """Return the record a job keeps, to be begun again by ``Runs.again``."""
-        return {"call": TRACK} | asdict(self) | {"options": _kept_options(self.options)}
+        kept = asdict(self)
+        beside = {name: kept["options"].pop(name) for name in BESIDE}
+        return {"call": TRACK} | kept | beside
 
     @classmethod
     def of_json(cls, fields: Mapping[str, Any]) -> TrackRequest:
         """Return the request that ``as_json`` made ``fields`` of."""
-        values = {name: value for name, value in fields.items() if name != "call"}
-        return cls(**values | {"options": TrackOptions(**fields["options"])})
-
-
-def _kept_options(options: TrackOptions) -> dict[str, Any]:
-    """Return the options that a person chooses; the rest follows from the labels of the moment."""
-    chosen = ("overwrite", "continue_lost", "until_painted")
-    return {name: getattr(options, name) for name in chosen}
+        options = RunOptions(**fields["options"], **{name: fields[name] for name in BESIDE})
+        return cls(fields["start"], fields["stop"], fields["labels"], options)
 
 
 class Runs:
@@ -91,10 +84,7 @@ class Runs:
         author, edit = job.owner or "", job.edit or job.id
         self._store.require_writable()
         sequence, overwrite = recording.manifest.id, request.options.overwrite
-        tracking.require_method(request.method)
-        if overwrite not in tracking.OVERWRITE:
-            expected = ", ".join(tracking.OVERWRITE)
-            raise BadInputError(f"overwrite: expected one of {expected}, got {overwrite!r}")
+        tracking.require_method(request.options.method)
         start, stop = request.start, request.stop
         chosen = None if request.labels is None else list(request.labels)
         seeds = tracking.prepare(self._store, recording, chosen, start, stop)
@@ -105,9 +95,8 @@ class Runs:
             start,
             stop,
             seeds,
-            request.method,
-            replace(request.options, locked=locked),
-            request.stop_unsure,
+            request.options,
+            locked,
         )
         ids = tuple(seed.label for seed in seeds)
         names = {label.id: label.name for label in self._store.palette(sequence)}
@@ -125,7 +114,7 @@ class Runs:
             if cancelled and job.id not in self._kept:
                 return tracking.NOTHING | {MESSAGE: "no label was changed"}
             labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
-            summary = f"tracked {labelled}, frames {start} to {stop}, {request.method}"
+            summary = f"tracked {labelled}, frames {start} to {stop}, {request.options.method}"
             outcome = counted(pending.results, start, names)
             return _told(pending.commit(edit, author, summary), names, outcome)
 

@@ -3,7 +3,7 @@ import { signal, useComputed } from '@preact/signals';
 import type { RefObject } from 'preact';
 import { useState } from 'preact/hooks';
 import { actions, type TrackRequest } from '../../store/actions';
-import { state } from '../../store/state';
+import { patch, state } from '../../store/state';
 import { Button, Check, Swatch } from '../parts/controls';
 import { plural } from '../../common/format';
 import { Popover } from '../parts/popover';
@@ -14,23 +14,47 @@ const close = (): void => {
   trackOpen.value = false;
 };
 
-export const METHODS: readonly (readonly [string, string])[] = [
+const METHODS: readonly (readonly [string, string])[] = [
   ['auto', 'Automatic'],
   ['icp', 'Shape (ICP)'],
   ['color-icp', 'Shape and colour (colour ICP)'],
 ];
 
-const OVERWRITE: readonly (readonly [TrackRequest['overwrite'], string])[] = [
+type Choices = Required<Omit<TrackRequest, 'labels' | 'start' | 'stop'>>;
+type Switch = { [K in keyof Choices]: Choices[K] extends boolean ? K : never }[keyof Choices];
+
+const OVERWRITE: readonly (readonly [Choices['overwrite'], string])[] = [
   ['tracked', 'Replace tracked points'],
   ['never', 'Keep every label'],
   ['all', 'Replace painted points too'],
 ];
 
-const method = signal('auto');
-const overwrite = signal<TrackRequest['overwrite']>('tracked');
-const continueLost = signal(false);
-const untilPainted = signal(false);
-const stopUnsure = signal(false);
+const SWITCHES: readonly (readonly [Switch, string, string])[] = [
+  [
+    'continue_lost',
+    'Look for lost labels to the end',
+    'A label that is lost ends there unless this is on',
+  ],
+  [
+    'until_painted',
+    'Only up to the next painted frame',
+    'What comes after a frame that you painted stays as it is',
+  ],
+  [
+    'stop_unsure',
+    'Stop where it is unsure',
+    'Mend or accept that frame, and let it go on from there',
+  ],
+];
+
+/** Kept from run to run. */
+const choices = signal<Choices>({
+  method: 'auto',
+  overwrite: 'tracked',
+  continue_lost: false,
+  until_painted: false,
+  stop_unsure: false,
+});
 
 export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> }) {
   const last = (state.sequence.value?.frames ?? 1) - 1;
@@ -41,94 +65,20 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
   const labels = here.filter((id) => chosen.has(id));
   const submit = (event: Event): void => {
     event.preventDefault();
-    actions.track({
-      labels,
-      start,
-      stop,
-      method: method.value,
-      overwrite: overwrite.value,
-      continue_lost: continueLost.value,
-      until_painted: untilPainted.value,
-      stop_unsure: stopUnsure.value,
-    });
+    actions.track({ labels, start, stop, ...choices.peek() });
     close();
-  };
-  const toggle = (id: number): void => {
-    const next = new Set(chosen);
-    if (!next.delete(id)) next.add(id);
-    setChosen(next);
   };
   return (
     <Popover anchor={anchor} label="Track labels" onClose={close} class="track-form">
       <form onSubmit={submit}>
         <h2>Track labels</h2>
-        <fieldset>
-          <legend>Painted in frame {start}</legend>
-          {here.length === 0 && (
-            <p class="soft">Nothing yet: paint an object in this frame first.</p>
-          )}
-          {here.map((id) => (
-            <LabelCheck key={id} id={id} checked={chosen.has(id)} onToggle={toggle} />
-          ))}
-        </fieldset>
+        <Painted frame={start} labels={here} chosen={chosen} onChange={setChosen} />
         <div class="track-range">
           <FrameField label="From" value={start} max={last} onChange={setStart} />
           <FrameField label="To" value={stop} max={last} onChange={setStop} />
-          <span class="soft">
-            {stop === start ? '' : `${plural(Math.abs(stop - start), 'frame')} `}
-            {stop > start ? 'forward' : stop < start ? 'backward' : 'Choose another frame'}
-          </span>
+          <span class="soft">{inWords(start, stop)}</span>
         </div>
-        <label class="row">
-          <span>Method</span>
-          <select
-            class="field"
-            value={method.value}
-            onChange={(event) => (method.value = event.currentTarget.value)}
-          >
-            {METHODS.map(([id, name]) => (
-              <option key={id} value={id}>
-                {name}
-              </option>
-            ))}
-          </select>
-        </label>
-        <label class="row">
-          <span>On the way</span>
-          <select
-            class="field"
-            value={overwrite.value}
-            onChange={(event) =>
-              (overwrite.value = event.currentTarget.value as TrackRequest['overwrite'])
-            }
-          >
-            {OVERWRITE.map(([id, name]) => (
-              <option key={id} value={id}>
-                {name}
-              </option>
-            ))}
-          </select>
-        </label>
-        <fieldset>
-          <Check
-            label="Look for lost labels to the end"
-            tip="A label that is lost ends there unless this is on"
-            checked={continueLost.value}
-            onChange={(on) => (continueLost.value = on)}
-          />
-          <Check
-            label="Only up to the next painted frame"
-            tip="What comes after a frame that you painted stays as it is"
-            checked={untilPainted.value}
-            onChange={(on) => (untilPainted.value = on)}
-          />
-          <Check
-            label="Stop where it is unsure"
-            tip="Mend or accept that frame, and let it go on from there"
-            checked={stopUnsure.value}
-            onChange={(on) => (stopUnsure.value = on)}
-          />
-        </fieldset>
+        <HowItGoes />
         <div class="form-end">
           <Button label="Cancel" onClick={close} />
           <button
@@ -141,6 +91,94 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
         </div>
       </form>
     </Popover>
+  );
+}
+
+function inWords(start: number, stop: number): string {
+  if (start === stop) return 'Choose another frame';
+  return `${plural(Math.abs(stop - start), 'frame')} ${stop > start ? 'forward' : 'backward'}`;
+}
+
+/** The choices that every run has. */
+function HowItGoes() {
+  const { method, overwrite } = choices.value;
+  return (
+    <>
+      <Select
+        label="Method"
+        options={METHODS}
+        value={method}
+        onChange={(value) => patch(choices, { method: value })}
+      />
+      <Select
+        label="On the way"
+        options={OVERWRITE}
+        value={overwrite}
+        onChange={(value) => patch(choices, { overwrite: value })}
+      />
+      <fieldset>
+        {SWITCHES.map(([name, label, tip]) => (
+          <Check
+            key={name}
+            label={label}
+            tip={tip}
+            checked={choices.value[name]}
+            onChange={(on) => patch(choices, { [name]: on })}
+          />
+        ))}
+      </fieldset>
+    </>
+  );
+}
+
+interface SelectProps<T extends string> {
+  label: string;
+  options: readonly (readonly [T, string])[];
+  value: T;
+  onChange: (value: T) => void;
+}
+
+function Select<T extends string>({ label, options, value, onChange }: SelectProps<T>) {
+  return (
+    <label class="row">
+      <span>{label}</span>
+      <select
+        class="field"
+        value={value}
+        onChange={(event) => onChange(event.currentTarget.value as T)}
+      >
+        {options.map(([id, name]) => (
+          <option key={id} value={id}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+interface PaintedProps {
+  frame: number;
+  labels: readonly number[];
+  chosen: ReadonlySet<number>;
+  onChange: (chosen: ReadonlySet<number>) => void;
+}
+
+/** The labels that a run may carry on. */
+function Painted({ frame, labels, chosen, onChange }: PaintedProps) {
+  const toggle = (id: number): void => {
+    const next = new Set(chosen);
+    if (!next.delete(id)) next.add(id);
+    onChange(next);
+  };
+  return (
+    <fieldset>
+      <legend>Painted in frame {frame}</legend>
+      {labels.length === 0 && <p class="soft">Nothing yet: paint an object in this frame first.</p>}
+      {labels.map((id) => (
+        <LabelCheck key={id} id={id} checked={chosen.has(id)} onToggle={toggle} />
+      ))}
+    </fieldset>
   );
 }
 
