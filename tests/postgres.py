@@ -118,7 +118,8 @@ def postgres() -> Iterator[PostgresServer]:
     server.start()
     yield server
     server.stop()
-    shutil.rmtree(home, ignore_errors=True)
+    # Hundreds of databases are 100,000 files: nobody need wait until they are gone.
+    subprocess.run(["sh", "-c", 'rm -rf "$0" &', home], check=True)
 
 
 @pytest.fixture(scope="session")
