@@ -29,7 +29,7 @@ TESTS = Path(__file__).parent
 SHARED = TESTS.parent.parent / "shared"
 SLOW = frozenset(
     {
-        *("e2e", "faults", "samples", "tracking"),
+        *("e2e", "faults", "samples"),
         *(
             "test_cli.py",
             "test_docs.py",
@@ -43,6 +43,9 @@ SLOW = frozenset(
         *("web/test_schemathesis.py", "web/test_server.py", "work/test_prepare.py"),
         "work/test_sequence_store.py",
         *("formats/test_corpus.py", "work/test_tracking.py"),
+        *("tracking/test_group.py", "tracking/test_jumps.py", "tracking/test_carried.py"),
+        *("work/test_deletion.py", "work/test_exports_come_back.py", "work/test_sensor_kind.py"),
+        *("streaming/test_long_strokes.py", "streaming/test_socket_people.py"),
     }
 )
 """Folders and files that `make quick` leaves out: each takes about ten seconds or more."""
