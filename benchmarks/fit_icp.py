@@ -25,9 +25,14 @@ from pointbrush.tracking.options import IcpConfidenceOptions
 from pointbrush.tracking.registry import COLOUR_NEIGHBOURS
 
 Samples = list[tuple[dict[str, float], float]]
-SHOWN = (*((kind, 1) for kind in KINDS), ("table-top", 3), ("street", 1))
-"""Kinds of recording, and of how many frames one is kept: at 30 a second little goes wrong on a
-table."""
+SHOWN = (
+    *((kind, 1, 1) for kind in KINDS),
+    ("table-top", 3, 1),
+    ("table-top", 1, 3),
+    ("street", 1, 1),
+)
+"""Kinds of recording, of how many frames one is kept, and times as many frames: at 30 a second
+little goes wrong on a table, and slowly."""
 SHRINKAGE = 0.001
 """Weight of the squared weights beside the mean log loss."""
 
@@ -82,11 +87,12 @@ def main() -> None:
     given = parser.parse_args()
     made: Samples = []
     for seed in map(int, given.seeds.split(",")):
-        for kind, every in SHOWN:
+        for kind, every, times in SHOWN:
+            count = times * given.frames
             frames = (
-                street(kind, seed, given.frames)
+                street(kind, seed, count)
                 if kind in STREETS
-                else generated(kind, seed, given.frames, every)
+                else generated(kind, seed, count, every)
             )
             for k in (1, COLOUR_NEIGHBOURS):
                 made += samples(frames, k)

@@ -44,3 +44,26 @@ def test_who_took_the_wall_for_a_box_doubts_it_from_then_on(method: str) -> None
     state = last_state(method, [(0.0, 0.0, 1.2), (0.9, 0.9, 1.0), (0.9, 0.9, 1.0)])
     assert state.inliers > 0.5  # the step by itself fits
     assert state.confidence < 0.5
+
+
+@pytest.mark.parametrize("method", ["icp", "color-icp"])
+def test_a_label_that_grows_over_the_table_is_doubted_once_most_of_it_is_table(method: str) -> None:
+    """The painted surface stays where it was all the while."""
+    table = np.insert(WALL, 1, 0.0, axis=1)
+    table = table[~((table >= 0.0) & (table < 0.1)).all(axis=1)]
+    frames = []
+    for _ in range(14):
+        xyz = np.vstack([BOX, table]) + RNG.normal(0, 0.001, (len(BOX) + len(table), 3))
+        truth = np.repeat([1, 0], [len(BOX), len(table)]).astype(np.uint16)
+        frames.append(scenes.Frame(xyz.astype(np.float32), None, truth))
+    seeds = [Seed(1, np.flatnonzero(frames[0].truth == 1))]
+    run = METHODS[method]().track(
+        frames.__getitem__, range(len(frames)), seeds, lambda _: None, TrackOptions()
+    )
+    mostly_table = []
+    for result in list(run)[1:]:
+        own = frames[result.frame].truth[result.assignments[1]] == 1
+        if own.sum() / (len(BOX) + (~own).sum()) < 0.5:
+            mostly_table.append(result.tracks[1].confidence)
+    assert len(mostly_table) > 2
+    assert max(mostly_table) < 0.5

@@ -84,12 +84,12 @@ def spacing(xyz: F64, frame: TrackFrame) -> float:
 class _Painted:
     """Some points of a label in the frame where a person painted it, to be found again.
 
-    ``T_frame_start`` is the object's pose there; ``count`` all of its points there.
+    ``T_frame_start`` is the object's pose there; all of its points there are in a ``tree``.
     """
 
     xyz: F64
     T_frame_start: F64
-    count: int
+    tree: cKDTree
 
 
 @dataclass(slots=True)
@@ -202,12 +202,15 @@ def _evidence(
 ) -> IcpEvidence:
     """Compare what was ``found`` (M,) with what was painted, moved by all steps."""
     painted = track.painted
-    there = transform(pose @ inverse(painted.T_frame_start), painted.xyz)
-    away, _ = nearest(frame.kdtree, there, 1)
+    moved = pose @ inverse(painted.T_frame_start)
+    away, at = nearest(frame.kdtree, transform(moved, painted.xyz), 1)
+    reach = options.on_spacings * track.spacing
+    some = frame.xyz[found[:: max(1, len(found) // SAMPLE)]].astype(np.float64)
+    beyond, _ = nearest(painted.tree, transform(inverse(moved), some), 1)
     return IcpEvidence(
-        kept=float((away < options.kept_spacings * track.spacing).mean()),
         residual=float(np.median(away)) / track.spacing,
-        size=len(found) / painted.count,
+        found=float(((away < reach) & np.isin(at, found)).mean()),
+        beyond=float((beyond > reach).mean()),
     )
 
 
@@ -215,7 +218,7 @@ def _begun(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
     """Begin with what a person painted."""
     xyz = frame.xyz[indices].astype(np.float64)
     some = xyz[:: max(1, len(xyz) // SAMPLE)]
-    painted = _Painted(some, pose, max(len(xyz), 1))
+    painted = _Painted(some, pose, cKDTree(xyz))
     return _Object(xyz, _colour(frame, indices), spacing(xyz, frame), pose, painted)
 
 

@@ -18,21 +18,22 @@ from pointbrush.tracking.options import IcpConfidenceOptions
 class IcpEvidence:
     """Features of a step, from which its confidence is computed.
 
-    ``kept`` share of the painted points, moved by all steps, that lie on points of the frame, and
-    ``residual`` median distance of them from those, in spacings; ``size`` number of points over
-    that painted.
+    ``residual`` median distance of the painted points, moved by all steps, from those of the
+    frame, in spacings; ``found`` share of them that lie on points that were found, and ``beyond``
+    share of what was found that lies on none of them: labels grow over what they touch.
     """
 
-    kept: float
     residual: float
-    size: float
+    found: float
+    beyond: float
 
     def features(self, options: IcpConfidenceOptions) -> dict[str, float]:
         """Compute the features that have weights, by name."""
         return {
-            "kept": self.kept,
-            "residual": log_ratio(self.residual, options.max_log_residual),
-            "size": abs(log_ratio(self.size, options.max_log_size)),
+            # Less than a spacing says nothing: so near is all surface that is seen again.
+            "residual": max(0.0, log_ratio(self.residual, options.max_log_residual)),
+            "found": self.found,
+            "beyond": self.beyond,
         }
 
     def likelihood(self, options: IcpConfidenceOptions) -> float:

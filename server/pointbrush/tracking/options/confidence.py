@@ -122,9 +122,9 @@ class PersonConfidenceOptions(Options):
 class IcpWeights(Weights):
     """Of `icp` and `color-icp`; features as of `IcpEvidence`."""
 
-    kept: float = 0.77
-    residual: float = -2.18
-    size: float = -2.41
+    residual: float = -1.69
+    found: float = 3.09
+    beyond: float = -5.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +134,8 @@ class IcpConfidenceOptions(Options):
     signed: ClassVar[frozenset[str]] = frozenset({"offset"})
 
     weights: IcpWeights = field(default_factory=IcpWeights)
-    offset: float = 0.52  # log odds that are added
-    kept_spacings: float = 2.0  # spacings from a point within which painted surface lies on it
+    offset: float = -1.22  # log odds that are added
+    on_spacings: float = 2.0  # spacings from a point within which another lies on it
     max_log_residual: float = 3.0  # greatest log of a residual in spacings
-    max_log_size: float = 2.0  # greatest log ratio of numbers of points
     max_odds: float = 30.0  # greatest log odds
     regain: float = 0.15  # confidence that a frame can give back

@@ -151,14 +151,12 @@ def with_ground(
 
 
 def _ground_about(view: View, world: F64, beside: float) -> I64:
-    """Sorted indices of the ground about ``world`` (M, 3), down to well below it, and ``beside``
-    metres to its sides."""
-    lo, hi = bounds(world)
+    """Sorted indices of the ground about ``world`` (M, 3), also well below it, whichever way that
+    is, and ``beside`` metres to its sides."""
     margin = np.full(3, beside)
-    margin[view.up] = 0.0
-    lo, hi = lo - margin, hi + margin
-    lo[view.up] -= view.options.ground_contact.below_m
-    around = view.box(lo, hi)
+    margin[view.up] = view.options.ground_contact.below_m
+    lo, hi = bounds(world)
+    around = view.box(lo - margin, hi + margin)
     return np.asarray(around[view.ground[around]])
 
 
