@@ -62,22 +62,11 @@ def motion_between(
     T = _followed(one, other, begun, options=options)
     if min(_shift(one[0], T, start) for start in begun) > options.visual_odometry.near_px:
         T = _followed(one, other, [T, *_turned_starts(one[0], other[0], begun, options)], options)
-    off = _off(one[-1], other[-1].image, T, options=options.lens)
-    scale = _scale(off, options=options.visual_odometry)
-    before = _agreement(
-        _off(one[-1], other[-1].image, np.eye(4), options=options.lens),
-        scale,
-        options=options.visual_odometry,
-    )
-    shift = _shift(one[-1], T, np.eye(4))
-    return Fit(
-        back @ T @ to,
-        _agreement(off, scale, options=options.visual_odometry),
-        before,
-        shift,
-        off,
-        scale,
-    )
+    odometry, still = options.visual_odometry, np.eye(4)
+    off, left = (_off(one[-1], other[-1].image, D, options=options.lens) for D in (T, still))
+    scale = _scale(off, options=odometry)
+    agree, before = (_agreement(each, scale, options=odometry) for each in (off, left))
+    return Fit(back @ T @ to, agree, before, _shift(one[-1], T, still), off, scale)
 
 
 def _turned_starts(
@@ -165,29 +154,22 @@ def _shift(layer: Layer, T: F64, start: F64) -> float:
 
 def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
     """A motion made better by Gauss and Newton's steps."""
+    odometry, nearest_m = options.visual_odometry, options.lens.nearest_m
     away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
     for _ in range(steps):
         off = _off(layer, image, T, options=options.lens)
-        scale = _scale(off, options=options.visual_odometry)
+        scale = _scale(off, options=odometry)
         if np.isinf(scale).any():
             break
-        H, g = equations(
-            T,
-            layer.points,
-            off,
-            image,
-            options.visual_odometry.robust_sigmas * scale,
-            options.lens.nearest_m,
-        )
+        reach = odometry.robust_sigmas * scale
+        H, g = equations(T, layer.points, off, image, reach, nearest_m)
         step = np.linalg.solve(H + 1e-6 * np.trace(H) * np.eye(6), g)
         D = np.eye(4)
         D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
         D[:3, 3] = step[:3]
         T = D @ T
-        if (
-            np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:])
-            < options.visual_odometry.settled_px * image.pitch[0]
-        ):
+        moved = np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:])
+        if moved < odometry.settled_px * image.pitch[0]:
             break
     return T
 
@@ -206,23 +188,16 @@ def camera_motions(
     nor does a frame that shows hardly anything of the scene, as behind who stops the recording.
     """
     first, *others = numbers
+    odometry = options.visual_odometry
     picture = picture_of(frames(first), lens, painted, options=options)
     scale = None
     for number in others:
-        fit = motion_between(
-            picture,
-            picture_of(frames(number), lens, options=options),
-            lens,
-            [np.eye(4)],
-            options=options,
-        )
+        other = picture_of(frames(number), lens, options=options)
+        fit = motion_between(picture, other, lens, [np.eye(4)], options=options)
         scale = fit.scale if scale is None else scale
-        away = fit.shift > options.visual_odometry.moved_px
-        better = 1.0 - fit.agree < options.visual_odometry.left_share * (1.0 - fit.before)
-        agreed = (
-            _agreement(fit.off, scale, options=options.visual_odometry)
-            >= options.visual_odometry.lost_agreement
-        )
+        away = fit.shift > odometry.moved_px
+        better = 1.0 - fit.agree < odometry.left_share * (1.0 - fit.before)
+        agreed = _agreement(fit.off, scale, options=odometry) >= odometry.lost_agreement
         if not agreed or (away and not better):
             yield "unclear"
         else:

@@ -125,7 +125,7 @@ def register(search: Search) -> Registered:
     near = search.target.around(
         world,
         options.target_scales * options.final_scales[0] * search.track.unit,
-        options=search.view.options.register,
+        options=options,
     )
     fit = _fits(search, search.many, best[None], options.final_scales, target=near)
     return Registered(fit.T[0], float(fit.cost[0]), poses, scores, bool(failed))
@@ -133,16 +133,11 @@ def register(search: Search) -> Registered:
 
 def _elsewhere(search: Search) -> list[F64]:
     """Other poses than the predicted ones; what a lidar sees stands upright."""
-    model, hypothesis = search.track.model, search.hypotheses[0]
-    if search.track.scanned:
-        return shifts(
-            model.xyz[search.few],
-            search.target.xyz,
-            hypothesis,
-            search.track.unit,
-            options=search.view.options.propose,
-        )
-    return proposals(search.track, search.target, hypothesis)
+    track, hypothesis = search.track, search.hypotheses[0]
+    if track.scanned:
+        some = track.model.xyz[search.few]
+        return shifts(some, search.target.xyz, hypothesis, track.unit, search.options.propose)
+    return proposals(track, search.target, hypothesis)
 
 
 def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
@@ -304,10 +299,7 @@ def _scores(search: Search, poses: F64) -> F64:
     options = search.options.register
     track = search.track
     at = look(track, search.view, search.few, poses, search.own)
-    beside = [
-        excess(world, search.target, track.unit, options=search.view.options.register)
-        for world in at.world
-    ]
+    beside = [excess(world, search.target, track.unit, options) for world in at.world]
     away = search.at.facing[0] - at.facing
     if search.view.lens is None:
         away = search.at.seen[0].mean() - at.seen.mean(axis=1)
@@ -341,10 +333,8 @@ def _fits(
         | (np.count_nonzero(seen, axis=1) < search.options.register.min_visible_points)[:, None]
     )
     steps = [s * search.track.unit for s in scales]
-    source = Source(model.xyz[sample], model.colour[sample])
-    return robust_fits(
-        source, seen, target or search.target, poses, steps, options=search.view.options.register
-    )
+    source, target = Source(model.xyz[sample], model.colour[sample]), target or search.target
+    return robust_fits(source, seen, target, poses, steps, options=search.options.register)
 
 
 def _surprise(search: Search, poses: F64) -> F64:
