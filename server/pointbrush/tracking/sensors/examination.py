@@ -5,7 +5,7 @@ The place of a sensor that a recording does not tell is found by what it hides a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -22,18 +22,28 @@ def evened(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
     ``size`` metres of the scene.
     """
     middle = np.median(xyz, axis=0)
+
+    def cost(there: F64) -> float:
+        return unevenness(xyz, there, options=options)
+
     starts = [middle + share * (place - middle) for share in options.distance_shares]
-    costs = [unevenness(xyz, start, options=options) for start in starts]
-    place, least = starts[int(np.argmin(costs))], min(costs)
-    ways = _ways(middle - place)
-    step, last = (s * size for s in options.direction_steps)
+    first, last = (step * size for step in options.direction_steps)
+    place = min(starts, key=cost)
+    return _descended(cost, place, _ways(middle - place), first, last)
+
+
+def _descended(
+    cost: Callable[[F64], float], place: F64, ways: Iterable[F64], step: float, last: float
+) -> F64:
+    """Go where it costs less, by steps along some ``ways`` (3,) that halve where none helps."""
+    least, ways = cost(place), list(ways)
     while step > last:
         before = least
         for way in ways:
             there = place + step * way
-            cost = unevenness(xyz, there, options=options)
-            if cost < least:
-                place, least = there, cost
+            new = cost(there)
+            if new < least:
+                place, least = there, new
         if least == before:
             step /= 2
     return place
@@ -78,39 +88,34 @@ def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
 
     It has to be asked whether the points fill an image from there.
     """
-    if len(xyz) < options.viewpoint.min_points:
+    asked = options.viewpoint
+    if len(xyz) < asked.min_points:
         return None
     few, many, every = (
-        _thinned(xyz, most)
-        for most in (options.viewpoint.coarse_points, options.viewpoint.fine_points, len(xyz))
+        _thinned(xyz, most) for most in (asked.coarse_points, asked.fine_points, len(xyz))
     )
     middle = np.median(few, axis=0)
     size = float(np.median(np.linalg.norm(few - middle, axis=1)))
     if size <= 0:
         return None
-    places = middle + size * (
-        np.array(options.viewpoint.distance_sizes)[:, None, None]
-        * _all_round(options=options.viewpoint)
-    ).reshape(-1, 3)
-    gap = options.viewpoint.hidden_sizes * size
+    distances = np.array(asked.distance_sizes)[:, None, None]
+    places = middle + size * (distances * _all_round(options=asked)).reshape(-1, 3)
+    gap = asked.hidden_sizes * size
     costs = np.array([_hidden(few, place, gap, options=options) for place in places])
-    if costs.min() > options.viewpoint.hidden_share_far:
+    if costs.min() > asked.hidden_share_far:
         return None
-    first, last, least = (step * size for step in options.viewpoint.place_steps)
-    likely = places[np.argsort(costs, kind="stable")[: options.viewpoint.followed_places]]
+    first, last, least = (step * size for step in asked.place_steps)
+    likely = places[np.argsort(costs, kind="stable")[: asked.followed_places]]
     found = [_closer(many, place, gap, first, last, options=options) for place in likely]
     best = min(found, key=lambda place: _hidden(many, place, gap, options=options))
-    if _hidden(many, best, gap, options=options) > 2 * options.viewpoint.hidden_share:
+    if _hidden(many, best, gap, options=options) > 2 * asked.hidden_share:
         return None
     place = _closer(every, best, gap, 2 * last, least, options=options)
-    if _hidden(every, place, gap, options=options) >= options.viewpoint.hidden_share:
+    if _hidden(every, place, gap, options=options) >= asked.hidden_share:
         return None
-    closer = evened(many, place, size, options=options.viewpoint)
-    return (
-        closer
-        if _hidden(every, closer, gap, options=options) < options.viewpoint.hidden_share
-        else place
-    )
+    closer = evened(many, place, size, options=asked)
+    nearer = _hidden(every, closer, gap, options=options) < asked.hidden_share
+    return closer if nearer else place
 
 
 def _thinned(xyz: F32, most: int) -> F64:
@@ -129,17 +134,8 @@ def _closer(
     xyz: F64, place: F64, gap: float, step: float, last: float, options: TrackerOptions
 ) -> F64:
     """Go where fewer points are hidden, by steps along the axes that halve where none helps."""
-    least = _hidden(xyz, place, gap, options=options)
-    while step > last:
-        before = least
-        for way in (*np.eye(3), *-np.eye(3)):
-            there = place + step * way
-            cost = _hidden(xyz, there, gap, options=options)
-            if cost < least:
-                place, least = there, cost
-        if least == before:
-            step /= 2
-    return place
+    ways = (*np.eye(3), *-np.eye(3))
+    return _descended(lambda at: _hidden(xyz, at, gap, options), place, ways, step, last)
 
 
 def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:

@@ -106,37 +106,30 @@ class Planes:
 
 def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
     """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
-    xyz = xyz[:: max(1, len(xyz) // options.scan_odometry.plane_points)]
-    if len(xyz) < options.scan_odometry.min_points:
+    odometry, sensor = options.scan_odometry, options.range_image
+    xyz = xyz[:: max(1, len(xyz) // odometry.plane_points)]
+    if len(xyz) < odometry.min_points:
         return None
-    least = (
-        options.scan_odometry.cell_min_m
-        if reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
-        else 0.0
-    )
-    cell = _cell(xyz, least, options=options.scan_odometry)
+    far = reach_of(xyz, options=sensor) > sensor.camera_reach_m
+    least = odometry.cell_min_m if far else 0.0
+    cell = _cell(xyz, least, options=odometry)
     if cell <= 0.0:
         return None
     # The ground before a sensor is seen by most of its points: what is far counts by its area.
     for _ in range(2):
-        cell = _cell(nodes_of(xyz, cell), least, options=options.scan_odometry)
+        cell = _cell(nodes_of(xyz, cell), least, options=odometry)
     some = nodes_of(xyz, cell)
-    if len(some) < options.scan_odometry.min_planes * options.scan_odometry.plane_neighbours:
+    if len(some) < odometry.min_planes * odometry.plane_neighbours:
         return None
     tree = cKDTree(some)
-    asked = some[
-        :: max(
-            1, len(some) // (options.scan_odometry.asked_per_plane * options.scan_odometry.planes)
-        )
-    ]
-    _, near = tree.query(asked, k=options.scan_odometry.plane_neighbours)
+    asked = some[:: max(1, len(some) // (odometry.asked_per_plane * odometry.planes))]
+    _, near = tree.query(asked, k=odometry.plane_neighbours)
     around = some[near] - some[near].mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
-    flat = (values[:, 0] < options.scan_odometry.plane_flatness * values[:, 2]) & (
-        values[:, 1] > options.scan_odometry.plane_breadth * values[:, 2]
-    )
+    flat = values[:, 0] < odometry.plane_flatness * values[:, 2]
+    flat &= values[:, 1] > odometry.plane_breadth * values[:, 2]
     at, normal = asked[flat], vectors[flat, :, 0]
-    kept = _all_ways(normal, options=options.scan_odometry)
+    kept = _all_ways(normal, options=odometry)
     return Planes(at[kept], normal[kept], tree, cell)
 
 
@@ -203,13 +196,8 @@ def register_anywhere(
     if best[1] >= enough or not len(planes.at):
         return best
     moved = transform(starts[0], np.asarray(planes.tree.data))
-    shifts = likely_shifts(
-        moved,
-        np.asarray(target.tree.data),
-        planes.cell,
-        options.shifts,
-        options=options,
-    )
+    there = np.asarray(target.tree.data)
+    shifts = likely_shifts(moved, there, planes.cell, options.shifts, options=options)
     middle = planes.at.mean(axis=0)[None]
     for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
         away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
@@ -240,6 +228,7 @@ def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> 
     """Yield the motion of the sensor from the first of some frames to each other one, until one
     shows too little."""
     number, *others = numbers
+    odometry = options.scan_odometry
     first = planes_of(np.asarray(frames(number).xyz, np.float64), options=options)
     if first is None:
         return
@@ -247,16 +236,15 @@ def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> 
         other = planes_of(np.asarray(frames(number).xyz, np.float64), options=options)
         if other is None:
             return
-        before = in_place(first, other.tree, np.eye(4), options=options.scan_odometry)
-        if before > options.scan_odometry.rest_share:
+        before = in_place(first, other.tree, np.eye(4), options=odometry)
+        if before > odometry.rest_share:
             yield "rests"
             continue
-        T, share = register_anywhere(first, other, [np.eye(4)], options=options.scan_odometry)
+        T, share = register_anywhere(first, other, [np.eye(4)], options=odometry)
         shift = np.linalg.norm(transform(T, first.at) - first.at, axis=1)
-        agreed = share > options.scan_odometry.agreed_share
-        better = 1.0 - share < options.scan_odometry.left_share * (1.0 - before)
-        away = float(np.median(shift)) > options.scan_odometry.moved_cells * first.cell
-        if away:
+        agreed = share > odometry.agreed_share
+        better = 1.0 - share < odometry.left_share * (1.0 - before)
+        if float(np.median(shift)) > odometry.moved_cells * first.cell:
             yield "moves" if agreed and better else "unclear"
         else:
             yield "rests" if agreed else "unclear"
@@ -374,9 +362,6 @@ class ScanTrajectory(RegisteredTrajectory):
             return np.asarray(before @ step)
         starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
         T, share = register_anywhere(self._last, here, starts, options, self._enough)
-        self._enough = min(
-            options.restart_share,
-            share - options.restart_drop,
-        )
+        self._enough = min(options.restart_share, share - options.restart_drop)
         self._last = here
         return np.asarray(before @ np.linalg.inv(T))
