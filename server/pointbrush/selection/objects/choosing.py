@@ -163,8 +163,10 @@ def candidates(
     kept = None if found.taken is None else len(size) - 1
     alone = np.isin(found.unions.origin, (Origin.TREE, Origin.GROWN))
     ladder = options.ladder
-    margin = ladder.room_keep if state.sensor == "room" else ladder.keep
-    chosen = choose_levels(found.unions.masks, size, score, kept, alone, margin, ladder)
+    margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": ladder.keep}
+    chosen = choose_levels(
+        found.unions.masks, size, score, kept, alone, margins[state.sensor], ladder
+    )
     points = [found.points(state, i) for i in chosen]
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")
     return [

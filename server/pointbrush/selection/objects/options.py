@@ -140,7 +140,7 @@ class LadderOptions:
     """The same once something is taken: corrections are small."""
     times: int = 40
     """Unions over merge times that are looked at."""
-    growing: frozenset[SensorKind] = frozenset({"room"})
+    growing: frozenset[SensorKind] = frozenset({"room", "camera"})
     """Sensors for which regions are grown besides; their value model has seen such regions."""
     grown: int = 300
     """Pieces that a region is grown by, at most."""
@@ -150,6 +150,8 @@ class LadderOptions:
     """Score by which another candidate must be better than what was taken, to be shown first."""
     room_keep: float = 0.08
     """The same in scanned rooms, where scores are less sure."""
+    camera_keep: float = 0.06
+    """The same before depth cameras."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
