@@ -63,6 +63,7 @@ export class Engine {
   readonly frame = (): CloudFrame | null => this.playback.frame;
   /** Source minus local coordinates. */
   readonly shift = (): Vec => state.sequence.peek()?.shift ?? [0, 0, 0];
+  private readonly send = (message: ClientMessage): void => this.link.send(message);
   readonly changed = (): void => this.viewer.invalidate();
   /** Whether a label's points stay as they are. */
   readonly locked = (label: number): boolean => this.viewer.palette.isSpared(label);
@@ -72,8 +73,24 @@ export class Engine {
     this.viewer = new Viewer(canvas);
     this.playback = new Playback(this.viewer, this.link);
     this.pacing = new Pacing(this.viewer, this.playback);
-    this.strokes = new Strokes({
-      send: (message) => this.link.send(message),
+    this.strokes = this.makeStrokes();
+    this.camera = new DeskCamera(this.viewer.camera);
+    this.address = new Address(this.camera);
+    this.objects = this.makeObjects();
+    this.following = this.makeFollowing();
+    const { frame, shift, changed, send } = this;
+    const brush = (): Brush | null => brushNow(roomWay(), state.brush.peek().radius);
+    this.regions = new RegionPreview({ send, frame, shift, changed, brush });
+    this.detail = new Detail(this.viewer, this.playback, this.link);
+    this.accumulated = new Accumulated(this.viewer, this.playback);
+    this.bind();
+    this.listen(early.opening);
+    this.follow();
+  }
+
+  private makeStrokes(): Strokes {
+    return new Strokes({
+      send: this.send,
       locked: this.locked,
       seen: seenIn(this.viewer.palette),
       hidden: hiddenHere,
@@ -81,61 +98,44 @@ export class Engine {
       changed: this.changed,
       now: () => performance.now(),
     });
-    this.camera = new DeskCamera(this.viewer.camera);
-    this.address = new Address(this.camera);
-    const { viewer, strokes, frame, shift, changed } = this;
-    const send = (message: ClientMessage): void => this.link.send(message);
-    this.objects = new ObjectTool({
-      send,
-      strokes,
-      frame,
-      changed,
-      shift,
-      brush: () => brushNow(wayOf('object'), state.brush.peek().radius),
-      later,
-    });
-    const last = (): number => (state.sequence.peek()?.frames ?? 1) - 1;
-    this.following = new Following({
+  }
+
+  private makeObjects(): ObjectTool {
+    const { send, strokes, frame, changed, shift } = this;
+    const brush = (): Brush | null => brushNow(wayOf('object'), state.brush.peek().radius);
+    return new ObjectTool({ send, strokes, frame, changed, shift, brush, later });
+  }
+
+  private makeFollowing(): Following {
+    const { send, strokes } = this;
+    const following = new Following({
       send,
       later,
-      last,
+      last: () => (state.sequence.peek()?.frames ?? 1) - 1,
       cancel: (job) => void actions.cancelJob(job),
       on: () => state.brush.peek().follow,
       busy: () => strokes.drawing || state.jobs.peek().some(isActive),
     });
-    strokes.begins.add(({ id, brush }) => this.following.begin(id, brush));
-    strokes.results.add((result) => this.following.result(result));
-    const region = (): Brush | null => brushNow(roomWay(), state.brush.peek().radius);
-    this.regions = new RegionPreview({ send, frame, shift, changed, brush: region });
-    const { objects, regions } = this;
-    this.detail = new Detail(this.viewer, this.playback, this.link);
-    this.accumulated = new Accumulated(this.viewer, this.playback);
-    const { playback, link } = this;
+    strokes.begins.add(({ id, brush }) => following.begin(id, brush));
+    strokes.results.add((result) => following.result(result));
+    return following;
+  }
+
+  /** `opening`: the recording that is opened while the page loads, or null. */
+  private listen(opening: Promise<string | null>): void {
+    const { viewer, playback, strokes, objects, regions, following, link } = this;
+    const parts = { viewer, playback, strokes, objects, regions, following, link };
     const opened = (): void => {
       this.pacing.reset();
       this.unframed = true;
     };
-    const { following } = this;
-    const { opening } = early;
-    const inbox = new Inbox({
-      viewer,
-      playback,
-      strokes,
-      objects,
-      regions,
-      following,
-      link,
-      opened,
-      opening,
-    });
-    this.bind();
+    const inbox = new Inbox({ ...parts, opened, opening });
     void opening.then((id) => {
       if (state.sequence.peek() === null) state.opening.value = id;
     });
     const heard = new Listeners<FromWorker>();
     heard.add((message) => inbox.receive(message));
     link.listen((message) => heard.run(message));
-    this.follow();
   }
 
   start(): void {

@@ -6,7 +6,12 @@ import type { Viewer } from '../cloud/picture/viewer';
 import { firstOf } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
-import type { SequenceInfo, ServerPresence } from '../protocol/messages';
+import type {
+  Error as ErrorMessage,
+  SequenceInfo,
+  ServerPresence,
+  Welcome,
+} from '../protocol/messages';
 import { isActive, isTracking, notify, state } from '../store/state';
 import type { ObjectTool } from '../tools/object';
 import type { RegionPreview } from '../tools/region';
@@ -30,9 +35,42 @@ export interface InboxDeps {
   readonly opening: Promise<string | null>;
 }
 
+type Take<T> = (message: T) => void;
+type Takes = { readonly [T in PlainMessage as T['type']]?: Take<T> };
+
+function isOpen(sequence: string): boolean {
+  return sequence === state.sequence.peek()?.id;
+}
+
 export class Inbox {
   /** Frames that show what a tracking run has found but not committed. */
   private readonly provisional = new Set<CloudFrame>();
+
+  private readonly takes: Takes = {
+    welcome: (message) => this.welcome(message),
+    sequence: (message) => this.takeSequence(message),
+    labels: (message) => {
+      if (isOpen(message.sequence)) takeLabels(message);
+    },
+    timeline: (message) => {
+      const info = state.sequence.peek();
+      if (info?.id === message.sequence) takeTimeline(message, info.frames);
+    },
+    stroke_result: (message) => {
+      this.deps.strokes.onResult(message);
+      if (message.final) this.deps.objects.onResult(message.id);
+    },
+    candidates: (message) => {
+      this.deps.objects.onCandidates(message);
+      this.deps.regions.onCandidates(message);
+    },
+    prepared: ({ sequence, frame }) => {
+      if (isOpen(sequence)) this.deps.objects.onPrepared(frame);
+    },
+    job: (message) => this.takeJob(message),
+    presence: takePresence,
+    error: (message) => this.takeError(message),
+  };
 
   constructor(private readonly deps: InboxDeps) {}
 
@@ -79,64 +117,34 @@ export class Inbox {
   }
 
   private takeMessage(message: PlainMessage): void {
-    switch (message.type) {
-      case 'welcome': {
-        const { viewer, author, role, version } = message;
-        state.me.value = { viewer, author, role, serverVersion: version };
-        this.deps.objects.restart();
-        this.deps.regions.leave();
-        this.deps.following.clear();
-        void this.welcomed();
-        return;
-      }
-      case 'sequence':
-        this.takeSequence(message);
-        return;
-      case 'labels':
-        if (message.sequence === state.sequence.peek()?.id) takeLabels(message);
-        return;
-      case 'timeline': {
-        const info = state.sequence.peek();
-        if (info?.id === message.sequence) takeTimeline(message, info.frames);
-        return;
-      }
-      case 'stroke_result':
-        this.deps.strokes.onResult(message);
-        if (message.final) this.deps.objects.onResult(message.id);
-        return;
-      case 'candidates':
-        this.deps.objects.onCandidates(message);
-        this.deps.regions.onCandidates(message);
-        return;
-      case 'prepared':
-        if (message.sequence === state.sequence.peek()?.id)
-          this.deps.objects.onPrepared(message.frame);
-        return;
-      case 'job':
-        this.takeJob(message);
-        return;
-      case 'presence':
-        takePresence(message);
-        return;
-      case 'error':
-        if (message.closed !== null) {
-          this.sendOut(message.closed, message.detail);
-          return;
-        }
-        if (message.about !== null) {
-          this.deps.regions.onError(message.about);
-          if (this.deps.following.refused(message.about)) return;
-          if (this.deps.objects.onError(message.about, message.status)) {
-            this.deps.strokes.drop(message.about);
-            return;
-          }
-        }
-        if (message.about !== null) this.deps.strokes.drop(message.about);
-        // A recording that is not there (any more) stays neither "opening" nor open.
-        else if (state.opening.peek() !== null || message.status === 404) actions.closeSequence();
-        // Nothing to undo is an answer, not a fault.
-        notify(message.status === 409 ? 'info' : 'error', message.title, message.detail);
+    (this.takes[message.type] as Take<PlainMessage> | undefined)?.(message);
+  }
+
+  private welcome({ viewer, author, role, version }: Welcome): void {
+    state.me.value = { viewer, author, role, serverVersion: version };
+    this.deps.objects.restart();
+    this.deps.regions.leave();
+    this.deps.following.clear();
+    void this.welcomed();
+  }
+
+  private takeError(message: ErrorMessage): void {
+    const { about, closed, status, title, detail } = message;
+    if (closed !== null) {
+      this.sendOut(closed, detail);
+      return;
     }
+    if (about !== null) {
+      this.deps.regions.onError(about);
+      if (this.deps.following.refused(about)) return;
+      const answered = this.deps.objects.onError(about, status);
+      this.deps.strokes.drop(about);
+      if (answered) return;
+    }
+    // A recording that is not there (any more) stays neither "opening" nor open.
+    else if (state.opening.peek() !== null || status === 404) actions.closeSequence();
+    // Nothing to undo is an answer, not a fault.
+    notify(status === 409 ? 'info' : 'error', title, detail);
   }
 
   /** A recording was deleted while it is open here: back to the list, which lacks it by now. */

@@ -30,3 +30,16 @@ export function unpackU32(bytes: Uint8Array): Uint32Array<ArrayBuffer> {
 export function unpackU16(bytes: Uint8Array): Uint16Array<ArrayBuffer> {
   return new Uint16Array(bytes.slice().buffer);
 }
+
+/** Point numbers from runs (first number and length, uint32 each). */
+export function numbersOf(bytes: Uint8Array): Uint32Array {
+  const runs = new Uint32Array(bytes.slice().buffer);
+  let count = 0;
+  for (let i = 1; i < runs.length; i += 2) count += runs[i]!;
+  const numbers = new Uint32Array(count);
+  let at = 0;
+  for (let i = 0; i < runs.length; i += 2) {
+    for (let k = 0; k < runs[i + 1]!; k++) numbers[at++] = runs[i]! + k;
+  }
+  return numbers;
+}

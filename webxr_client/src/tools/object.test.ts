@@ -3,7 +3,8 @@ import { PREVIEW } from '../cloud/picture/palette';
 import { frameOf, wall } from '../cloud/points/testing';
 import { state } from '../store/state';
 import type { Ask, Brush, Candidates, ClientMessage } from '../protocol/messages';
-import { numbersOf, ObjectTool } from './object';
+import { numbersOf } from '../protocol/codec';
+import { ObjectTool } from './object';
 import { Strokes } from './strokes';
 
 const brush: Brush = { label: 2, tool: 'paint', shape: 'object' };

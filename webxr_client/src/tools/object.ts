@@ -7,6 +7,7 @@ import type { CloudFrame } from '../cloud/points/frame';
 import { PREVIEW } from '../cloud/picture/palette';
 import { DELETED } from '../cloud/points/piece';
 import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
+import { numbersOf } from '../protocol/codec';
 import { state } from '../store/state';
 import { sourceSample } from './path';
 import type { Strokes } from './strokes';
@@ -386,17 +387,4 @@ function same(one: Sample | undefined, other: Sample): boolean {
     move += (one.origin[k]! - other.origin[k]!) ** 2;
   }
   return turn < SAME_PLACE ** 2 && move < SAME_PLACE ** 2;
-}
-
-/** Point numbers from runs (first number and length, uint32 each). */
-export function numbersOf(bytes: Uint8Array): Uint32Array {
-  const runs = new Uint32Array(bytes.slice().buffer);
-  let count = 0;
-  for (let i = 1; i < runs.length; i += 2) count += runs[i]!;
-  const numbers = new Uint32Array(count);
-  let at = 0;
-  for (let i = 0; i < runs.length; i += 2) {
-    for (let k = 0; k < runs[i + 1]!; k++) numbers[at++] = runs[i]! + k;
-  }
-  return numbers;
 }

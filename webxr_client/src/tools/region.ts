@@ -4,7 +4,7 @@ import type { CloudFrame } from '../cloud/points/frame';
 import { PREVIEW } from '../cloud/picture/palette';
 import { DELETED } from '../cloud/points/piece';
 import type { Brush, Candidates, ClientMessage } from '../protocol/messages';
-import { numbersOf } from './object';
+import { numbersOf } from '../protocol/codec';
 import { sourceSample } from './path';
 
 const OVERLAY = 'region';

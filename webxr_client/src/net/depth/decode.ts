@@ -70,13 +70,32 @@ export class DepthDecoder {
       void coming?.then((picture) => picture.close());
       return this.segment(message, [], this.pool.take(0), 0, false);
     }
-    const at = first + lastPicture(parts);
-    const jpeg = finest(parts) ?? before?.jpeg ?? null;
-    const pictureStep = finest(parts) ? camera.bands[at]!.pictureStep : (before?.pictureStep ?? 1);
+    const { jpeg, step: pictureStep } = pictureOf(camera, parts, before, first);
     const picture = await (coming ?? (jpeg && this.readPicture(jpeg)));
     if (picture) await camera.paint(picture, pictureStep);
     const waited = performance.now();
 
+    const colorStep = picture ? pictureStep : 0;
+    const { vertices, chunks, listed } = this.join(camera, message, parts, before, colorStep);
+    const done = first + chunks.length;
+    if (message.final) this.begun.delete(message.frame);
+    else {
+      const known = camera.save(camera.bands[done - 1]!.step);
+      const kept = { chunks: done, known, listed, jpeg: jpeg?.slice() ?? null, pictureStep };
+      this.begun.set(message.frame, kept);
+    }
+    const decodeMs = performance.now() - waited + (picture ? 0 : waited - began);
+    return this.segment(message, chunks, vertices, decodeMs, message.final);
+  }
+
+  /** The points of all chunks, and the pixels that are listed of the frame. */
+  private join(
+    camera: Camera,
+    message: Depth,
+    parts: readonly Parts[],
+    before: Begun | undefined,
+    colorStep: number,
+  ): { vertices: ArrayBuffer; chunks: SegmentChunk[]; listed: Uint16Array } {
     const points = message.chunks.reduce((sum, chunk) => sum + chunk.count, 0);
     const vertices = this.pool.take(points * STRIDE);
     const bytes = new Uint8Array(vertices);
@@ -87,7 +106,6 @@ export class DepthDecoder {
     message.chunks.forEach((chunk, i) => {
       const numbers = new Numbers(parts[i]!.tables);
       if (chunk.index === 0) listed = readListed(numbers);
-      const colorStep = picture ? pictureStep : 0;
       const decoded = camera.decode(chunk.index, numbers, parts[i]!, listed, colorStep);
       const count = decoded.length / STRIDE;
       if (count !== chunk.count) {
@@ -97,15 +115,7 @@ export class DepthDecoder {
       chunks.push({ ...chunk, ...camera.grid, start });
       start += count;
     });
-    const done = first + chunks.length;
-    if (message.final) this.begun.delete(message.frame);
-    else {
-      const known = camera.save(camera.bands[done - 1]!.step);
-      const kept = { chunks: done, known, listed, jpeg: jpeg?.slice() ?? null, pictureStep };
-      this.begun.set(message.frame, kept);
-    }
-    const decodeMs = performance.now() - waited + (picture ? 0 : waited - began);
-    return this.segment(message, chunks, vertices, decodeMs, message.final);
+    return { vertices, chunks, listed };
   }
 
   private segment(
@@ -119,6 +129,18 @@ export class DepthDecoder {
     const nbytes = data.byteLength;
     return { sequence, frame, total, final, count, chunks, vertices, nbytes, decodeMs };
   }
+}
+
+/** The finest picture that came of a frame, whose chunks of this message begin at `first`. */
+function pictureOf(
+  camera: Camera,
+  parts: readonly Parts[],
+  before: Begun | undefined,
+  first: number,
+): { jpeg: Uint8Array<ArrayBuffer> | null; step: number } {
+  const jpeg = finest(parts);
+  if (jpeg) return { jpeg, step: camera.bands[first + lastPicture(parts)]!.pictureStep };
+  return { jpeg: before?.jpeg ?? null, step: before?.pictureStep ?? 1 };
 }
 
 function lastPicture(parts: readonly Parts[]): number {

@@ -135,75 +135,99 @@ function Recording({ draft }: { draft: ImportDraft }) {
             onChange={(value) => correct({ scale: value === '1' ? null : Number(value) })}
           />
         </Row>
-        <Row label="Up">
+        <UpAxis found={found} options={options} />
+        {found && <Topics found={found} options={options} />}
+        <Poses found={found} options={options} />
+      </div>
+      <OtherWays draft={draft} />
+    </>
+  );
+}
+
+interface CorrectedProps {
+  found: ImportPreview | null;
+  options: ImportOptions;
+}
+
+function UpAxis({ found, options }: CorrectedProps) {
+  return (
+    <Row label="Up">
+      <Choice
+        value={options.up ?? ''}
+        choices={[
+          ['', found ? `as found: ${signed(found.up)}` : 'as found'],
+          ...AXES.map((axis) => [axis, signed(axis)] as const),
+        ]}
+        onChange={(value) => correct({ up: value || null })}
+      />
+    </Row>
+  );
+}
+
+function Poses({ found, options }: CorrectedProps) {
+  const poses = found?.poses;
+  if (!poses && !options.poses) return null;
+  return (
+    <Check
+      label={`Use the poses${poses ? ` of ${poses.source}` : ''}`}
+      checked={options.poses !== 'none'}
+      onChange={(checked) => correct({ poses: checked ? null : 'none' })}
+    />
+  );
+}
+
+/** Corrections of what the files say of themselves. */
+function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft }) {
+  return (
+    <details class="import-more" open={error !== ''}>
+      <summary>Read the files another way</summary>
+      <div class="import-fields">
+        <Row label="Format">
           <Choice
-            value={options.up ?? ''}
-            choices={[
-              ['', found ? `as found: ${signed(found.up)}` : 'as found'],
-              ...AXES.map((axis) => [axis, signed(axis)] as const),
-            ]}
-            onChange={(value) => correct({ up: value || null })}
+            value={options.format ?? ''}
+            choices={[['', 'as the files tell'], ...FORMATS]}
+            onChange={(value) => correct({ format: value || null })}
           />
         </Row>
-        {(found?.topics.length ?? 0) > 1 && <Topics found={found!} options={options} />}
-        {(found?.poses ?? options.poses) && (
-          <Check
-            label={`Use the poses${found?.poses ? ` of ${found.poses.source}` : ''}`}
-            checked={options.poses !== 'none'}
-            onChange={(checked) => correct({ poses: checked ? null : 'none' })}
+        <Row label="Columns">
+          <input
+            class="field"
+            value={options.columns ?? ''}
+            placeholder={
+              found?.columns.map(({ meaning }) => meaning || '-').join(',') ?? 'x,y,z,intensity'
+            }
+            spellcheck={false}
+            onChange={(event) => correct({ columns: event.currentTarget.value.trim() || null })}
           />
-        )}
+        </Row>
+        <Row label="Delimiter">
+          <Choice
+            value={options.delimiter ?? ''}
+            choices={[
+              ['', 'as the files tell'],
+              ...DELIMITERS.map((each) => [each, each] as const),
+            ]}
+            onChange={(value) => correct({ delimiter: value || null })}
+          />
+        </Row>
+        <Row label="1,5 is">
+          <Choice
+            value={options.decimal_comma === undefined ? '' : String(options.decimal_comma)}
+            choices={[
+              ['', 'as the files tell'],
+              ['true', 'one and a half'],
+              ['false', 'two values'],
+            ]}
+            onChange={(value) => correct({ decimal_comma: value ? value === 'true' : null })}
+          />
+        </Row>
+        <Check
+          label="Leave out invalid points (NaN, infinite)"
+          checked={options.drop_invalid ?? false}
+          onChange={(checked) => correct({ drop_invalid: checked || null })}
+        />
       </div>
-      <details class="import-more" open={draft.error !== ''}>
-        <summary>Read the files another way</summary>
-        <div class="import-fields">
-          <Row label="Format">
-            <Choice
-              value={options.format ?? ''}
-              choices={[['', 'as the files tell'], ...FORMATS]}
-              onChange={(value) => correct({ format: value || null })}
-            />
-          </Row>
-          <Row label="Columns">
-            <input
-              class="field"
-              value={options.columns ?? ''}
-              placeholder={
-                found?.columns.map(({ meaning }) => meaning || '-').join(',') ?? 'x,y,z,intensity'
-              }
-              spellcheck={false}
-              onChange={(event) => correct({ columns: event.currentTarget.value.trim() || null })}
-            />
-          </Row>
-          <Row label="Delimiter">
-            <Choice
-              value={options.delimiter ?? ''}
-              choices={[
-                ['', 'as the files tell'],
-                ...DELIMITERS.map((each) => [each, each] as const),
-              ]}
-              onChange={(value) => correct({ delimiter: value || null })}
-            />
-          </Row>
-          <Row label="1,5 is">
-            <Choice
-              value={options.decimal_comma === undefined ? '' : String(options.decimal_comma)}
-              choices={[
-                ['', 'as the files tell'],
-                ['true', 'one and a half'],
-                ['false', 'two values'],
-              ]}
-              onChange={(value) => correct({ decimal_comma: value ? value === 'true' : null })}
-            />
-          </Row>
-          <Check
-            label="Leave out invalid points (NaN, infinite)"
-            checked={options.drop_invalid ?? false}
-            onChange={(checked) => correct({ drop_invalid: checked || null })}
-          />
-        </div>
-      </details>
-    </>
+    </details>
   );
 }
 
@@ -212,6 +236,7 @@ function signed(axis: string): string {
 }
 
 function Topics({ found, options }: { found: ImportPreview; options: ImportOptions }) {
+  if (found.topics.length < 2) return null;
   return (
     <Row label="Topic">
       <Choice

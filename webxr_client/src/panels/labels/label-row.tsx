@@ -42,43 +42,11 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
         <ColorButton label={label} />
       </span>
       <div class="label-text" role="gridcell">
-        {editing ? (
-          <NameField name={label.name} onFinish={(name) => rename(label, name)} />
-        ) : (
-          <span class="name">{label.name}</span>
-        )}
-        {!editing && label.category && label.category !== label.name && (
-          <span class="category">{label.category}</span>
-        )}
+        <LabelText label={label} />
       </div>
-      {!editing && (
-        <span class="label-state" role="gridcell">
-          {label.locked && <Icon name="lock" />}
-          {!label.visible && <Icon name="hidden" />}
-          {solo && <Icon name="solo" />}
-          <Counts id={label.id} />
-        </span>
-      )}
+      {!editing && <LabelState label={label} solo={solo} />}
       <div class="label-tools" role="gridcell">
-        <Toggle
-          on={label.locked}
-          icon={label.locked ? 'lock' : 'unlock'}
-          tip={label.locked ? 'Unlock' : 'Lock: its points cannot be changed'}
-          disabled={!canEdit.value}
-          onClick={() => void actions.toggleLock(label.id)}
-        />
-        <Toggle
-          on={!label.visible}
-          icon={label.visible ? 'eye' : 'hidden'}
-          tip={label.visible ? 'Hide' : 'Show'}
-          onClick={() => void actions.toggleVisible(label.id)}
-        />
-        <Toggle
-          on={solo}
-          icon="solo"
-          tip={solo ? 'Show all labels' : 'Show only this label'}
-          onClick={() => actions.solo(solo ? null : label.id)}
-        />
+        <Toggles label={label} solo={solo} />
         <Button
           buttonRef={more}
           icon="more"
@@ -95,6 +63,62 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
       <span role="gridcell">{key && <span class="kbd">{key}</span>}</span>
       {menu && <LabelMenu label={label} anchor={more} onClose={() => setMenu(false)} />}
     </li>
+  );
+}
+
+function LabelText({ label }: { label: Label }) {
+  if (renaming.value === label.id) {
+    return <NameField name={label.name} onFinish={(name) => rename(label, name)} />;
+  }
+  return (
+    <>
+      <span class="name">{label.name}</span>
+      {label.category && label.category !== label.name && (
+        <span class="category">{label.category}</span>
+      )}
+    </>
+  );
+}
+
+interface SoloProps {
+  label: Label;
+  solo: boolean;
+}
+
+function LabelState({ label, solo }: SoloProps) {
+  return (
+    <span class="label-state" role="gridcell">
+      {label.locked && <Icon name="lock" />}
+      {!label.visible && <Icon name="hidden" />}
+      {solo && <Icon name="solo" />}
+      <Counts id={label.id} />
+    </span>
+  );
+}
+
+function Toggles({ label, solo }: SoloProps) {
+  return (
+    <>
+      <Toggle
+        on={label.locked}
+        icon={label.locked ? 'lock' : 'unlock'}
+        tip={label.locked ? 'Unlock' : 'Lock: its points cannot be changed'}
+        disabled={!canEdit.value}
+        onClick={() => void actions.toggleLock(label.id)}
+      />
+      <Toggle
+        on={!label.visible}
+        icon={label.visible ? 'eye' : 'hidden'}
+        tip={label.visible ? 'Hide' : 'Show'}
+        onClick={() => void actions.toggleVisible(label.id)}
+      />
+      <Toggle
+        on={solo}
+        icon="solo"
+        tip={solo ? 'Show all labels' : 'Show only this label'}
+        onClick={() => actions.solo(solo ? null : label.id)}
+      />
+    </>
   );
 }
 

@@ -1,28 +1,33 @@
 /** Over the canvas, at the bottom: what the object tool offers, and what one can do with it. */
 import { actions } from '../../store/actions';
-import { isStroke, state } from '../../store/state';
+import { isStroke, state, type ObjectView } from '../../store/state';
 import { deskWay } from '../../tools/ways';
 import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 
+const NOTHING = 'Nothing to take here';
+const POINT = 'Point at an object: a click takes it';
+
 export function ObjectBar() {
   const object = state.object.value;
   const clicks = deskWay(state.brush.value.shape).samples === 'clicks';
-  if (!isStroke(state.tool.value) || (!clicks && !object?.completes)) return null;
-  if (!object || object.levels === 0) {
-    return clicks ? (
-      <div class="object-bar" role="status">
-        <Icon name="object" />
-        <span>{object ? 'Nothing to take here' : 'Point at an object: a click takes it'}</span>
-        {object?.ready === false && <NotReady />}
-      </div>
-    ) : null;
-  }
-  const { level, levels, points, ready, taken, completes } = object;
+  const offers = object !== null && object.levels > 0;
+  const shows = clicks || (offers && object.completes);
+  if (!shows || !isStroke(state.tool.value)) return null;
   return (
     <div class="object-bar" role="status">
       <Icon name="object" />
+      {offers && <Offer object={object} />}
+      {!offers && <span>{object ? NOTHING : POINT}</span>}
+      {object?.ready === false && <NotReady />}
+    </div>
+  );
+}
+
+function Offer({ object: { level, levels, points, taken, completes } }: { object: ObjectView }) {
+  return (
+    <>
       <Button icon="minus" tip="Towards the part" keys="−" disabled={level === 0} onClick={() => void actions.stepObject(-1)} />
       <Steps level={level} levels={levels} />
       <Button icon="plus" tip="Towards the group" keys="+" disabled={level === levels - 1} onClick={() => void actions.stepObject(1)} />
@@ -34,8 +39,7 @@ export function ObjectBar() {
       {taken && <span class="soft">Click adds · Alt-click removes</span>}
       {taken && <Button label="Next object" kind="outlined" keys="Esc" onClick={() => actions.endObject()} />}
       {!taken && !completes && <span class="soft">Wheel: part to group · click takes it</span>}
-      {!ready && <NotReady />}
-    </div>
+    </>
   ); // prettier-ignore
 }
 

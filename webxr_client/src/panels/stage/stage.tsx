@@ -4,7 +4,7 @@ import { actions } from '../../store/actions';
 import { DELETED } from '../../cloud/points/piece';
 import { orthographic } from '../../view/framing';
 import type { Unsent } from '../../net/wire';
-import { activeLabel, isStroke, state } from '../../store/state';
+import { activeLabel, isStroke, state, type Hover } from '../../store/state';
 import { AccumulateSign } from './accumulate';
 import { CameraPanel } from './cameras';
 import { ClipSign } from './clip';
@@ -130,22 +130,10 @@ function Retry({ at }: { at: number | null }) {
 function Readout() {
   const hover = state.hover.value;
   const { points, total } = state.shown.value;
-  const sharpening = total > 0 && points < total;
-  const label = hover && state.palette.value.find((entry) => entry.id === hover.label);
-  const painting = isStroke(state.tool.value);
   return (
     <div class="readout number">
-      {hover && (
-        <span>
-          {label && <span class="swatch" style={{ '--color': label.color }} />}
-          {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabeled')}
-          <span class="soft">
-            {!orthographic.value && metres(hover.distance)}
-            {painting && hover.points > 0 ? ` · ${plural(hover.points, 'point')} in the brush` : ''}
-          </span>
-        </span>
-      )}
-      {sharpening && (
+      {hover && <Hovered hover={hover} />}
+      {points < total && (
         <span class="soft">
           {shortCount(points)} of {shortCount(total)} points
         </span>
@@ -154,6 +142,21 @@ function Readout() {
         <span>Choose or create a label to paint</span>
       )}
     </div>
+  );
+}
+
+function Hovered({ hover }: { hover: Hover }) {
+  const label = state.palette.value.find((entry) => entry.id === hover.label);
+  const brush = isStroke(state.tool.value) && hover.points > 0;
+  return (
+    <span>
+      {label && <span class="swatch" style={{ '--color': label.color }} />}
+      {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabeled')}
+      <span class="soft">
+        {!orthographic.value && metres(hover.distance)}
+        {brush ? ` · ${plural(hover.points, 'point')} in the brush` : ''}
+      </span>
+    </span>
   );
 }
 

@@ -8,10 +8,8 @@ import { plural } from '../../common/format';
 export function Doubt() {
   const labels = unsure.value;
   const found = stretch.value;
-  const run = halted.value;
-  const here = run?.at === state.frame.value;
-  if (!canEdit.value || trackingJob.value || (!found && !here)) return null;
-  const waits = run !== null && here && run.stop !== run.at;
+  const stops = halted.value?.at === state.frame.value;
+  if (!canEdit.value || trackingJob.value || (!found && !stops)) return null;
   return (
     <span class={`chip doubt${found ? ' warn' : ''}`} role="status">
       <span class="doubt-text">{textOf(labels, found)}</span>
@@ -25,16 +23,24 @@ export function Doubt() {
         />
       )}
       {found && <OfStretch found={found} />}
-      {(waits || labels.length > 0) && (
-        <Button
-          label={waits ? `Continue to ${run.stop}` : 'Continue'}
-          tip="Track on from this frame"
-          kind="outlined"
-          small
-          onClick={() => actions.continueRun()}
-        />
-      )}
+      <Continue doubtful={labels.length > 0} />
     </span>
+  );
+}
+
+/** Goes on with the run that stopped here, or tracks on what is `doubtful` here. */
+function Continue({ doubtful }: { doubtful: boolean }) {
+  const run = halted.value;
+  const waits = run !== null && run.at === state.frame.value && run.stop !== run.at;
+  if (!waits && !doubtful) return null;
+  return (
+    <Button
+      label={waits ? `Continue to ${run.stop}` : 'Continue'}
+      tip="Track on from this frame"
+      kind="outlined"
+      small
+      onClick={() => actions.continueRun()}
+    />
   );
 }
 

@@ -134,12 +134,16 @@ function stretch(frame: number): readonly [number, number] {
   return range && frame >= range[0] && frame <= range[1] ? range : [frame, frame];
 }
 
+/** Whether a label has points in a frame. */
+function isIn(label: number, frame: number): boolean {
+  return (state.timeline.value.rows.get(label)?.points[frame] ?? 0) > 0;
+}
+
 function entries({ label, frame }: StripPlace, locked: boolean): readonly Entry[] {
   const [from, to] = stretch(frame);
   const cannot = locked || !canEdit.value;
-  const here = (state.timeline.value.rows.get(label)?.points[frame] ?? 0) > 0;
   const last = (state.sequence.value?.frames ?? 1) - 1;
-  const busy = cannot || !here || trackingJob.value !== null;
+  const busy = cannot || !isIn(label, frame) || trackingJob.value !== null;
   const track = (stop: number): void =>
     actions.track({ labels: [label], start: frame, stop, method: 'auto', overwrite: 'tracked' });
   const clears = from === to ? 'Clear here' : `Clear frames ${from} – ${to}`;

@@ -1,6 +1,6 @@
 /** Lessons: each button's action in words, and its uses, since what is learnt needs no words. */
 import { Listeners } from '../../store/listeners';
-import { chords, type Device } from './devices';
+import { chords, type Device, type PadKind } from './devices';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
 
@@ -15,41 +15,65 @@ export interface Tip {
   readonly lesson: Lesson;
 }
 
-/** The words for a device with a part, in the left or the right hand. */
+/**
+ * The words for a device with a part, in the left or the right hand.  Short lines: what is beside a
+ * hand must not reach out of the picture.
+ */
 export function tipsFor(device: Device, part: Part, left: boolean): Tip[] {
   const paints = part !== 'other';
-  const tips: Tip[] = [];
-  // Short lines: what is beside a hand must not reach out of the picture.
-  const tip = (text: string, lesson: Lesson): number => tips.push({ text, lesson });
-  if (device.pad === 'none') {
-    const act = device.id === 'hand' ? 'Pinch' : 'Trigger';
-    if (paints) tip(`${act}: paint`, 'paint');
-    else tip(`${act}: move the room`, 'grab');
-    return tips;
+  if (device.pad === 'none') return [onlyTip(device.id === 'hand' ? 'Pinch' : 'Trigger', paints)];
+  const tips = paints ? paintingTips(device.pad, part) : otherTips(device.pad);
+  if (device.second) tips.push(tip('Pad ↑ ↓: labels', 'label'));
+  const moves = device.squeeze >= 0 ? 'Grip' : paints ? '' : 'Trigger';
+  if (moves) tips.push(tip(`${moves}: move the room`, 'grab'));
+  tips.push(...buttonTips(device, left, paints));
+  if (chords(device) && device.pad === 'stick') {
+    tips.push(tip('Grip + Stick ↓: next label', 'label'));
   }
-  const touches = device.pad === 'touchpad';
-  const pad = touches ? 'Pad' : 'Stick';
-  if (paints) {
-    tip('Trigger: paint', 'paint');
-    tip('Half pressed: smaller', 'paint');
-    tip(`${pad} ← →: frames`, 'step');
-    if (part === 'alone' && touches) tip('Pad ↑ ↓: labels', 'label');
-    else tip(`${pad} ↑ ↓: size`, 'size');
-    tip(`${pad} pressed: play`, 'play');
-  } else {
-    tip(`${pad} ↑: go there`, 'teleport');
-    tip(`${pad} ← →: turn`, 'turn');
-    if (touches) tip('Pad ↓: next label', 'label');
-    tip(`${pad} pressed: doubtful`, 'doubt');
-  }
-  if (device.second) tip('Pad ↑ ↓: labels', 'label');
-  if (device.squeeze >= 0) tip('Grip: move the room', 'grab');
-  else if (!paints) tip('Trigger: move the room', 'grab');
-  const [first, second] = buttonNames(device, left ? 1 : 0);
-  if (first) tip(`${first}: ${paints ? 'eraser' : 'timeline'}`, paints ? 'erase' : 'panel');
-  if (second) tip(`${second}: ${paints ? 'undo' : 'redo'}`, paints ? 'undo' : 'redo');
-  if (chords(device) && !touches) tip('Grip + Stick ↓: next label', 'label');
   return tips;
+}
+
+const BUTTONS = {
+  paints: [tip('eraser', 'erase'), tip('undo', 'undo')],
+  other: [tip('timeline', 'panel'), tip('redo', 'redo')],
+} as const;
+
+function tip(text: string, lesson: Lesson): Tip {
+  return { text, lesson };
+}
+
+function buttonTips(device: Device, left: boolean, paints: boolean): Tip[] {
+  const names = buttonNames(device, left ? 1 : 0);
+  return (paints ? BUTTONS.paints : BUTTONS.other).flatMap(({ text, lesson }, i) =>
+    names[i] ? [tip(`${names[i]}: ${text}`, lesson)] : [],
+  );
+}
+
+function onlyTip(act: string, paints: boolean): Tip {
+  return paints ? tip(`${act}: paint`, 'paint') : tip(`${act}: move the room`, 'grab');
+}
+
+function paintingTips(kind: PadKind, part: Part): Tip[] {
+  const touches = kind === 'touchpad';
+  const pad = touches ? 'Pad' : 'Stick';
+  return [
+    tip('Trigger: paint', 'paint'),
+    tip('Half pressed: smaller', 'paint'),
+    tip(`${pad} ← →: frames`, 'step'),
+    part === 'alone' && touches ? tip('Pad ↑ ↓: labels', 'label') : tip(`${pad} ↑ ↓: size`, 'size'),
+    tip(`${pad} pressed: play`, 'play'),
+  ];
+}
+
+function otherTips(kind: PadKind): Tip[] {
+  const touches = kind === 'touchpad';
+  const pad = touches ? 'Pad' : 'Stick';
+  return [
+    tip(`${pad} ↑: go there`, 'teleport'),
+    tip(`${pad} ← →: turn`, 'turn'),
+    ...(touches ? [tip('Pad ↓: next label', 'label')] : []),
+    tip(`${pad} pressed: doubtful`, 'doubt'),
+  ];
 }
 
 /** Names of the two buttons, or the chords that stand in for them; empty where there is neither. */
