@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from tracking_recordings import KINDS, STREETS, Frame, generated, street
+from tracking_recordings import Frame, generated
 from tracking_score import GOOD, LEAST, SURVIVING
 
 from pointbrush.tracking import Seed, TrackOptions
@@ -25,12 +25,7 @@ from pointbrush.tracking.options import IcpConfidenceOptions
 from pointbrush.tracking.registry import COLOUR_NEIGHBOURS
 
 Samples = list[tuple[dict[str, float], float]]
-SHOWN = (
-    *((kind, 1, 1) for kind in KINDS),
-    ("table-top", 3, 1),
-    ("table-top", 1, 3),
-    ("street", 1, 1),
-)
+SHOWN = (("3-pins", 1, 1), ("table-top", 3, 1), ("table-top", 1, 3))
 """Kinds of recording, of how many frames one is kept, and times as many frames: at 30 a second
 little goes wrong on a table, and slowly."""
 SHRINKAGE = 0.001
@@ -89,11 +84,7 @@ def main() -> None:
     for seed in map(int, given.seeds.split(",")):
         for kind, every, times in SHOWN:
             count = times * given.frames
-            frames = (
-                street(kind, seed, count)
-                if kind in STREETS
-                else generated(kind, seed, count, every)
-            )
+            frames = generated(kind, seed, count, every)
             for k in (1, COLOUR_NEIGHBOURS):
                 made += samples(frames, k)
             print(f"{kind} {seed}: {len(made)} samples", flush=True)

@@ -122,9 +122,9 @@ class PersonConfidenceOptions(Options):
 class IcpWeights(Weights):
     """Of `icp` and `color-icp`; features as of `IcpEvidence`."""
 
-    residual: float = -1.69
-    found: float = 3.09
-    beyond: float = -5.25
+    residual: float = -1.22
+    found: float = 3.56
+    beyond: float = -4.89
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ class IcpConfidenceOptions(Options):
     signed: ClassVar[frozenset[str]] = frozenset({"offset"})
 
     weights: IcpWeights = field(default_factory=IcpWeights)
-    offset: float = -1.22  # log odds that are added
+    offset: float = -1.75  # log odds that are added
     on_spacings: float = 2.0  # spacings from a point within which another lies on it
     max_log_residual: float = 3.0  # greatest log of a residual in spacings
     max_odds: float = 30.0  # greatest log odds
