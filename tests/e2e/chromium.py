@@ -18,6 +18,10 @@ FLAGS = [
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 ]
 
+# Tests alone: the page is put together without the program that stands in for a GPU, which takes
+# eight times as long for it.  What WebGL draws is the same.
+COMPOSED = "--disable-gpu-compositing"
+
 # Pictures are prepared whole, and nothing is drawn: this machine's GPU is a program.
 UNDRAWN = """
 for (const draw of [

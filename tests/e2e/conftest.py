@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, expect, sync_playwright
 
 from pointbrush.formats import read
 from pointbrush.sequences import import_frames
-from tests.e2e.chromium import EXECUTABLE, FLAGS
+from tests.e2e.chromium import COMPOSED, EXECUTABLE, FLAGS
 from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import QUEST, Headset, Wear, wear
 from tests.e2e.recording import SEQUENCE, Truth
@@ -63,7 +63,7 @@ def browser() -> Iterator[Browser]:
         pytest.skip(f"no browser at {EXECUTABLE}")
     with sync_playwright() as playwright:
         expect.set_options(timeout=1e3 * PATIENCE)
-        chromium = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
+        chromium = playwright.chromium.launch(executable_path=EXECUTABLE, args=[*FLAGS, COMPOSED])
         yield chromium
         chromium.close()
 
