@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import pytest
 
@@ -12,19 +13,23 @@ from tests.streaming.acting import paint, run, settled, stored_values
 from tests.streaming.client import Viewer, viewer
 from tests.streaming.conftest import FRAMES, POINTS
 from tests.streaming.shaping import Link, shaped
+from tests.waiting import PATIENCE
 
 FPS = 30.0
 
 
-async def play(client: Viewer, seconds: float) -> float:
-    """Play for a while, keeping nothing, so that every round is sent again; its start."""
+async def play(client: Viewer, seconds: float, until: Callable[[], bool] = lambda: False) -> float:
+    """Play for a while, or ``until`` then, keeping nothing, so that every round is sent again.
+
+    Returns the start.
+    """
     await client.open("wall", frame=0)
     await client.until("frame", frame=0)
     client.arrivals.clear()
     start = time.monotonic()
     await client.send(type="play", frame=0)
     last = -1
-    while (left := start + seconds - time.monotonic()) > 0:
+    while not until() and (left := start + seconds - time.monotonic()) > 0:
         try:
             message = await client.receive(left)
         except TimeoutError:
@@ -66,14 +71,17 @@ def test_the_rate_control_recovers_with_the_link(served: Served) -> None:
     async def scenario() -> None:
         link = Link(2e6)
         async with shaped(served.url, link) as url, viewer(url, served.token) as client:
-            await play(client, 2.5)
-            poor = max(points for _, _, points in client.arrivals[-5:])
+
+            def most() -> int:
+                """The points of the largest of the last frames."""
+                return max((points for _, _, points in client.arrivals[-20:]), default=0)
+
+            await play(client, PATIENCE, lambda: len(client.arrivals) >= 20 and most() < POINTS / 2)
+            poor = most()
+            assert poor < POINTS / 2
             link.bits = 400e6
-            client.arrivals.clear()
-            await play(client, 6.0)
-            rich = max(points for _, _, points in client.arrivals[-20:])
-        assert poor < POINTS / 2
-        assert rich > 2 * poor
+            await play(client, PATIENCE, lambda: most() > 2 * poor)
+            assert most() > 2 * poor
 
     run(scenario)
 
