@@ -26,8 +26,10 @@ LANE = 0.3
 """Share of half the road from its middle to the middle of a lane."""
 SPEEDS = (4.0, 11.0)
 """Metres a second of all that drives."""
-CLEAR_M, CLEAR_SECONDS = 14.0, 3.0
-"""Metres between vehicles of a lane at least, and seconds for which that is so."""
+CLEAR_M = 14.0
+"""Metres between vehicles of a lane at least."""
+CLEAR_SECONDS = 3.0
+"""Seconds for which they are so far apart."""
 
 
 @dataclass(frozen=True, slots=True)

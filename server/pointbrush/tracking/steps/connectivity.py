@@ -84,7 +84,7 @@ def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
 
 @compiled
 def _all_inside(rest: F64, some: I64, limits: Limits) -> bool:
-    """Whether ``some`` (M,) of the points (N, 3) lie in the box of the ``limits``."""
+    """Test whether all of ``some`` (M,) of the points (N, 3) lie in the box of the ``limits``."""
     for i in some:
         for a in range(3):
             if not limits.low[a] <= rest[i, a] <= limits.high[a]:
