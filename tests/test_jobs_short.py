@@ -53,10 +53,11 @@ def test_what_was_handed_out_in_vain_is_not_heard(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     workers = runner._workers
+    workers.submit(int).result(PATIENCE)  # a process that begins at once what it is given
     begin, refusals = workers.submit, iter([MemoryError()])
 
     def kept_and_refused(*work: Any) -> Any:
-        future = begin(*work)  # as a pool does that cannot begin a process
+        future = begin(*work)  # as a pool does that cannot begin another process
         for refusal in refusals:
             raise refusal
         return future

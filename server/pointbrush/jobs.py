@@ -389,6 +389,7 @@ class JobRunner:
             if (short := shortage(error)) is None:
                 raise
             logger.warning("a job waits: %s", short)
+            running.turn += 1  # a pool may have kept the work and begin it all the same
             return None
 
     def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
