@@ -94,12 +94,12 @@ def label(workspace: Path) -> None:
     """A tenth of each frame's points belong to somebody: boxes and trails have work to do."""
     opened = Workspace(Settings(workspace=workspace))
     try:
-        (recording,) = opened.sequences()
+        (recording,) = opened.library.manifests()
         for number in range(LABELS):
-            opened.create_label(recording.id, "bench", name=f"thing {number + 1}")
+            opened.labels.create_label(recording.id, "bench", name=f"thing {number + 1}")
         numbers = np.arange(0, POINTS, LABELLED)
         values = (1 + np.arange(len(numbers)) % LABELS).astype(np.uint16)
-        opened.store.apply(
+        opened.labels.apply(
             recording.id,
             edit_id=str(uuid.uuid4()),
             author="bench",

@@ -140,6 +140,7 @@ def answer(folder: Path, kind: str) -> None:
     """A child's part: read a scan as REST gives it, or export it; print the figures."""
     from pointbrush.settings import Settings
     from pointbrush.web import npy
+    from pointbrush.work.exporting import source_columns
     from pointbrush.workspace import Workspace
 
     class Sink:
@@ -160,7 +161,7 @@ def answer(folder: Path, kind: str) -> None:
     with Watch() as watch:
         if kind == "points":
             count = workspace.recording(scan)[0].count
-            for piece in npy.stream_points(workspace.points(scan, 0), count)[1]:
+            for piece in npy.stream_points(source_columns(workspace.recording(scan), 0), count)[1]:
                 out.write(piece)
                 first = first or time.perf_counter() - start
         else:

@@ -34,7 +34,7 @@ def settings(tmp_path_factory: pytest.TempPathFactory) -> Settings:
         add_sequence(made, name, frames=2, points=300)
     with closing(Workspace(made)) as workspace:
         for name in ("whole", "cut", "bare", "holes", "gone"):
-            workspace.create_label(name, "ada", name="pin")
+            workspace.labels.create_label(name, "ada", name="pin")
     folder = made.workspace / "sequences"
     manifest = folder / "cut" / "manifest.json"
     manifest.write_bytes(manifest.read_bytes()[:200])
@@ -109,10 +109,10 @@ def test_it_can_be_deleted_and_comes_back_as_it_was(tmp_path: Path) -> None:
     whole = manifest.read_bytes()
     manifest.write_bytes(whole[:99])
     with closing(Workspace(settings)) as workspace:
-        workspace.delete_sequence("ball")
-        assert workspace.listing() == []
+        workspace.deletion.delete("ball")
+        assert workspace.listing.all() == []
         with pytest.raises(DamagedError, match="damaged"):
-            workspace.recording(workspace.restore_sequence("ball"))
+            workspace.recording(workspace.deletion.restore("ball"))
         manifest.write_bytes(whole)
         assert workspace.recording("ball").manifest.frames == 1
 
@@ -120,11 +120,11 @@ def test_it_can_be_deleted_and_comes_back_as_it_was(tmp_path: Path) -> None:
 def test_labels_of_the_first_version_with_other_frames_are_set_aside(tmp_path: Path) -> None:
     settings = settings_in(tmp_path)
     with closing(Workspace(settings)) as workspace:
-        workspace.store.register("ball", [7, 7])
-        workspace.store.create_label("ball", "ada", name="old")
+        workspace.labels.register("ball", [7, 7])
+        workspace.labels.create_label("ball", "ada", name="old")
     add_sequence(settings, "ball", frames=1, points=300)
     with closing(Workspace(settings)) as workspace:
-        assert workspace.palette("ball") == []
-        listed = {entry.id: entry.damaged for entry in workspace.listing()}
+        assert workspace.labels.palette("ball") == []
+        listed = {entry.id: entry.damaged for entry in workspace.listing.all()}
         assert listed.pop("ball") is None
         assert [damaged is not None for damaged in listed.values()] == [True]

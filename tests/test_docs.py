@@ -205,10 +205,10 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
         )
     workspace = Workspace(settings)
     for name in given:
-        label = workspace.create_label(name, "ada", name="car")
+        label = workspace.labels.create_label(name, "ada", name="car")
         values = np.zeros(POINTS, np.uint16)
         values[:100] = label.id
-        workspace.put_annotation(name, 0, values, author="ada", layer="label")
+        workspace.annotations.put(name, 0, values, author="ada", layer="label")
     workspace.close()
     write_files(tmp_path)
     return Place(tmp_path, settings)

@@ -261,13 +261,13 @@ def test_a_recording_is_tracked_on_the_cluster(cluster: str, tmp_path: Path) -> 
     settings = replace(settings_in(tmp_path), scheduler=cluster)
     add_sequence(settings, "wall", frames=3, points=4_000)
     with closing(Workspace(settings)) as workspace:
-        workspace.store.create_label("wall", "anna", name="pin")
+        workspace.labels.create_label("wall", "anna", name="pin")
         stroke = {"id": str(uuid.uuid4()), "label": 1, "radius": 0.3}
-        workspace.stroke("wall", 0, stroke | {"samples": [{"origin": [0, 0, 3]}]}, "anna")
-        job = workspace.track("wall", start=0, stop=2, author="anna", method="icp")
+        workspace.strokes.apply("wall", 0, stroke | {"samples": [{"origin": [0, 0, 3]}]}, "anna")
+        job = workspace.tracking.start("wall", start=0, stop=2, author="anna", method="icp")
         job = workspace.runner.wait(job.id, PATIENCE)
         assert (job.state, job.error) == ("done", None)
-        assert workspace.store.counts("wall")[1, 1][0] > 0
+        assert workspace.labels.counts("wall")[1, 1][0] > 0
 
 
 def test_dask_says_in_a_line_what_it_lost() -> None:

@@ -115,10 +115,10 @@ def test_a_job_that_no_thread_can_begin_for_is_refused_and_forgotten(
     try:
         monkeypatch.setattr(threading.Thread, "start", refuse)
         with pytest.raises(UnavailableError, match="memory"):
-            workspace.import_sample(frames=2)
+            workspace.imports.begin_sample(frames=2)
         monkeypatch.setattr(threading.Thread, "start", start)
-        assert workspace.jobs() == []
-        eventually(lambda: not workspace.store.jobs.all())
-        assert workspace.store.guards.importing() == set()
+        assert workspace.jobs.all() == []
+        eventually(lambda: not workspace.labels.jobs.all())
+        assert workspace.labels.guards.importing() == set()
     finally:
         workspace.close()

@@ -78,9 +78,9 @@ def test_the_workspace_refuses_them_too(served: Served) -> None:
         workspace.update_sequence("wall", name=bad)
     for fields in ({"name": bad}, {"name": "pin", "category": bad}):
         with pytest.raises(BadInputError, match="bidirectional"):
-            workspace.create_label("wall", "ann", **fields)
+            workspace.labels.create_label("wall", "ann", **fields)
     with pytest.raises(BadInputError, match="bidirectional"):
-        workspace.store.taxonomy.put([Category(9, bad)])
+        workspace.labels.taxonomy.put([Category(9, bad)])
 
 
 def test_class_names_in_files_are_written_out() -> None:
@@ -117,10 +117,10 @@ def test_a_file_with_such_names_comes_in_with_them_written_out(
 def test_one_recording_tells_its_labelled_frames_as_the_list_does(
     api: httpx.Client, served: Served
 ) -> None:
-    label = served.workspace.create_label("wall", "ann", name="counted").id
+    label = served.workspace.labels.create_label("wall", "ann", name="counted").id
     for frame in (0, 2):
         values = np.full(served.workspace.recording("wall").manifest.points[frame], label)
-        served.workspace.put_annotation("wall", frame, values.astype(np.uint16), author="ann")
+        served.workspace.annotations.put("wall", frame, values.astype(np.uint16), author="ann")
     [listed] = [one for one in api.get("/sequences").json() if one["id"] == "wall"]
     assert listed["labelled"] == 2
     assert api.get("/sequences/wall").json() == listed

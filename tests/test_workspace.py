@@ -21,7 +21,8 @@ from pointbrush.errors import (
 )
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
-from pointbrush.workspace import Event, Provisional, Retracted, Workspace
+from pointbrush.work.events import Event, Provisional, Retracted
+from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
 
 SEQUENCE = "ball"
@@ -52,7 +53,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         fps=30,
     )
     opened = Workspace(settings)
-    opened.create_label(SEQUENCE, "ada", name="ball")
+    opened.labels.create_label(SEQUENCE, "ada", name="ball")
     yield opened
     opened.close()
 
@@ -65,23 +66,23 @@ def paint(workspace: Workspace, frame: int, label: int = 1, **fields: object) ->
         "samples": [{"origin": [STEP * frame, 0, 1]}],
         **fields,
     }
-    return workspace.stroke(SEQUENCE, frame, stroke, "ada").changed
+    return workspace.strokes.apply(SEQUENCE, frame, stroke, "ada").changed
 
 
 def track(workspace: Workspace, **options: object) -> dict[str, object]:
     request = {"start": 0, "stop": FRAMES - 1, "method": "icp", "author": "ada", **options}
-    job = workspace.runner.wait(workspace.track(SEQUENCE, **request).id, PATIENCE)  # type: ignore[arg-type]
+    job = workspace.runner.wait(workspace.tracking.start(SEQUENCE, **request).id, PATIENCE)  # type: ignore[arg-type]
     assert job.state == "done", job.error
     assert job.result is not None
     return job.result
 
 
 def label(workspace: Workspace, frame: int) -> NDArray[np.uint16]:
-    return workspace.annotation(SEQUENCE, frame)[0]
+    return workspace.annotations.read(SEQUENCE, frame)[0]
 
 
 def provenance(workspace: Workspace, frame: int) -> NDArray[np.uint8]:
-    return workspace.annotation(SEQUENCE, frame, "provenance")[0]
+    return workspace.annotations.read(SEQUENCE, frame, "provenance")[0]
 
 
 def test_a_stroke_paints_in_source_order(workspace: Workspace) -> None:
@@ -99,14 +100,14 @@ def test_the_same_stroke_twice_is_applied_once(workspace: Workspace) -> None:
         "radius": 0.15,
         "samples": [{"origin": [0, 0, 1]}],
     }
-    first = workspace.stroke(SEQUENCE, 0, fields, "ada")
-    again = workspace.stroke(SEQUENCE, 0, fields, "ada")
+    first = workspace.strokes.apply(SEQUENCE, 0, fields, "ada")
+    again = workspace.strokes.apply(SEQUENCE, 0, fields, "ada")
     assert (again.edit_id, again.changed, again.revision) == (
         first.edit_id,
         first.changed,
         first.revision,
     )
-    assert len([e for e in workspace.edits(SEQUENCE) if e.kind == "paint"]) == 1
+    assert len([e for e in workspace.labels.edits(SEQUENCE) if e.kind == "paint"]) == 1
 
 
 def test_deleted_points_are_neither_hit_nor_painted_and_can_be_restored(
@@ -118,11 +119,11 @@ def test_deleted_points_are_neither_hit_nor_painted_and_can_be_restored(
     assert paint(workspace, 0, shape="ray", samples=[ray]) > 0
     assert (label(workspace, 0)[:WALL] == 1).any(), "the ray went through to the wall"
     assert paint(workspace, 0, tool="restore") == 600
-    assert not workspace.annotation(SEQUENCE, 0, "deleted")[0].any()
+    assert not workspace.annotations.read(SEQUENCE, 0, "deleted")[0].any()
 
 
 def test_only_unlabeled_leaves_other_labels(workspace: Workspace) -> None:
-    other = workspace.create_label(SEQUENCE, "ada", name="other").id
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0)
     assert paint(workspace, 0, other, only_unlabeled=True) == 0
     assert paint(workspace, 0, other) == 600
@@ -130,8 +131,8 @@ def test_only_unlabeled_leaves_other_labels(workspace: Workspace) -> None:
 
 def test_locked_labels_are_never_changed(workspace: Workspace) -> None:
     paint(workspace, 0)
-    other = workspace.create_label(SEQUENCE, "ada", name="other").id
-    workspace.update_label(SEQUENCE, "ada", 1, locked=True)
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
+    workspace.labels.update_label(SEQUENCE, "ada", 1, locked=True)
     assert paint(workspace, 0, other) == 0
     assert paint(workspace, 0, tool="erase") == 0
     with pytest.raises(LockedLabelError):
@@ -139,7 +140,7 @@ def test_locked_labels_are_never_changed(workspace: Workspace) -> None:
     with pytest.raises(LockedLabelError):
         track(workspace, labels=[1])
     with pytest.raises(LockedLabelError):
-        workspace.put_annotation(SEQUENCE, 0, np.zeros(WALL + 600, np.uint16), author="ada")
+        workspace.annotations.put(SEQUENCE, 0, np.zeros(WALL + 600, np.uint16), author="ada")
 
 
 def test_a_run_is_one_edit_and_goes_with_one_undo(workspace: Workspace) -> None:
@@ -149,12 +150,12 @@ def test_a_run_is_one_edit_and_goes_with_one_undo(workspace: Workspace) -> None:
     for frame in range(1, FRAMES):
         assert (label(workspace, frame)[WALL:] == 1).mean() > 0.95, frame
         assert set(provenance(workspace, frame)[WALL:].tolist()) <= {0, 2}
-    assert len(workspace.tracks(SEQUENCE)) == FRAMES
-    workspace.undo(SEQUENCE, "ada")
+    assert len(workspace.labels.tracks(SEQUENCE)) == FRAMES
+    workspace.labels.undo(SEQUENCE, "ada")
     assert not any(label(workspace, frame).any() for frame in range(1, FRAMES))
-    assert workspace.tracks(SEQUENCE) == []
+    assert workspace.labels.tracks(SEQUENCE) == []
     assert (label(workspace, 0)[WALL:] == 1).all(), "the painted frame stays"
-    workspace.redo(SEQUENCE, "ada")
+    workspace.labels.redo(SEQUENCE, "ada")
     assert label(workspace, FRAMES - 1).any()
 
 
@@ -165,7 +166,7 @@ def test_tracking_backward(workspace: Workspace) -> None:
 
 
 def test_painted_points_beat_tracked_ones(workspace: Workspace) -> None:
-    other = workspace.create_label(SEQUENCE, "ada", name="other").id
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0)
     paint(workspace, 3, other)
     track(workspace, labels=[1])
@@ -175,7 +176,7 @@ def test_painted_points_beat_tracked_ones(workspace: Workspace) -> None:
 
 
 def test_a_label_ends_where_it_is_lost_unless_it_is_looked_for(workspace: Workspace) -> None:
-    other = workspace.create_label(SEQUENCE, "ada", name="other").id
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0)
     paint(workspace, 3, other)
     track(workspace, labels=[1])
@@ -217,10 +218,10 @@ def test_what_a_person_erased_is_not_tracked_again(workspace: Workspace) -> None
 
 
 def test_never_overwrites_nothing_that_has_a_label(workspace: Workspace) -> None:
-    other = workspace.create_label(SEQUENCE, "ada", name="other").id
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0, other)
     track(workspace)
-    workspace.stroke(
+    workspace.strokes.apply(
         SEQUENCE,
         0,
         {"label": 1, "shape": "sphere", "radius": 0.15, "samples": [{"origin": [0, 0, 1]}]},
@@ -231,7 +232,7 @@ def test_never_overwrites_nothing_that_has_a_label(workspace: Workspace) -> None
 
 
 def test_what_people_paint_during_a_run_stays(workspace: Workspace) -> None:
-    other = workspace.create_label(SEQUENCE, "ada", name="other").id
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0)
 
     def listen(event: Event) -> None:
@@ -259,9 +260,9 @@ def test_a_cancelled_run_keeps_or_drops_what_it_found(workspace: Workspace, keep
             ended.set()
 
     workspace.subscribe(listen)
-    job = workspace.track(SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada")
+    job = workspace.tracking.start(SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada")
     assert found.wait(60)
-    workspace.cancel(job.id, keep=keep)
+    workspace.jobs.cancel(job.id, keep=keep)
     go_on.set()
     assert ended.wait(60)
     state = workspace.runner.wait(job.id, PATIENCE).state
@@ -288,21 +289,21 @@ def test_runs_that_cannot_be_are_refused_at_once(
     paint(workspace, 0)
     with pytest.raises(error):
         track(workspace, **options)
-    assert workspace.jobs() == []
+    assert workspace.jobs.all() == []
 
 
 def test_an_annotation_comes_back_as_it_was_put(workspace: Workspace) -> None:
     wanted = np.random.default_rng(0).integers(0, 2, WALL + 600).astype(np.uint16)
-    _, revision = workspace.annotation(SEQUENCE, 2)
-    workspace.put_annotation(SEQUENCE, 2, wanted, author="ada", if_match=revision)
+    _, revision = workspace.annotations.read(SEQUENCE, 2)
+    workspace.annotations.put(SEQUENCE, 2, wanted, author="ada", if_match=revision)
     assert np.array_equal(label(workspace, 2), wanted)
     assert set(provenance(workspace, 2)[wanted > 0].tolist()) == {3}
     with pytest.raises(ConflictError):
-        workspace.put_annotation(SEQUENCE, 2, wanted, author="ada", if_match=revision)
+        workspace.annotations.put(SEQUENCE, 2, wanted, author="ada", if_match=revision)
     with pytest.raises(BadInputError, match="palette"):
-        workspace.put_annotation(SEQUENCE, 2, wanted * 50, author="ada")
+        workspace.annotations.put(SEQUENCE, 2, wanted * 50, author="ada")
     with pytest.raises(BadInputError, match="expected"):
-        workspace.put_annotation(SEQUENCE, 2, wanted[:-1], author="ada")
+        workspace.annotations.put(SEQUENCE, 2, wanted[:-1], author="ada")
 
 
 def test_labels_that_came_with_the_files_are_a_first_edit(
@@ -311,11 +312,11 @@ def test_labels_that_came_with_the_files_are_a_first_edit(
     xyz = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32)
     given = np.repeat(np.array([0, 5], np.uint16), 25)
     np.savez(tmp_path / "labelled.npz", xyz=xyz, label=given)
-    job = workspace.import_paths([tmp_path / "labelled.npz"])
+    job = workspace.imports.begin([tmp_path / "labelled.npz"])
     assert workspace.runner.wait(job.id, PATIENCE).state == "done"
-    assert np.array_equal(workspace.annotation("labelled", 0)[0], given)
-    assert set(workspace.annotation("labelled", 0, "provenance")[0].tolist()) == {0, 3}
-    assert [entry.id for entry in workspace.palette("labelled")] == [5]
+    assert np.array_equal(workspace.annotations.read("labelled", 0)[0], given)
+    assert set(workspace.annotations.read("labelled", 0, "provenance")[0].tolist()) == {0, 3}
+    assert [entry.id for entry in workspace.labels.palette("labelled")] == [5]
 
 
 def test_exported_labels_keep_their_names_when_imported_again(
@@ -323,10 +324,12 @@ def test_exported_labels_keep_their_names_when_imported_again(
 ) -> None:
     paint(workspace, 0)
     workspace.export(SEQUENCE, "ply", tmp_path / "again")
-    job = workspace.import_paths([tmp_path / "again"])
+    job = workspace.imports.begin([tmp_path / "again"])
     assert workspace.runner.wait(job.id, PATIENCE).state == "done"
-    first, again = workspace.palette(SEQUENCE), workspace.palette("again")
-    painted = {int(label) for label in np.unique(workspace.annotation("again", 0)[0]) if label}
+    first, again = workspace.labels.palette(SEQUENCE), workspace.labels.palette("again")
+    painted = {
+        int(label) for label in np.unique(workspace.annotations.read("again", 0)[0]) if label
+    }
     assert painted
     for label in again:
         original = next(entry for entry in first if entry.id == label.id)
@@ -335,7 +338,7 @@ def test_exported_labels_keep_their_names_when_imported_again(
 
 def test_a_recording_without_any_point_is_refused(workspace: Workspace, tmp_path: Path) -> None:
     np.savez(tmp_path / "nothing.npz", xyz=np.empty((0, 3)))
-    job = workspace.runner.wait(workspace.import_paths([tmp_path / "nothing.npz"]).id, PATIENCE)
+    job = workspace.runner.wait(workspace.imports.begin([tmp_path / "nothing.npz"]).id, PATIENCE)
     assert job.state == "failed"
     assert "expected points, got none in 1 frame(s)" in str(job.error)
     assert not (workspace.library.folder / "nothing").exists()
@@ -343,10 +346,10 @@ def test_a_recording_without_any_point_is_refused(workspace: Workspace, tmp_path
 
 def test_a_removed_recording_is_gone_with_its_labels(workspace: Workspace) -> None:
     paint(workspace, 0)
-    workspace.delete_sequence(SEQUENCE)
-    assert workspace.sequences() == []
+    workspace.deletion.delete(SEQUENCE)
+    assert workspace.library.manifests() == []
     with pytest.raises(NotFoundError):
-        workspace.palette(SEQUENCE)
+        workspace.labels.palette(SEQUENCE)
     assert [path.name for path in workspace.library.folder.iterdir()] == [".deleted"]
 
 
@@ -358,10 +361,10 @@ def test_labels_of_files_are_there_after_a_kill_between_import_and_labels(tmp_pa
     import_frames(marked, folder, sequence_id="marked", name="marked", fps=30)
     for _ in range(2):
         with closing(Workspace(settings)) as workspace:
-            assert [entry.name for entry in workspace.palette("marked")] == ["class 7"]
-            assert len(workspace.edits("marked", None, 10)) == 1
-            np.testing.assert_array_equal(workspace.annotation("marked", 3)[0], label)
+            assert [entry.name for entry in workspace.labels.palette("marked")] == ["class 7"]
+            assert len(workspace.labels.edits("marked")) == 1
+            np.testing.assert_array_equal(workspace.annotations.read("marked", 3)[0], label)
     with closing(Workspace(settings)) as workspace:
-        workspace.undo("marked", "import")
+        workspace.labels.undo("marked", "import")
     with closing(Workspace(settings)) as workspace:
-        assert workspace.palette("marked") == []
+        assert workspace.labels.palette("marked") == []

@@ -30,9 +30,11 @@ def demo(given: argparse.Namespace, settings: Settings) -> None:
     from pointbrush.web.server import run
 
     with closing(Workspace(settings)) as workspace:
-        if not any(manifest.source.startswith("sample") for manifest in workspace.sequences()):
-            job = workspace.import_sample(frames=given.sample_frames)
-            follow(workspace.job, job)
+        if not any(
+            manifest.source.startswith("sample") for manifest in workspace.library.manifests()
+        ):
+            job = workspace.imports.begin_sample(frames=given.sample_frames)
+            follow(workspace.jobs.get, job)
         # Ctrl+C is how a server ends; it drains first, and that is no failure.
         with suppress(KeyboardInterrupt):
             run(workspace, settings)
@@ -52,22 +54,22 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
     """Import files as one recording and print its id, or what would be imported."""
     from pointbrush.formats import Limits
     from pointbrush.formats.corrections import Corrections, parse_corrections
-    from pointbrush.work.imports.previewing import PreviewRequest, preview
+    from pointbrush.work.imports.previewing import preview
+    from pointbrush.work.imports.requests import ImportRequest
 
     chosen = parse_corrections({f.name: getattr(given, f.name) for f in fields(Corrections)})
     if given.dry_run:
-        limits = Limits(settings.max_frame_points)
-        request = PreviewRequest(tuple(given.paths), chosen, limits, given.name, given.fps)
-        printing.preview(asdict(preview(request)))
+        request = ImportRequest(tuple(given.paths), given.name, given.fps, chosen)
+        printing.preview(asdict(preview(request, Limits(settings.max_frame_points))))
         return
     with closing(Workspace(settings)) as workspace:
-        job = workspace.import_paths(
+        job = workspace.imports.begin(
             given.paths,
             name=given.name,
             fps=given.fps,
             chosen=chosen,
         )
-        result = follow(workspace.job, job)
+        result = follow(workspace.jobs.get, job)
         printing.imported(result)
 
 
@@ -77,21 +79,21 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
 
     with closing(Workspace(settings)) as workspace:
         if given.path is None:
-            workspace.import_source_labels(given.sequence, AUTHOR)
+            workspace.imports.bring_labels(given.sequence, AUTHOR)
             printing.source_labels_imported(given.sequence)
             return
-        job = workspace.import_labels(
+        job = workspace.imports.begin_labels(
             given.sequence,
             given.path,
             AUTHOR,
-            label_format=given.format,
-            names=None if given.map is None else read_map(given.map),
+            format=given.format,
+            names={} if given.map is None else read_map(given.map),
             dry_run=given.dry_run,
             no_ground=given.no_ground,
             by_order=given.by_order,
             field=given.field,
         )
-        result = follow(workspace.job, job)
+        result = follow(workspace.jobs.get, job)
         frames = len(workspace.recording(given.sequence))
         printing.labels_imported(result, frames, dry_run=given.dry_run)
 
@@ -101,9 +103,9 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
     with closing(Workspace(settings)) as workspace:
         labels = None
         if given.labels:
-            palette = workspace.palette(given.sequence)
+            palette = workspace.labels.palette(given.sequence)
             labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
-        job = workspace.track(
+        job = workspace.tracking.start(
             given.sequence,
             start=given.start,
             stop=given.stop,
@@ -111,7 +113,7 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             author=AUTHOR,
             **RunOptions.of(given),
         )
-        result = follow(workspace.job, job)
+        result = follow(workspace.jobs.get, job)
         printing.tracked(result)
 
 
@@ -131,18 +133,18 @@ def info(given: argparse.Namespace, settings: Settings) -> None:
     """List the recordings, or describe one."""
     with closing(Workspace(settings)) as workspace:
         if given.sequence is None:
-            for entry in workspace.listing():
+            for entry in workspace.listing.all():
                 printing.line(entry.id, entry.manifest, entry.damaged, entry.labels_missing)
             return
         manifest = workspace.recording(given.sequence).manifest
-        revision = workspace.store.revision(manifest.id)
-        printing.facts(manifest, revision, workspace.palette(given.sequence))
+        revision = workspace.labels.revision(manifest.id)
+        printing.facts(manifest, revision, workspace.labels.palette(given.sequence))
 
 
 def token(given: argparse.Namespace, settings: Settings) -> None:
     """Add, list or revoke tokens."""
     with closing(Workspace(settings)) as workspace:
-        tokens = workspace.store.tokens
+        tokens = workspace.labels.tokens
         if given.action == "list":
             for entry in tokens.list():
                 status = "valid" if entry.valid else "revoked" if entry.revoked else "expired"
@@ -187,15 +189,19 @@ def check(given: argparse.Namespace, settings: Settings) -> None:
             print(problem)
         raise
     with closing(workspace):
-        wanted = [given.sequence] if given.sequence else [entry.id for entry in workspace.listing()]
+        wanted = (
+            [given.sequence] if given.sequence else [entry.id for entry in workspace.listing.all()]
+        )
         if given.repair:
-            repaired = workspace.repair(wanted)
+            repaired = workspace.listing.repair(wanted)
             for line in repaired.rebuilt:
                 print(f"rebuilt: {line}")
             problems = [f"cannot be rebuilt: {line}" for line in repaired.lost]
         else:
-            problems = workspace.check_database()
-            problems += [f"{name}: {line}" for name in wanted for line in workspace.check(name)]
+            problems = workspace.labels.integrity()
+            problems += [
+                f"{name}: {line}" for name in wanted for line in workspace.listing.problems(name)
+            ]
         for problem in problems:
             print(problem)
         if problems:
@@ -234,8 +240,10 @@ def headset_report(given: argparse.Namespace, settings: Settings) -> None:  # no
 
 def backup(given: argparse.Namespace, settings: Settings) -> None:
     """Copy recordings and labels into a new folder."""
+    from pointbrush.work.backup import make_backup
+
     with closing(Workspace(settings)) as workspace:
-        workspace.backup(given.target)
+        make_backup(workspace.labels, workspace.library, given.target)
     print(f"backed up to {given.target}")
 
 

@@ -49,7 +49,7 @@ def complete(workspace: Path) -> None:
 
 def _complete(workspace: Path) -> None:
     with closing(Workspace(Settings(workspace=workspace))) as opened:
-        for manifest in opened.sequences():
+        for manifest in opened.library.manifests():
             recording, version = opened.recording(manifest.id), make_selector(BUILT_IN).version
             for frame in range(len(recording)):
                 files = StateFiles(workspace / "objects", 0)

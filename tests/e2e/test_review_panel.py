@@ -25,13 +25,13 @@ PIN = 1
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     """The sample, its first frame painted, a pin tracked to the end."""
     with closing(Workspace(Settings(workspace=tmp_path_factory.mktemp("ws")))) as opened:
-        job = opened.import_sample(frames=FRAMES)
+        job = opened.imports.begin_sample(frames=FRAMES)
         assert opened.runner.wait(job.id, PATIENCE).state == "done"
-        (manifest,) = opened.sequences()
+        (manifest,) = opened.library.manifests()
         truth = np.asarray(generate("juggling", frames=1).truth[0])
         truth = truth[opened.recording(manifest.id)[0].source_index]
         points = np.flatnonzero(truth == PIN)
-        opened.store.apply(
+        opened.labels.apply(
             manifest.id,
             edit_id=None,
             author="ada",
@@ -39,13 +39,13 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
             writes={0: Write(points, label=PIN, provenance=1)},
             summary="painted",
         )
-        job = opened.track(manifest.id, start=0, stop=FRAMES - 1, author="ada")
+        job = opened.tracking.start(manifest.id, start=0, stop=FRAMES - 1, author="ada")
         assert opened.runner.wait(job.id, PATIENCE).state == "done"
         yield opened
 
 
 def opened(workspace: Workspace, **options: object) -> ReviewPanel:
-    panel = review.open(workspace, workspace.sequences()[0].id, port=0, **options)
+    panel = review.open(workspace, workspace.library.manifests()[0].id, port=0, **options)
     panel.explained()
     panel.go_to(2)
     return panel
@@ -72,10 +72,10 @@ def test_iterations_of_icp_are_stepped_through(workspace: Workspace, browser: Br
 
 
 def test_a_range_is_rejected_and_accepted(workspace: Workspace, browser: Browser) -> None:
-    sequence = workspace.sequences()[0].id
+    sequence = workspace.library.manifests()[0].id
 
     def provenance(frame: int) -> set[int]:
-        values = workspace.values(sequence, frame)
+        values = workspace.labels.values(sequence, frame)
         return set(values.provenance[values.label == PIN].tolist())
 
     with closing(opened(workspace)) as panel:
@@ -84,7 +84,7 @@ def test_a_range_is_rejected_and_accepted(workspace: Workspace, browser: Browser
         page.get_by_role("button", name="Accept").click()
         expect(page.get_by_text("accepted frames 0 to 4")).to_be_visible()
         assert [provenance(frame) for frame in range(FRAMES)] == [{1}] * FRAMES
-        workspace.undo(sequence, "review")
+        workspace.labels.undo(sequence, "review")
         page.get_by_role("button", name="Reject").click()
         expect(page.get_by_text("rejected frames 0 to 4")).to_be_visible()
         # What a person painted stays.

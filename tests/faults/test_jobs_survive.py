@@ -73,9 +73,9 @@ def test_a_job_of_one_server_is_seen_and_cancelled_at_another(tmp_path: Path) ->
             workspace.keep_jobs()
         told: list[object] = []
         there.subscribe(told.append)
-        job = here.import_sample(frames=500)
-        assert there.job(job.id).state == "queued"
+        job = here.imports.begin_sample(frames=500)
+        assert there.jobs.get(job.id).state == "queued"
         eventually(lambda: any(getattr(event, "id", "") == job.id for event in told))
-        there.cancel(job.id)
+        there.jobs.cancel(job.id)
         assert here.runner.wait(job.id, PATIENCE).state == "cancelled"
-        eventually(lambda: there.job(job.id).state == "cancelled")
+        eventually(lambda: there.jobs.get(job.id).state == "cancelled")

@@ -54,10 +54,10 @@ def painted(folder: Path) -> Path:
     settings = settings_in(folder)
     add_sequence(settings, SEQUENCE, frames=2, points=20_000)
     workspace = Workspace(settings)
-    workspace.create_label(SEQUENCE, "ann", name="pin")
+    workspace.labels.create_label(SEQUENCE, "ann", name="pin")
     label = np.zeros(20_000, np.uint16)
     label[:1000] = 1
-    workspace.put_annotation(SEQUENCE, 0, label, author="ann")
+    workspace.annotations.put(SEQUENCE, 0, label, author="ann")
     workspace.close()
     return settings.workspace
 
@@ -180,7 +180,7 @@ def test_a_database_that_may_only_be_read(tmp_path: Path, postgres_url: str) -> 
     settings = settings_in(tmp_path, database=postgres_url)
     add_sequence(settings, SEQUENCE, frames=2, points=20_000)
     workspace = Workspace(settings)
-    workspace.create_label(SEQUENCE, "ann", name="pin")
+    workspace.labels.create_label(SEQUENCE, "ann", name="pin")
     workspace.close()
     add_sequence(settings, "late", frames=1, points=1_000)  # which the database does not know
     name = postgres_url.rpartition("/")[2]
@@ -189,14 +189,14 @@ def test_a_database_that_may_only_be_read(tmp_path: Path, postgres_url: str) -> 
     workspace = Workspace(settings)
     try:
         assert "read-only" in workspace.read_only
-        assert [label.name for label in workspace.palette(SEQUENCE)] == ["pin"]
-        assert workspace.check(SEQUENCE) == []
+        assert [label.name for label in workspace.labels.palette(SEQUENCE)] == ["pin"]
+        assert workspace.listing.problems(SEQUENCE) == []
         workspace.export(SEQUENCE, "ply", tmp_path / "out")
         with pytest.raises(ReadOnlyError, match="read-only"):
-            workspace.create_label(SEQUENCE, "ann", name="bottle")
+            workspace.labels.create_label(SEQUENCE, "ann", name="bottle")
         with pytest.raises(ReadOnlyError, match="read-only"):
-            workspace.stroke(SEQUENCE, 0, STROKE, "ann")
+            workspace.strokes.apply(SEQUENCE, 0, STROKE, "ann")
         with pytest.raises(ReadOnlyError, match="read-only"):
-            workspace.track(SEQUENCE, start=0, stop=1, author="ann")
+            workspace.tracking.start(SEQUENCE, start=0, stop=1, author="ann")
     finally:
         workspace.close()

@@ -32,6 +32,12 @@ def random_edit(rng: random.Random) -> dict[str, Any]:
     return edit
 
 
+def _made(store: LabelStore, sequence: str, edit_id: str) -> Commit:
+    commit = store.find(sequence, edit_id)
+    assert commit is not None
+    return commit
+
+
 def apply_to_store(
     store: LabelStore, sequence: str, author: str, edit_id: str, edit: dict[str, Any]
 ) -> Commit:
@@ -42,11 +48,11 @@ def apply_to_store(
         case "redo":
             return store.redo(sequence, author, edit_id)
         case "create":
-            return store.create_label(sequence, author, name="new", edit_id=edit_id)[1]
+            store.create_label(sequence, author, name="new", edit_id=edit_id)
+            return _made(store, sequence, edit_id)
         case "rename":
-            return store.update_label(
-                sequence, author, edit["label"], name=edit["name"], edit_id=edit_id
-            )[1]
+            store.update_label(sequence, author, edit["label"], name=edit["name"], edit_id=edit_id)
+            return _made(store, sequence, edit_id)
         case "delete":
             return store.delete_label(sequence, author, edit["label"], edit_id=edit_id)
     frames = range(3) if edit["kind"] == "run" else [edit["frame"]]

@@ -35,7 +35,7 @@ def counted(labels: NDArray[np.uint16]) -> dict[str, int]:
 
 
 def told(workspace: Workspace, sequence: str) -> dict[str, Any]:
-    store = workspace.store
+    store = workspace.labels
     manifest = workspace.recording(sequence).manifest
     values = [store.values(sequence, frame) for frame in range(manifest.frames)]
     return {
@@ -56,26 +56,26 @@ def told(workspace: Workspace, sequence: str) -> dict[str, Any]:
 def test_everything_is_there(old: Workspace) -> None:
     for sequence, expected in EXPECTED["sequences"].items():
         assert told(old, sequence) == expected
-        assert old.check(sequence) == []
+        assert old.listing.problems(sequence) == []
         # Imports of before left class names out, and have none after a change either.
         old.update_sequence(sequence, fps=5.0)
         assert old.recording(sequence).manifest.classes == []
-    assert [entry.damaged for entry in old.listing()] == [None, None]
-    valid = [old.store.tokens.check(secret) is not None for secret in EXPECTED["secrets"].values()]
+    assert [entry.damaged for entry in old.listing.all()] == [None, None]
+    valid = [old.labels.tokens.check(secret) is not None for secret in EXPECTED["secrets"].values()]
     assert valid.count(False) == 1
 
 
 def test_undo_goes_on(old: Workspace) -> None:
-    before = old.annotation("ball", 1)[0]
-    author = next(edit.author for edit in old.edits("ball") if edit.kind == "tracking")
-    old.undo("ball", author)
-    assert not np.array_equal(old.annotation("ball", 1)[0], before)
-    old.redo("ball", author)
-    np.testing.assert_array_equal(old.annotation("ball", 1)[0], before)
+    before = old.annotations.read("ball", 1)[0]
+    author = next(edit.author for edit in old.labels.edits("ball") if edit.kind == "tracking")
+    old.labels.undo("ball", author)
+    assert not np.array_equal(old.annotations.read("ball", 1)[0], before)
+    old.labels.redo("ball", author)
+    np.testing.assert_array_equal(old.annotations.read("ball", 1)[0], before)
 
 
 def test_labels_belong_to_their_import_from_then_on(old: Workspace) -> None:
-    known = {row.id: row.identity for row in old.store.recordings.live()}
+    known = {row.id: row.identity for row in old.labels.recordings.live()}
     assert known == {name: told["identity"] for name, told in EXPECTED["sequences"].items()}
 
 
@@ -84,19 +84,21 @@ def test_a_workspace_of_the_version_before_opens_with_its_trash_and_tokens(
 ) -> None:
     with closing(Workspace(settings)) as workspace:
         workspace.update_sequence("ball", fps=5.0)  # so that this version writes a manifest
-        workspace.delete_sequence("hall")
-        author = next(edit.author for edit in workspace.edits("ball") if edit.kind == "tracking")
-        workspace.undo("ball", author)
+        workspace.deletion.delete("hall")
+        author = next(
+            edit.author for edit in workspace.labels.edits("ball") if edit.kind == "tracking"
+        )
+        workspace.labels.undo("ball", author)
         before = told(workspace, "ball")
-        secret = workspace.store.tokens.add("annotator", "new", None)
+        secret = workspace.labels.tokens.add("annotator", "new", None)
     make_older(settings, "0011", 6, ("dataset", "palette"))
     with closing(Workspace(settings)) as workspace:
         assert told(workspace, "ball") == before
-        assert [entry.labels_missing for entry in workspace.listing()] == [None]
-        assert workspace.store.tokens.check(secret) is not None
-        workspace.redo("ball", author)
-        workspace.restore_sequence("hall")
+        assert [entry.labels_missing for entry in workspace.listing.all()] == [None]
+        assert workspace.labels.tokens.check(secret) is not None
+        workspace.labels.redo("ball", author)
+        workspace.deletion.restore("hall")
         assert told(workspace, "hall") == EXPECTED["sequences"]["hall"]
         tracked = EXPECTED["sequences"]["ball"]["annotation"]
         assert told(workspace, "ball")["annotation"] == tracked
-        assert [workspace.check(name) for name in EXPECTED["sequences"]] == [[], []]
+        assert [workspace.listing.problems(name) for name in EXPECTED["sequences"]] == [[], []]

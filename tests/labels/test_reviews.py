@@ -12,6 +12,7 @@ import pytest
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels import LabelStore, Review
+from pointbrush.work.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import EXPECTED, old_workspace
 
@@ -80,7 +81,7 @@ def test_a_workspace_of_before_is_reviewed_and_backed_up_with_that(
     frames = len(EXPECTED["sequences"]["ball"]["points"])
     assert old.reviewing.overview("ball").counts["open"] == frames
     old.reviewing.put("ball", "ada", Review(0, 1, state="accepted"))
-    old.backup(tmp_path / "backup")
+    make_backup(old.labels, old.library, tmp_path / "backup")
     restored = old.restore_from_backup(tmp_path / "backup", "ball")
     assert old.reviewing.overview(restored).counts["accepted"] == 2
-    assert old.check("ball") == []
+    assert old.listing.problems("ball") == []

@@ -96,11 +96,11 @@ def test_a_stroke_and_a_read_wait_for_few_round_trips(
     parts = urlsplit(postgres_url)
     url = postgres_url.replace(f":{parts.port}/", f":{proxy.port}/")
     with closing(Workspace(Settings(workspace=place, database=url))) as workspace:
-        store = workspace.store
+        store = workspace.labels
         store.create_label("s", "ann", name="one")
 
         def stroke(turn: int) -> None:
-            workspace.stroke(
+            workspace.strokes.apply(
                 "s",
                 0,
                 {

@@ -235,7 +235,7 @@ def test_labels_of_an_import_are_part_of_its_edit(store: LabelStore) -> None:
     store.redo(SEQ, "ann")
     assert [label.name for label in store.palette(SEQ)] == ["road"]
     assert store.counts(SEQ) == {(1, 40): (5, 0)}
-    assert store.create_label(SEQ, "ann", name="x")[0].id == 41
+    assert store.create_label(SEQ, "ann", name="x").id == 41
 
 
 def test_a_label_id_keeps_its_meaning_over_undo_and_redo(store: LabelStore) -> None:

@@ -43,12 +43,12 @@ def test_the_page_is_served_and_jumps_between_doubts(tmp_path: Path) -> None:
     settings = settings_in(tmp_path)
     add_sequence(settings, "walls", frames=6, points=2000)
     with closing(Workspace(settings)) as workspace:
-        workspace.create_label("walls", "ada", name="wall")
+        workspace.labels.create_label("walls", "ada", name="wall")
         tracks = [
             {"frame": frame, "label": 1, "state": state, "confidence": 0.9, **REST}
             for frame, state in ((1, "tracked"), (2, "lost"), (4, "lost"))
         ]
-        workspace.store.apply(
+        workspace.labels.apply(
             "walls",
             edit_id=None,
             author="ada",

@@ -24,7 +24,7 @@ def run(scenario: Scenario) -> None:
 
 
 def stored_values(served: Served, frame: int) -> np.ndarray[Any, Any]:
-    values = served.workspace.store.values("wall", frame)
+    values = served.workspace.labels.values("wall", frame)
     return np.where(values.deleted, np.uint16(65535), values.label)
 
 

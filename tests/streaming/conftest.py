@@ -18,7 +18,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     add_sequence(settings, "other", frames=1, points=500)
     with serving(settings) as running:
         for name in ("wall", "other"):
-            running.workspace.create_label(name, "somebody", name="pin")
+            running.workspace.labels.create_label(name, "somebody", name="pin")
         yield running
 
 

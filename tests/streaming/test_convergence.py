@@ -199,12 +199,12 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     add_sequence(chosen, "wall", frames=FRAMES, points=9_000)
     with closing(Workspace(chosen)) as opened:
         for number in range(LABELS):
-            opened.create_label("wall", "setup", name=f"label {number}")
+            opened.labels.create_label("wall", "setup", name=f"label {number}")
         yield opened
 
 
 def stored(workspace: Workspace) -> list[np.ndarray[Any, Any]]:
-    found = [workspace.store.values("wall", frame) for frame in range(FRAMES)]
+    found = [workspace.labels.values("wall", frame) for frame in range(FRAMES)]
     return [np.where(v.deleted, np.uint16(65535), v.label) for v in found]
 
 

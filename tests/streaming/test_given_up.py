@@ -28,7 +28,7 @@ def served(tmp_path: Path) -> Iterator[Served]:
         fps=30.0,
     )
     with serving(settings) as running:
-        running.workspace.create_label("wall", "somebody", name="pin")
+        running.workspace.labels.create_label("wall", "somebody", name="pin")
         yield running
 
 
@@ -53,7 +53,7 @@ def test_a_stroke_that_is_given_up_leaves_nothing(served: Served) -> None:
             assert "has begun" in (await client.until("error", about=stroke))["detail"]
 
     run(scenario)
-    assert [edit.kind for edit in served.workspace.edits("wall")] == ["label"]
+    assert [edit.kind for edit in served.workspace.labels.edits("wall")] == ["label"]
 
 
 @pytest.mark.parametrize(
@@ -95,13 +95,13 @@ def test_a_stroke_ends_where_its_label_may_not_be_painted_with_any_more(
             await client.send(type="stroke_samples", id=stroke, samples=[sample])
             await client.until("stroke_result", id=stroke)
             if change is None:
-                workspace.delete_label("wall", "somebody", 1)
+                workspace.labels.delete_label("wall", "somebody", 1)
             else:
-                workspace.update_label("wall", "somebody", 1, **change)
+                workspace.labels.update_label("wall", "somebody", 1, **change)
             await client.send(type="stroke_samples", id=stroke, samples=[sample])
             refused = await client.until("error", about=stroke)
             assert "label" in refused["detail"]
             await client.send(type="stroke_end", id=stroke)
 
     run(scenario)
-    assert {edit.kind for edit in workspace.edits("wall")} == {"label"}
+    assert {edit.kind for edit in workspace.labels.edits("wall")} == {"label"}

@@ -27,7 +27,7 @@ def scan(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         patch.setattr(importer, "LARGE_POINTS", 50_000)
         add_sequence(settings, "scan", frames=1, points=POINTS)
     with serving(settings) as running:
-        running.workspace.create_label("scan", "somebody", name="pin")
+        running.workspace.labels.create_label("scan", "somebody", name="pin")
         yield running
 
 
@@ -110,7 +110,7 @@ def test_a_stroke_on_a_scan_is_right_in_every_chunk(scan: Served) -> None:
             await receive_chunks(client, len(table))
             while client.frames[0].revision < done["revision"]:
                 await client.receive()
-            values = scan.workspace.store.values("scan", 0).label
+            values = scan.workspace.labels.values("scan", 0).label
             assert client.frames[0].values is not None
             np.testing.assert_array_equal(client.frames[0].values, values)
 
@@ -135,7 +135,7 @@ def test_an_edit_of_most_of_a_scan_brings_the_values_of_the_chunks_that_are_here
             everything = {"shape": "box", "center": [0, 0, 0], "size": [999, 999, 999]}
             brush = {"tool": "paint", "label": 1, **everything}
             commit = await asyncio.to_thread(
-                scan.workspace.stroke, "scan", 0, {"samples": [], **brush}, "somebody"
+                scan.workspace.strokes.apply, "scan", 0, {"samples": [], **brush}, "somebody"
             )
             assert commit.changed > 1_000
             came = []
@@ -146,7 +146,7 @@ def test_an_edit_of_most_of_a_scan_brings_the_values_of_the_chunks_that_are_here
             spans = [(message["first"], message["count"]) for message in came]
             assert spans == [(table[c]["first"], table[c]["count"]) for c in here]
             assert all(message["base"] is None for message in came)
-            values = scan.workspace.store.values("scan", 0).label
+            values = scan.workspace.labels.values("scan", 0).label
             held = client.frames[0].values
             assert held is not None
             for first, count in spans:

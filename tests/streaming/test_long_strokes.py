@@ -29,8 +29,8 @@ def served(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
     settings = settings_in(tmp_path)
     add_sequence(settings, "wall", frames=2, points=30_000)
     with serving(settings) as running:
-        running.workspace.create_label("wall", "somebody", name="pin")
-        running.workspace.create_label("wall", "somebody", name="ball")
+        running.workspace.labels.create_label("wall", "somebody", name="pin")
+        running.workspace.labels.create_label("wall", "somebody", name="ball")
         yield running
 
 
@@ -83,7 +83,7 @@ def test_others_are_answered_between_the_parts_of_a_long_stroke(served: Served, 
         frame = served.workspace.recording("wall")[0]
         whole = {"label": 1, "shape": shape, "radius": 0.05, "samples": rays(SAMPLES)}
         expected = select(frame_points(frame), Stroke.parse(whole))
-        values = served.workspace.store.values("wall", 0)
+        values = served.workspace.labels.values("wall", 0)
         np.testing.assert_array_equal(np.flatnonzero(values.label == 1), expected)
         assert result["changed"] == len(expected) > 500
 

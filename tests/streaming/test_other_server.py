@@ -28,14 +28,14 @@ def there(tmp_path: Path, postgres_url: str) -> Iterator[Served]:  # noqa: F811
     settings = settings_in(tmp_path, database=postgres_url, statement_seconds=1)
     add_sequence(settings, "wall", frames=2, points=POINTS)
     with serving(settings) as running:
-        running.workspace.create_label("wall", "somebody", name="pin")
+        running.workspace.labels.create_label("wall", "somebody", name="pin")
         yield running
 
 
 def paint(here: Workspace, author: str, points: int) -> int:
     """Label the first points of frame 0; the revision."""
     write = Write(np.arange(points), label=1, provenance=1)
-    return here.store.apply(
+    return here.labels.apply(
         "wall",
         edit_id=str(uuid.uuid4()),
         author=author,

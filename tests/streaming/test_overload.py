@@ -80,10 +80,10 @@ def test_a_stroke_too_many_is_refused_in_words_and_what_waits_is_applied(tmp_pat
             again = await begun(second)
             await second.send(type="stroke_end", id=again)
             await second.until("stroke_result", id=again, final=True)
-        made = {edit.id for edit in served.workspace.edits("wall")}
+        made = {edit.id for edit in served.workspace.labels.edits("wall")}
         assert made.isdisjoint(refused)
         assert made >= {waits, again}
 
     with serving(settings) as served:
-        served.workspace.create_label("wall", "somebody", name="pin")
+        served.workspace.labels.create_label("wall", "somebody", name="pin")
         run(scenario)

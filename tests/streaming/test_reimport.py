@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pointbrush.sequences import import_frames
-from pointbrush.workspace import SequencesChanged
+from pointbrush.work.events import SequencesChanged
 from tests.serving import Served, serving, settings_in, surface
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
@@ -28,13 +28,13 @@ def put_in_place(served: Served, seed: int) -> None:
         name="wall",
         fps=30.0,
     )
-    workspace.store.register("wall", [POINTS] * FRAMES)
-    workspace.create_label("wall", "somebody", name=f"pin {seed}")
+    workspace.labels.register("wall", [POINTS] * FRAMES)
+    workspace.labels.create_label("wall", "somebody", name=f"pin {seed}")
 
 
 def replace(served: Served, seed: int) -> None:
     """Delete what is there; the same as over REST, where nothing runs beside it."""
-    served.workspace.delete_sequence("wall")
+    served.workspace.deletion.delete("wall")
     put_in_place(served, seed)
 
 
@@ -55,13 +55,13 @@ async def look(client: Viewer, served: Served) -> None:
         held = client.frames[frame]
         assert b"".join(held.data) == bytes(stored.wire(0, len(stored.chunks)))
         np.testing.assert_array_equal(
-            held.values, served.workspace.store.values("wall", frame).label
+            held.values, served.workspace.labels.values("wall", frame).label
         )
 
 
 def paint_all(served: Served, frame: int) -> None:
     values = np.ones(POINTS, np.uint16)
-    served.workspace.put_annotation("wall", frame, values, author="somebody")
+    served.workspace.annotations.put("wall", frame, values, author="somebody")
 
 
 def test_who_opens_it_later_sees_the_new_one(served: Served) -> None:
@@ -106,9 +106,9 @@ def test_who_has_it_open_is_told_and_sent_everything_anew(served: Served) -> Non
             await look(client, served)
             # As when the server gets round to telling of both changes at once.
             shutil.rmtree(served.workspace.library.folder / "wall")
-            served.workspace.store.forget("wall")
+            served.workspace.labels.forget("wall")
             put_in_place(served, 200)
-            served.workspace._publish(SequencesChanged("wall"))
+            served.workspace._listeners.tell(SequencesChanged("wall"))
             new = await client.until("sequence")
             assert new["identity"] != old["identity"]
             client.frames.clear()

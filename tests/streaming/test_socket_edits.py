@@ -213,8 +213,8 @@ def test_deleted_points_have_their_own_value(served: Served) -> None:
 
 
 def test_locked_and_unknown_labels(served: Served) -> None:
-    locked = served.workspace.create_label("wall", "somebody", name="locked")
-    served.workspace.update_label("wall", "somebody", locked.id, locked=True)
+    locked = served.workspace.labels.create_label("wall", "somebody", name="locked")
+    served.workspace.labels.update_label("wall", "somebody", locked.id, locked=True)
 
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
@@ -230,12 +230,12 @@ def test_locked_and_unknown_labels(served: Served) -> None:
             assert len([m for m in client.log if m["type"] == "error"]) == 2
 
     run(scenario)
-    served.workspace.update_label("wall", "somebody", locked.id, locked=False)
-    served.workspace.delete_label("wall", "somebody", locked.id)
+    served.workspace.labels.update_label("wall", "somebody", locked.id, locked=False)
+    served.workspace.labels.delete_label("wall", "somebody", locked.id)
 
 
 def test_what_a_viewer_hides_is_left_alone(served: Served) -> None:
-    under = served.workspace.create_label("wall", "somebody", name="under").id
+    under = served.workspace.labels.create_label("wall", "somebody", name="under").id
 
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
@@ -276,7 +276,7 @@ async def told_confidence(client: Viewer, label: int, frame: int) -> None:
 
 
 def test_tracking_shows_what_it_finds_and_undoes_in_one_step(served: Served) -> None:
-    label = served.workspace.create_label("wall", "somebody", name="moving").id
+    label = served.workspace.labels.create_label("wall", "somebody", name="moving").id
 
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
@@ -291,7 +291,7 @@ def test_tracking_shows_what_it_finds_and_undoes_in_one_step(served: Served) -> 
             job = await client.until("job", state="done")
             assert (job["kind"], job["sequence"]) == ("tracking", "wall")
             for frame in (10, 11):
-                await settled(client, frame, served.workspace.edits("wall")[0].revision)
+                await settled(client, frame, served.workspace.labels.edits("wall")[0].revision)
             await told_confidence(client, label, 10)
             tracked = [m for m in client.log if m["type"] == "annotation" and m["provisional"]]
             assert {message["frame"] for message in tracked} <= {9, 10, 11}

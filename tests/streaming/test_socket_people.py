@@ -47,7 +47,7 @@ def test_presence_goes_to_the_others_in_the_same_sequence(served: Served) -> Non
 
 
 def test_a_viewers_token_names_its_author_and_may_not_paint(served: Served) -> None:
-    secret = served.workspace.store.tokens.add("viewer", "looks only")
+    secret = served.workspace.labels.tokens.add("viewer", "looks only")
 
     async def scenario() -> None:
         async with viewer(served.url, secret) as client:
@@ -66,7 +66,7 @@ def test_a_viewers_token_names_its_author_and_may_not_paint(served: Served) -> N
 def test_a_revoked_tokens_socket_is_closed(served: Served) -> None:
     # A fixed time, which no other test waits for: what is promised is 5 s.
     assert RECHECK_SECONDS + CLOSE_SECONDS < 5
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     secret = tokens.add("annotator", "leaves soon")
 
     async def scenario() -> None:
@@ -82,7 +82,7 @@ def test_a_revoked_tokens_socket_is_closed(served: Served) -> None:
 
 
 def test_a_revoked_tokens_socket_that_reads_nothing_is_cut(served: Served) -> None:
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     secret = tokens.add("annotator", "reads nothing")
     metrics = f"{served.url}/api/v1/metrics"
 
@@ -125,7 +125,7 @@ def test_deleting_a_sequence_tells_its_viewers(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
             await client.open("other")
-            await asyncio.to_thread(served.workspace.delete_sequence, "other")
+            await asyncio.to_thread(served.workspace.deletion.delete, "other")
             assert (await client.until("error"))["status"] == 404
             await client.open("wall")
 

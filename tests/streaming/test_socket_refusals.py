@@ -115,7 +115,7 @@ def test_refused_handshakes(served: Served, fields: dict[str, Any], status: int)
 
 
 def test_a_viewers_question_is_refused_by_its_id(served: Served) -> None:
-    secret = served.workspace.store.tokens.add("viewer", "asks only")
+    secret = served.workspace.labels.tokens.add("viewer", "asks only")
 
     async def scenario() -> None:
         async with viewer(served.url, secret) as client:

@@ -53,7 +53,7 @@ def test_health_needs_none(anyone: httpx.Client) -> None:
 def test_a_role_may_do_what_it_is_for_and_no_more(
     served: Served, role: str, may_paint: bool, may_delete: bool
 ) -> None:
-    secret = served.workspace.store.tokens.add(role, f"a {role}")
+    secret = served.workspace.labels.tokens.add(role, f"a {role}")
     headers = {"Authorization": f"Bearer {secret}"}
     with httpx.Client(base_url=f"{served.url}/api/v1", headers=headers) as client:
         assert client.get("/me").json()["role"] == role
@@ -66,7 +66,7 @@ def test_a_role_may_do_what_it_is_for_and_no_more(
 
 
 def test_expired_and_revoked_tokens(served: Served) -> None:
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     expired = tokens.add("admin", "old", expires=time.time() - 1)
     revoked = tokens.add("admin", "gone")
     tokens.revoke(next(token.id for token in tokens.list() if token.name == "gone"))

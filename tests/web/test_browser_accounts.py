@@ -22,7 +22,7 @@ class Opened:
         self._settings = settings
         self._running = ExitStack()
         self.server = self._started()
-        self.server.workspace.create_label("wall", "somebody", name="pin")
+        self.server.workspace.labels.create_label("wall", "somebody", name="pin")
 
     def _started(self) -> Served:
         return self._running.enter_context(serving(self._settings))
@@ -61,7 +61,7 @@ class Opened:
 
     def painted(self) -> int:
         """Number of points that are painted."""
-        return int((self.server.workspace.annotation("wall", 0)[0] != 0).sum())
+        return int((self.server.workspace.annotations.read("wall", 0)[0] != 0).sum())
 
 
 @pytest.fixture
@@ -146,7 +146,7 @@ def test_a_script_with_the_servers_own_token_is_the_owner(opened: Opened) -> Non
         opened.paint(script, RIGHT)
         assert opened.undo(script) == 200
         assert opened.undo(script) == 409
-        assert opened.server.workspace.edits("wall")[1].author == "owner"
+        assert opened.server.workspace.labels.edits("wall")[1].author == "owner"
 
 
 def _account_cookie(browser: httpx.Client) -> tuple[str, str]:
@@ -156,7 +156,7 @@ def _account_cookie(browser: httpx.Client) -> tuple[str, str]:
 
 @pytest.mark.parametrize("forged", ["other account", "a token's name", "cut", "other signature"])
 def test_a_forged_account_is_a_new_one(opened: Opened, forged: str) -> None:
-    ada = opened.server.workspace.store.tokens.add("annotator", "ada")
+    ada = opened.server.workspace.labels.tokens.add("annotator", "ada")
     with browser_of(opened) as victim, httpx.Client() as thief:
         opened.paint(victim, LEFT)
         with httpx.Client(headers={"Authorization": f"Bearer {ada}"}) as person:

@@ -57,7 +57,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     settings = settings_in(tmp_path_factory.mktemp("hostile"))
     add_sequence(settings, "wall", frames=4, points=2_000)
     with serving(settings) as running:
-        running.workspace.create_label("wall", "somebody", name="pin")
+        running.workspace.labels.create_label("wall", "somebody", name="pin")
         yield running
     resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
@@ -216,9 +216,9 @@ def test_a_flood_of_strokes_hinders_nobody_else(served: Served) -> None:
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
             await client.open("wall", frame=1)
-            before = len(served.workspace.edits("wall"))
+            before = len(served.workspace.labels.edits("wall"))
             flooding = asyncio.create_task(flood(client))
-            await comes_true(lambda: len(served.workspace.edits("wall")) > before)
+            await comes_true(lambda: len(served.workspace.labels.edits("wall")) > before)
             for _ in range(3):
                 await require_service(served)
             flooding.cancel()

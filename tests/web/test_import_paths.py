@@ -57,7 +57,7 @@ def test_without_roots_only_the_admin_token_imports_from_home(own: Served, home:
     assert post(own, home / "none.xyz").status_code == 404
     answers = set()
     for role in ("manager", "admin"):
-        token = own.workspace.store.tokens.add(role, role)
+        token = own.workspace.labels.tokens.add(role, role)
         for path in (home / "points.xyz", home / "none.xyz", "/etc/passwd", "/etc/none"):
             answer = post(own, path, token)
             answers.add((answer.status_code, answer.text))
@@ -88,7 +88,7 @@ def test_named_roots_are_for_every_manager_and_for_nothing_else(home: Path, tmp_
         (inbox / name).write_text("1 2 3\n")
     (inbox / "link").symlink_to(home)
     with serving(settings_in(tmp_path, import_roots=str(inbox))) as running:
-        manager = running.workspace.store.tokens.add("manager", "Mia")
+        manager = running.workspace.labels.tokens.add("manager", "Mia")
         assert ended(running, post(running, inbox / "points.xyz", manager))["state"] == "done"
         assert post(running, inbox / "none.xyz", manager).status_code == 404
         texts = set()

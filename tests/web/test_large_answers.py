@@ -19,6 +19,7 @@ from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames, importer, source_order
 from pointbrush.work.annotate import layers
+from pointbrush.work.exporting import source_columns
 from tests.serving import Served, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import viewer
@@ -63,9 +64,9 @@ def annotate(served: Served) -> None:
     workspace = served.workspace
     for sequence in ("whole", "large"):
         for name in ("pin 1", "pin 2", "floor"):
-            workspace.create_label(sequence, "somebody", name=name)
-        workspace.put_annotation(sequence, 0, label, author="somebody")
-        workspace.put_annotation(sequence, 0, deleted, author="somebody", layer="deleted")
+            workspace.labels.create_label(sequence, "somebody", name=name)
+        workspace.annotations.put(sequence, 0, label, author="somebody")
+        workspace.annotations.put(sequence, 0, deleted, author="somebody", layer="deleted")
 
 
 def get(served: Served, path: str) -> bytes:
@@ -77,7 +78,7 @@ def get(served: Served, path: str) -> bytes:
 def test_the_large_one_is_large(both: Served) -> None:
     assert both.workspace.recording("large")[0].large
     assert not both.workspace.recording("whole")[0].large
-    assert len(list(both.workspace.points("large", 0))) == 5
+    assert len(list(source_columns(both.workspace.recording("large"), 0))) == 5
 
 
 @pytest.mark.parametrize("format", ["npy", "npz"])
@@ -146,16 +147,16 @@ def test_blocks_hold_every_point_once(both: Served, tmp_path: Path) -> None:
 
 def test_an_annotation_stays_as_it_was_while_it_is_sent(both: Served) -> None:
     workspace = both.workspace
-    before, revision = workspace.annotation("large", 0)
-    blocks, told = workspace.annotation_blocks("large", 0)
+    before, revision = workspace.annotations.read("large", 0)
+    blocks, told = workspace.annotations.blocks("large", 0)
     parts = [next(blocks)]
-    workspace.put_annotation("large", 0, np.zeros(POINTS, np.uint16), author="another")
-    assert not workspace.annotation("large", 0)[0].any()
+    workspace.annotations.put("large", 0, np.zeros(POINTS, np.uint16), author="another")
+    assert not workspace.annotations.read("large", 0)[0].any()
     parts += blocks
-    workspace.undo("large", "another")
+    workspace.labels.undo("large", "another")
     assert told == revision
     np.testing.assert_array_equal(np.concatenate(parts), before)
-    np.testing.assert_array_equal(workspace.annotation("large", 0)[0], before)
+    np.testing.assert_array_equal(workspace.annotations.read("large", 0)[0], before)
 
 
 def test_a_clipped_stroke_takes_the_same_points_by_rest_and_socket(both: Served) -> None:
@@ -193,13 +194,13 @@ def test_a_clipped_stroke_takes_the_same_points_by_rest_and_socket(both: Served)
 
     for sequence in ("whole", "large"):
         for way in (by_rest, by_socket):
-            before = workspace.annotation(sequence, 0)[0]
-            deleted = workspace.annotation(sequence, 0, layer="deleted")[0]
+            before = workspace.annotations.read(sequence, 0)[0]
+            deleted = workspace.annotations.read(sequence, 0, layer="deleted")[0]
             expected = np.where(inside & ~deleted, np.uint16(1), before)
             way(sequence)
-            np.testing.assert_array_equal(workspace.annotation(sequence, 0)[0], expected)
-            workspace.undo(sequence, workspace.store.edits(sequence)[0].author)
-            np.testing.assert_array_equal(workspace.annotation(sequence, 0)[0], before)
+            np.testing.assert_array_equal(workspace.annotations.read(sequence, 0)[0], expected)
+            workspace.labels.undo(sequence, workspace.labels.edits(sequence)[0].author)
+            np.testing.assert_array_equal(workspace.annotations.read(sequence, 0)[0], before)
 
 
 def test_frames_that_are_octrees_are_not_laid_over_one_another(tmp_path: Path) -> None:
@@ -209,7 +210,7 @@ def test_frames_that_are_octrees_are_not_laid_over_one_another(tmp_path: Path) -
         patch.setattr(importer, "LARGE_POINTS", 8_000)
         import_frames([scan(), scan()], folder, sequence_id="large", name="scan", fps=1.0)
     with serving(settings) as served:
-        served.workspace.create_label("large", "somebody", name="pin")
+        served.workspace.labels.create_label("large", "somebody", name="pin")
         frame = f"{served.url}/api/v1/sequences/large/frames/0"
         stroke = {"label": 1, "samples": [{"origin": [448_020.0, 5_411_018.0, 320.0]}]}
         answers = [
@@ -219,7 +220,7 @@ def test_frames_that_are_octrees_are_not_laid_over_one_another(tmp_path: Path) -
         for answer in answers:
             assert answer.status_code == 422, answer.text
             assert "paint its frames one by one" in answer.json()["detail"]
-        assert not served.workspace.annotation("large", 1)[0].any()
+        assert not served.workspace.annotations.read("large", 1)[0].any()
 
         async def scenario() -> None:
             async with viewer(served.url, served.token) as client:

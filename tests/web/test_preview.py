@@ -79,7 +79,7 @@ def test_a_preview_says_what_an_import_would_do_and_writes_nothing(served: Serve
     assert found["poses"] == {"source": "poses.txt", "agree": None}
     assert (found["units"]["name"], found["up"]) == ("metres", "z")
     assert any("no 'Tr'" in warning for warning in found["warnings"])
-    assert served.workspace.sequences() == []
+    assert served.workspace.library.manifests() == []
 
 
 def test_units_and_up_are_guessed_shown_and_corrected(served: Served) -> None:

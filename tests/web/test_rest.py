@@ -129,7 +129,7 @@ def test_undo_redo_and_history(api: httpx.Client) -> None:
 
 
 def test_who_has_done_nothing_can_undo_nothing(served: Served) -> None:
-    secret = served.workspace.store.tokens.add("annotator", "newcomer")
+    secret = served.workspace.labels.tokens.add("annotator", "newcomer")
     headers = {"Authorization": f"Bearer {secret}"}
     problem(httpx.post(f"{served.url}/api/v1/sequences/wall/undo", headers=headers), 409)
 

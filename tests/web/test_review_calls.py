@@ -16,7 +16,7 @@ PLACE = [0.5, -0.25, 3.0]
 @pytest.fixture(scope="module")
 def people(served: Served) -> dict[str, dict[str, str]]:
     """Headers of a person of each role."""
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     return {role: {"Authorization": f"Bearer {tokens.add(role, role)}"} for role in ROLES}
 
 
@@ -69,7 +69,7 @@ def test_frames_go_from_an_annotator_to_a_reviewer_and_back(
 def test_a_label_is_judged_in_a_frame_and_as_a_whole(
     served: Served, people: dict[str, dict[str, str]]
 ) -> None:
-    label = served.workspace.create_label("wall", "ada", name="pin").id
+    label = served.workspace.labels.create_label("wall", "ada", name="pin").id
     reviewer = people["reviewer"]
     put(served, reviewer, "frames/2/review", label=label, state="rejected").raise_for_status()
     put(served, reviewer, "review", label=label, state="accepted").raise_for_status()
@@ -79,7 +79,7 @@ def test_a_label_is_judged_in_a_frame_and_as_a_whole(
 
 
 def test_suspicious_things_come_in_order_with_their_places(served: Served) -> None:
-    names = [served.workspace.create_label("wall", "ada", name="door").id for _ in range(2)]
+    names = [served.workspace.labels.create_label("wall", "ada", name="door").id for _ in range(2)]
     stroke = {"label": names[1], "radius": 0.3, "samples": [{"origin": [0, 0, 3]}]}
     url = f"{served.url}/api/v1/sequences/wall/frames/3/strokes"
     httpx.post(url, json=stroke, headers=served.headers).raise_for_status()

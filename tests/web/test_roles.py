@@ -63,7 +63,7 @@ def test_the_docs_show_the_table() -> None:
 @pytest.fixture(scope="module")
 def tokens(served: Served) -> dict[str, str]:
     """A token of each role."""
-    return {role: served.workspace.store.tokens.add(role, f"the {role}") for role in ROLES}
+    return {role: served.workspace.labels.tokens.add(role, f"the {role}") for role in ROLES}
 
 
 def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
@@ -101,13 +101,13 @@ def test_jobs_are_cancelled_by_who_started_them_or_by_a_manager(
     served: Served, tokens: dict[str, str]
 ) -> None:
     workspace = served.workspace
-    label = workspace.create_label("wall", "somebody", name="tracked")
+    label = workspace.labels.create_label("wall", "somebody", name="tracked")
     stroke = {
         "label": label.id,
         "radius": 1.0,
         "samples": [{"origin": [0, 0, 3], "direction": [0, 0, -1], "t": 0}],
     }
-    workspace.stroke("wall", 0, stroke, "somebody")
+    workspace.strokes.apply("wall", 0, stroke, "somebody")
 
     def start() -> str:
         answer = httpx.post(
@@ -129,7 +129,7 @@ def test_jobs_are_cancelled_by_who_started_them_or_by_a_manager(
     assert cancel(CANCEL_ANY, other) in (200, 409)
 
     def ended(job_id: str) -> Job | None:
-        found = workspace.job(job_id)
+        found = workspace.jobs.get(job_id)
         return found if found.state in ("done", "cancelled", "failed") else None
 
     eventually(lambda: ended(job) and ended(other))

@@ -71,7 +71,7 @@ def test_who_paints_finds_a_worker_ready(tmp_path: Path) -> None:
     with closing(Workspace(settings)) as workspace:
         expect_tracking(workspace, after=0.0)
         before = len(multiprocessing.active_children())
-        workspace.create_label("walls", "somebody", name="wall", color="#ff0000")
+        workspace.labels.create_label("walls", "somebody", name="wall", color="#ff0000")
         eventually(lambda: len(multiprocessing.active_children()) > before)
 
 

@@ -31,7 +31,7 @@ def served(tmp_path: Path) -> Iterator[Served]:
     settings = settings_in(tmp_path)
     add_sequence(settings, "wall", frames=2, points=2_000)
     with serving(settings) as running:
-        running.workspace.create_label("wall", "somebody", name="pin")
+        running.workspace.labels.create_label("wall", "somebody", name="pin")
         yield running
 
 
@@ -64,7 +64,7 @@ def test_the_cookie_is_a_session_that_signing_out_ends(served: Served) -> None:
 
 
 def test_revoking_a_token_ends_its_sessions(served: Served) -> None:
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     with signed_in(served, tokens.add("annotator", "ada")) as client:
         assert client.get("/me").json()["author"] == "ada"
         tokens.revoke(tokens.list()[0].id)
@@ -93,7 +93,7 @@ def test_undo_under_the_shared_token_goes_by_session(served: Served) -> None:
 
 
 def test_a_name_chosen_under_the_shared_token_undoes_nobodys_stroke(served: Served) -> None:
-    ada = served.workspace.store.tokens.add("annotator", "ada")
+    ada = served.workspace.labels.tokens.add("annotator", "ada")
     headers = {"Authorization": f"Bearer {ada}"}
     with httpx.Client(base_url=f"{served.url}/api/v1", headers=headers) as client:
         paint(client, -1)
@@ -116,11 +116,11 @@ def test_a_name_chosen_under_the_shared_token_undoes_nobodys_stroke(served: Serv
 )
 def test_names_that_no_token_may_have(served: Served, name: str) -> None:
     with pytest.raises(BadInputError, match="name: expected"):
-        served.workspace.store.tokens.add("annotator", name)
+        served.workspace.labels.tokens.add("annotator", name)
 
 
 def test_two_valid_tokens_have_two_names(served: Served) -> None:
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     tokens.add("annotator", "ada")
     with pytest.raises(ConflictError, match="'ada'"):
         tokens.add("viewer", "ada")
@@ -129,7 +129,7 @@ def test_two_valid_tokens_have_two_names(served: Served) -> None:
 
 
 def test_a_revoked_token_paints_nothing_after_the_next_message(served: Served) -> None:
-    tokens = served.workspace.store.tokens
+    tokens = served.workspace.labels.tokens
     secret = tokens.add("annotator", "ada")
 
     async def scenario() -> None:
@@ -149,7 +149,7 @@ def test_a_revoked_token_paints_nothing_after_the_next_message(served: Served) -
             assert client.socket.close_code == 4401
 
     run(scenario)
-    assert not (served.workspace.annotation("wall", 0)[0] == 1).any()
+    assert not (served.workspace.annotations.read("wall", 0)[0] == 1).any()
 
 
 def test_wrong_tokens_are_limited_and_a_right_one_passes(served: Served) -> None:

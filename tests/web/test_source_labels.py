@@ -66,7 +66,7 @@ def test_labels_that_did_not_come_in_are_told_and_tried_again(
             assert REASON in (told if path else told[0])["labels_missing"]
         assert main(["info", "--server", served.url, "--token", served.token]) == 0
         assert f"labels did not come in: {known.labels_missing}" in capsys.readouterr().out
-        (problem, *_) = served.workspace.check(known.id)
+        (problem, *_) = served.workspace.listing.problems(known.id)
         assert REASON in problem
 
         recording = client[known.id]

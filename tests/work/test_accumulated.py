@@ -76,14 +76,14 @@ def workspace(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Worksp
         )
     opened = Workspace(options)
     for name in ("street", "room"):
-        opened.create_label(name, "ada", name="parked")
-        opened.create_label(name, "ada", name="moving")
+        opened.labels.create_label(name, "ada", name="parked")
+        opened.labels.create_label(name, "ada", name="moving")
     yield opened
     opened.close()
 
 
 def labels(workspace: Workspace, frame: int, sequence: str = "street") -> NDArray[np.uint16]:
-    return np.asarray(workspace.annotation(sequence, frame)[0])
+    return np.asarray(workspace.annotations.read(sequence, frame)[0])
 
 
 def in_shown(world: list[float]) -> list[float]:
@@ -124,19 +124,19 @@ SHAPES: dict[str, dict[str, Any]] = {
 def test_a_parked_car_is_labelled_in_all_frames_by_one_stroke(workspace: Workspace) -> None:
     for done, shape in enumerate(SHAPES, start=1):
         sent = stroke(**SHAPES[shape])
-        commit = workspace.stroke("street", SHOWN, sent, "ada")
+        commit = workspace.strokes.apply("street", SHOWN, sent, "ada")
         for frame in range(FRAMES):
             found = labels(workspace, frame) == 1
             assert not found[~IS_PARKED].any(), shape
             # A region by normals leaves some of a heap of random points out; the rest is exact.
             assert found[IS_PARKED].mean() > 0.8, shape
         assert sorted(commit.frames) == list(range(FRAMES))
-        again = workspace.stroke("street", SHOWN, sent, "ada")
+        again = workspace.strokes.apply("street", SHOWN, sent, "ada")
         assert (again.revision, again.changed) == (commit.revision, commit.changed)
-        assert len([e for e in workspace.edits("street") if e.kind == "paint"]) == done
-        workspace.undo("street", "ada")
+        assert len([e for e in workspace.labels.edits("street") if e.kind == "paint"]) == done
+        workspace.labels.undo("street", "ada")
         assert not any(labels(workspace, frame).any() for frame in range(FRAMES))
-    workspace.redo("street", "ada")
+    workspace.labels.redo("street", "ada")
     assert all(labels(workspace, frame).any() for frame in range(FRAMES))
 
 
@@ -144,7 +144,7 @@ def test_a_lasso_takes_what_it_encloses_of_every_frame(workspace: Workspace) -> 
     looks_down = np.diag([0.05, 0.05, 0.05, 1.0])
     x, y, _ = (0.05 * np.array(in_shown([4, 0, 0.5]))).tolist()
     square = [[x + 0.05 * a, y + 0.05 * b] for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    workspace.stroke(
+    workspace.strokes.apply(
         "street",
         SHOWN,
         stroke(shape="lasso", samples=[], polygon=square, matrix=looks_down.ravel().tolist()),
@@ -155,9 +155,9 @@ def test_a_lasso_takes_what_it_encloses_of_every_frame(workspace: Workspace) -> 
 
 
 def test_only_the_frames_named_and_the_own_one_are_painted(workspace: Workspace) -> None:
-    commit = workspace.stroke("street", SHOWN, stroke(frames=[1, 1, 3]), "ada")
+    commit = workspace.strokes.apply("street", SHOWN, stroke(frames=[1, 1, 3]), "ada")
     assert sorted(commit.frames) == [1, 2, 3]
-    assert [edit.summary for edit in workspace.edits("street", limit=1)] == [
+    assert [edit.summary for edit in workspace.labels.edits("street", limit=1)] == [
         "paint 900 points as 'parked' in 3 frames"
     ]
 
@@ -174,12 +174,12 @@ def test_a_tracked_object_lies_where_it_is_in_the_frame_shown(workspace: Workspa
         for frame in range(FRAMES)
     ]
     for frame in range(FRAMES):
-        workspace.put_annotation("street", frame, np.where(IS_CAR, 2, 0).astype(np.uint16), author="ada")  # fmt: skip  # noqa: E501
-    workspace.store.apply(
+        workspace.annotations.put("street", frame, np.where(IS_CAR, 2, 0).astype(np.uint16), author="ada")  # fmt: skip  # noqa: E501
+    workspace.labels.apply(
         "street", edit_id=None, author="ada", kind="tracking", writes={}, summary="", tracks=tracks
     )
     at_car = {"samples": [{"origin": in_shown([2.0 * SHOWN, -3, 0.5])}], "radius": 0.9}
-    workspace.stroke("street", SHOWN, stroke(**at_car), "ada")
+    workspace.strokes.apply("street", SHOWN, stroke(**at_car), "ada")
     for frame in range(FRAMES - 1):
         assert (labels(workspace, frame)[IS_CAR] == 1).all(), frame
         assert not (labels(workspace, frame)[~IS_CAR] == 1).any(), frame
@@ -190,14 +190,16 @@ def test_a_tracked_object_lies_where_it_is_in_the_frame_shown(workspace: Workspa
 def test_a_ray_stops_at_what_another_frame_shows_in_front(workspace: Workspace) -> None:
     # The car that drives stands between the sensor and the wall in frame 0 only.
     toward = {"origin": in_shown([0, -8, 0.5]), "direction": (np.linalg.inv(pose(SHOWN))[:3, :3] @ [0, 1, 0]).tolist()}  # fmt: skip  # noqa: E501
-    workspace.stroke("street", SHOWN, stroke(shape="ray", samples=[toward], radius=0.3), "ada")
+    workspace.strokes.apply(
+        "street", SHOWN, stroke(shape="ray", samples=[toward], radius=0.3), "ada"
+    )
     assert (labels(workspace, 0)[IS_CAR] == 1).any()
     for frame in range(FRAMES):
         assert not (labels(workspace, frame)[~IS_CAR] == 1).any()
 
 
 def test_an_object_is_taken_in_every_frame(workspace: Workspace) -> None:
-    commit = workspace.stroke(
+    commit = workspace.strokes.apply(
         "street",
         SHOWN,
         stroke(shape="object", samples=[{**ABOVE}], level=None, only_unlabeled=True),
@@ -211,7 +213,7 @@ def test_an_object_is_taken_in_every_frame(workspace: Workspace) -> None:
 
 def test_a_recording_without_poses_stands_still(workspace: Workspace) -> None:
     at = seen(SHOWN)[IS_PARKED].mean(axis=0).tolist()
-    workspace.stroke("room", SHOWN, stroke(samples=[{"origin": at}], radius=0.3), "ada")
+    workspace.strokes.apply("room", SHOWN, stroke(samples=[{"origin": at}], radius=0.3), "ada")
     for frame in range(FRAMES):
         inside = np.linalg.norm(seen(frame) - at, axis=1) < 0.3
         found = labels(workspace, frame, "room") == 1
@@ -220,10 +222,10 @@ def test_a_recording_without_poses_stands_still(workspace: Workspace) -> None:
 
 def test_frames_that_cannot_be_painted_are_refused_in_words(workspace: Workspace) -> None:
     with pytest.raises(NotFoundError, match="frames 0 to 4, got 9"):
-        workspace.stroke("street", SHOWN, stroke(frames=[9]), "ada")
+        workspace.strokes.apply("street", SHOWN, stroke(frames=[9]), "ada")
     with pytest.raises(BadInputError, match="at most 1,000 frame numbers"):
-        workspace.stroke("street", SHOWN, stroke(frames=[0] * 1001), "ada")
-    workspace.update_label("street", "ada", 1, locked=True)
+        workspace.strokes.apply("street", SHOWN, stroke(frames=[0] * 1001), "ada")
+    workspace.labels.update_label("street", "ada", 1, locked=True)
     with pytest.raises(ConflictError):
-        workspace.stroke("street", SHOWN, stroke(), "ada")
+        workspace.strokes.apply("street", SHOWN, stroke(), "ada")
     assert not any(labels(workspace, frame).any() for frame in range(FRAMES))

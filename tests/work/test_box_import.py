@@ -142,21 +142,21 @@ def test_boxes_of_every_format_come_in(workspace: Workspace, tmp_path: Path) -> 
         folder = tmp_path / name
         folder.mkdir()
         write(folder)
-        job = workspace.import_labels("drive", folder, "me", no_ground=True)
+        job = workspace.imports.begin_labels("drive", folder, "me", no_ground=True)
         job = workspace.runner.wait(job.id, PATIENCE)
         assert job.state == "done", (name, job.error)
         assert job.result["matched"] == 2
-        names = {0: ""} | {label.id: label.name for label in workspace.palette("drive")}
+        names = {0: ""} | {label.id: label.name for label in workspace.labels.palette("drive")}
         for frame in range(2):
             made = np.zeros(600, np.uint16)
-            values = workspace.store.values("drive", frame)
+            values = workspace.labels.values("drive", frame)
             made[workspace.recording("drive")[frame].source_index] = values.label
             found = np.array([names[int(value)] for value in made])
             assert set(found[:300]) == {""}, name
             # The lowest of an object within reach of the ground may be left out with it.
             assert (found[300:500] == expected[0]).mean() > 0.9, name
             assert (found[500:] == expected[1]).mean() > 0.9, name
-        workspace.undo("drive", "me")
+        workspace.labels.undo("drive", "me")
 
 
 def test_a_point_in_two_boxes_goes_to_the_nearer_centre_and_ground_may_stay(
@@ -180,7 +180,7 @@ def test_a_file_with_more_frames_than_the_recording_is_told_once(
     rows = path.read_text().splitlines()[:2]
     later = [f"{k}{row[1:]}" for k in range(2, 9) for row in rows]
     path.write_text("\n".join([*path.read_text().splitlines(), *later]))
-    job = workspace.import_labels("drive", path, "me", dry_run=True)
+    job = workspace.imports.begin_labels("drive", path, "me", dry_run=True)
     result = workspace.runner.wait(job.id, PATIENCE).result
     assert result["matched"] == 2
     assert result["unmatched_files"] == ["0000.txt (7 of 9 frames)"]
@@ -202,9 +202,11 @@ def test_boxes_of_points_in_millimetres_are_in_their_unit_or_in_metres(
             each[part] = {axis: value / unit for axis, value in each[part].items()}
     (boxes / "000000.json").write_text(json.dumps(content))
     with closing(Workspace(Settings(workspace=tmp_path / "workspace"))) as workspace:
-        job = workspace.import_paths([points], chosen=Corrections(scale=0.001))
+        job = workspace.imports.begin([points], chosen=Corrections(scale=0.001))
         assert workspace.runner.wait(job.id, PATIENCE).state == "done"
-        done = workspace.runner.wait(workspace.import_labels("room", boxes, "me").id, PATIENCE)
+        done = workspace.runner.wait(
+            workspace.imports.begin_labels("room", boxes, "me").id, PATIENCE
+        )
         assert done.state == "done", done.error
         assert sorted(done.result["labels"].values()) == [100, 200]
         told = "the boxes are in the units of the recording's files: 0.001 m each"

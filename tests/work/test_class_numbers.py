@@ -28,13 +28,13 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         folder = place / "sequences" / name
         import_frames([PointFrame(xyz=xyz)], folder, sequence_id=name, name=name, fps=1.0)
     with closing(Workspace(Settings(workspace=place))) as opened:
-        opened.put_categories([Category(10, "car")])
+        opened.labels.taxonomy.put([Category(10, "car")])
         for name, kinds in (("one", ("car", "pole")), ("two", ("pole", "person"))):
             label = np.zeros(40, np.uint16)
             for k, kind in enumerate(kinds):
-                made = opened.create_label(name, "ann", name=f"{kind} 1", category=kind)
+                made = opened.labels.create_label(name, "ann", name=f"{kind} 1", category=kind)
                 label[20 * k : 20 * k + 20] = made.id
-            opened.put_annotation(name, 0, label, author="ann")
+            opened.annotations.put(name, 0, label, author="ann")
         yield opened
 
 
@@ -52,7 +52,7 @@ def test_recordings_agree_and_a_deleted_label_moves_nothing(
     second = classes(workspace, "two", kind, tmp_path / "second")
     assert first["pole"] == second["pole"]
     assert len({*first.values(), *second.values()}) == 3
-    workspace.delete_label("one", "ann", workspace.palette("one")[0].id)
+    workspace.labels.delete_label("one", "ann", workspace.labels.palette("one")[0].id)
     again = classes(workspace, "one", kind, tmp_path / "again")
     assert again == {"pole": first["pole"]}
 

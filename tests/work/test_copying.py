@@ -42,42 +42,42 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     folder.parent.mkdir(parents=True, exist_ok=True)
     import_frames(frames, folder, sequence_id="room", name="room", fps=1.0)
     with closing(Workspace(options)) as opened:
-        opened.create_label("room", "me", name="ball")
-        opened.put_annotation("room", 0, IS_BALL, author="me")
+        opened.labels.create_label("room", "me", name="ball")
+        opened.annotations.put("room", 0, IS_BALL, author="me")
         yield opened
 
 
 def labelled(workspace: Workspace, frame: int) -> NDArray[np.uint16]:
-    return workspace.annotation("room", frame)[0]
+    return workspace.annotations.read("room", frame)[0]
 
 
 def test_a_copy_follows_the_sensor_and_is_one_edit(workspace: Workspace) -> None:
-    commit = workspace.copy_labels("room", 1, 0, [1], "me")
+    commit = workspace.copying.copy("room", 1, 0, [1], "me")
     assert np.array_equal(labelled(workspace, 1), IS_BALL)
     assert commit.changed == BALL
-    workspace.undo("room", "me")
+    workspace.labels.undo("room", "me")
     assert labelled(workspace, 1).sum() == 0
 
 
 def test_a_copy_leaves_other_labels_alone(workspace: Workspace) -> None:
-    workspace.create_label("room", "me", name="other")
-    workspace.put_annotation("room", 1, (2 * IS_BALL).astype(np.uint16), author="me")
-    assert workspace.copy_labels("room", 1, 0, [1], "me").changed == 0
+    workspace.labels.create_label("room", "me", name="other")
+    workspace.annotations.put("room", 1, (2 * IS_BALL).astype(np.uint16), author="me")
+    assert workspace.copying.copy("room", 1, 0, [1], "me").changed == 0
     with pytest.raises(BadInputError, match="another frame"):
-        workspace.copy_labels("room", 1, 1, [1], "me")
+        workspace.copying.copy("room", 1, 1, [1], "me")
     with pytest.raises(NotFoundError):
-        workspace.copy_labels("room", 1, 7, [1], "me")
+        workspace.copying.copy("room", 1, 7, [1], "me")
 
 
 def test_a_range_is_cleared_of_a_label(workspace: Workspace) -> None:
     for frame in (1, 2):
-        workspace.copy_labels("room", frame, 0, [1], "me")
-    workspace.clear_labels("room", range(1, 3), [1], "me")
+        workspace.copying.copy("room", frame, 0, [1], "me")
+    workspace.copying.clear("room", range(1, 3), [1], "me")
     assert [int((labelled(workspace, i) == 1).sum()) for i in range(3)] == [BALL, 0, 0]
-    workspace.undo("room", "me")
+    workspace.labels.undo("room", "me")
     assert labelled(workspace, 2).sum() == BALL
     with pytest.raises(NotFoundError):
-        workspace.clear_labels("room", [0, 9], [1], "me")
-    workspace.update_label("room", "me", 1, locked=True)
+        workspace.copying.clear("room", [0, 9], [1], "me")
+    workspace.labels.update_label("room", "me", 1, locked=True)
     with pytest.raises(LockedLabelError):
-        workspace.clear_labels("room", [0], [1], "me")
+        workspace.copying.clear("room", [0], [1], "me")

@@ -46,20 +46,20 @@ def workspace(settings: Settings) -> Iterator[Workspace]:
 
 
 def paint(workspace: Workspace) -> None:
-    workspace.create_label("ball", "ada", name="ball")
+    workspace.labels.create_label("ball", "ada", name="ball")
     for label in (1, 0, 1):
-        workspace.put_annotation("ball", 0, np.full(POINTS, label, np.uint16), author="ada")
+        workspace.annotations.put("ball", 0, np.full(POINTS, label, np.uint16), author="ada")
 
 
 def painted(workspace: Workspace, sequence: str = "ball") -> Any:
     """What people would miss: labels, history, both ways of undo."""
-    labels = workspace.annotation(sequence, 0)[0].tolist()
-    edits = [(edit.revision, edit.author, edit.undone) for edit in workspace.edits(sequence)]
-    return labels, [label.name for label in workspace.palette(sequence)], edits
+    labels = workspace.annotations.read(sequence, 0)[0].tolist()
+    edits = [(edit.revision, edit.author, edit.undone) for edit in workspace.labels.edits(sequence)]
+    return labels, [label.name for label in workspace.labels.palette(sequence)], edits
 
 
 def ids(workspace: Workspace) -> list[str]:
-    return [entry.id for entry in workspace.listing()]
+    return [entry.id for entry in workspace.listing.all()]
 
 
 def again(settings: Settings) -> None:
@@ -70,69 +70,69 @@ def again(settings: Settings) -> None:
 def test_a_deleted_recording_comes_back_with_everything(workspace: Workspace) -> None:
     before = painted(workspace)
     identity = workspace.recording("ball").identity
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     assert ids(workspace) == ["wall"]
-    for gone in (workspace.recording, workspace.palette, workspace.delete_sequence):
+    for gone in (workspace.recording, workspace.labels.palette, workspace.deletion.delete):
         with pytest.raises(NotFoundError):
             gone("ball")
-    entry = workspace.deleted_sequences()[0]
+    entry = workspace.deletion.deleted()[0]
     assert entry.manifest is not None
     assert (entry.known.id, entry.known.identity, entry.manifest.frames) == ("ball", identity, 2)
     assert entry.known.until == pytest.approx(entry.known.deleted + 30 * 86_400)  # type: ignore[operator]
-    assert workspace.restore_sequence("ball") == "ball"
+    assert workspace.deletion.restore("ball") == "ball"
     assert painted(workspace) == before
-    assert workspace.deleted_sequences() == []
-    workspace.undo("ball", "ada")
-    assert workspace.annotation("ball", 0)[0].sum() == 0
-    assert workspace.check("ball") == []
+    assert workspace.deletion.deleted() == []
+    workspace.labels.undo("ball", "ada")
+    assert workspace.annotations.read("ball", 0)[0].sum() == 0
+    assert workspace.listing.problems("ball") == []
 
 
 def test_a_new_recording_of_the_name_has_no_old_labels(
     workspace: Workspace, settings: Settings
 ) -> None:
     before, identity = painted(workspace), workspace.recording("ball").identity
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     again(settings)
     assert ids(workspace) == ["ball", "wall"]
-    assert workspace.palette("ball") == []
-    assert workspace.edits("ball") == []
-    assert workspace.restore_sequence(identity) == "ball-2"
+    assert workspace.labels.palette("ball") == []
+    assert workspace.labels.edits("ball") == []
+    assert workspace.deletion.restore(identity) == "ball-2"
     assert painted(workspace, "ball-2") == before
     assert workspace.recording("ball-2").identity == identity
-    assert workspace.check("ball-2") == workspace.check("ball") == []
+    assert workspace.listing.problems("ball-2") == workspace.listing.problems("ball") == []
 
 
 def test_of_two_deleted_ones_the_id_means_the_last(
     workspace: Workspace, settings: Settings
 ) -> None:
     first = workspace.recording("ball").identity
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     again(settings)
     ids(workspace)
     second = workspace.recording("ball").identity
-    workspace.delete_sequence("ball")
-    assert [entry.known.identity for entry in workspace.deleted_sequences()] == [second, first]
-    workspace.restore_sequence("ball")
+    workspace.deletion.delete("ball")
+    assert [entry.known.identity for entry in workspace.deletion.deleted()] == [second, first]
+    workspace.deletion.restore("ball")
     assert workspace.recording("ball").identity == second
-    workspace.restore_sequence(first)
+    workspace.deletion.restore(first)
     assert workspace.recording("ball-2").identity == first
     with pytest.raises(NotFoundError):
-        workspace.restore_sequence("ball")
+        workspace.deletion.restore("ball")
 
 
 def age(workspace: Workspace, seconds: float) -> None:
     """Let all times of deleted recordings lie further back."""
     columns = schema.sequences.c
     earlier = {"deleted": columns.deleted - seconds, "expired": columns.expired - seconds}
-    with workspace.store._database.write() as connection:
+    with workspace.labels._database.write() as connection:
         connection.execute(update(schema.sequences).values(earlier))
 
 
 def test_after_30_days_nothing_is_left(workspace: Workspace, settings: Settings) -> None:
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     age(workspace, KEPT_SECONDS + 1)
     with pytest.raises(NotFoundError):
-        workspace.restore_sequence("ball")
+        workspace.deletion.restore("ball")
     age(workspace, SURE_SECONDS)
     with closing(Workspace(settings)) as reopened:
         assert reopened.deleted_sequences() == []
@@ -142,23 +142,23 @@ def test_after_30_days_nothing_is_left(workspace: Workspace, settings: Settings)
 
 def test_a_clock_that_jumped_purges_nothing(workspace: Workspace) -> None:
     before = painted(workspace)
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     for _ in range(2):  # a month ahead, looked at, and set right again
         age(workspace, KEPT_SECONDS + 1)
-        assert len(workspace.deleted_sequences()) == 1
+        assert len(workspace.deletion.deleted()) == 1
         age(workspace, -KEPT_SECONDS - 1)
-        assert len(workspace.deleted_sequences()) == 1
+        assert len(workspace.deletion.deleted()) == 1
         age(workspace, SURE_SECONDS)
-    assert workspace.restore_sequence("ball") == "ball"
+    assert workspace.deletion.restore("ball") == "ball"
     assert painted(workspace) == before
 
 
 def test_a_stroke_of_before_does_not_reach_the_new_recording(
     workspace: Workspace, settings: Settings
 ) -> None:
-    live = workspace.begin_stroke("ball", 0, {"tool": "erase", "shape": "sphere", "radius": 9.0})
+    live = workspace.strokes.begin("ball", 0, {"tool": "erase", "shape": "sphere", "radius": 9.0})
     live.add([{"origin": [0, 0, 3]}])
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     with pytest.raises(NotFoundError, match="deleted"):
         live.commit("ada")
     again(settings)
@@ -232,11 +232,11 @@ def test_killed_at_any_step_of_deleting(settings: Settings) -> None:
             if deleted:
                 again(settings)
                 ids(workspace)
-                assert workspace.palette("ball") == []
-                workspace.delete_sequence("ball")
-                assert workspace.restore_sequence(identity) == "ball"
+                assert workspace.labels.palette("ball") == []
+                workspace.deletion.delete("ball")
+                assert workspace.deletion.restore(identity) == "ball"
             assert painted(workspace) == before, place
-            assert workspace.check("ball") == []
+            assert workspace.listing.problems("ball") == []
 
 
 def test_killed_at_any_step_of_restoring(settings: Settings) -> None:
@@ -250,12 +250,12 @@ def test_killed_at_any_step_of_restoring(settings: Settings) -> None:
     ):
         with closing(Workspace(settings)) as workspace:
             if "ball" in ids(workspace):
-                workspace.delete_sequence("ball")
+                workspace.deletion.delete("ball")
         kill_in(settings, "restore_sequence", place)
         with closing(Workspace(settings)) as workspace:
             assert ("ball" in ids(workspace)) == restored, place
             if not restored:
-                assert workspace.restore_sequence("ball") == "ball"
+                assert workspace.deletion.restore("ball") == "ball"
             assert painted(workspace) == before, place
 
 
@@ -265,54 +265,54 @@ def test_who_has_it_open_elsewhere_sees_it_go_and_come(
     before = painted(workspace)
     with closing(Workspace(settings)) as there:
         assert painted(there) == before
-        workspace.delete_sequence("ball")
+        workspace.deletion.delete("ball")
         with pytest.raises(NotFoundError):
-            there.palette("ball")
+            there.labels.palette("ball")
         with pytest.raises(NotFoundError):
-            there.put_annotation("ball", 0, np.ones(POINTS, np.uint16), author="eve")
+            there.annotations.put("ball", 0, np.ones(POINTS, np.uint16), author="eve")
         assert ids(there) == ["wall"]
-        there.restore_sequence("ball")
+        there.deletion.restore("ball")
         assert painted(workspace) == before
 
 
 def test_what_is_worked_on_is_not_deleted(workspace: Workspace, settings: Settings) -> None:
     with closing(Workspace(settings)) as there:
-        guard = there.store.guards.begin("ball", "tracking")
+        guard = there.labels.guards.begin("ball", "tracking")
         with pytest.raises(ConflictError, match="is being tracked"):
-            workspace.delete_sequence("ball")
+            workspace.deletion.delete("ball")
         assert "ball" in ids(workspace)
-        there.store.guards.end(guard)
-    workspace.delete_sequence("ball")
+        there.labels.guards.end(guard)
+    workspace.deletion.delete("ball")
 
 
 def test_a_run_of_before_writes_nothing_into_the_new_recording(
     workspace: Workspace, settings: Settings
 ) -> None:
     identity = workspace.recording("ball").identity
-    pending = PendingEdit(workspace.store, "ball", identity, 0, (1,), "tracked")
+    pending = PendingEdit(workspace.labels, "ball", identity, 0, (1,), "tracked")
     track = TrackState(np.eye(4), 0.0, 1.0, 1.0, 3, "tracked")
     pending.results.append(FrameResult(1, {1: np.arange(3)}, {1: track}))
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
     with pytest.raises(NotFoundError, match="deleted"):
         pending.commit(str(uuid.uuid4()), "ada", "tracked")
     again(settings)
     ids(workspace)
     with pytest.raises(NotFoundError, match="deleted"):
         pending.commit(str(uuid.uuid4()), "ada", "tracked")
-    assert workspace.edits("ball") == []
+    assert workspace.labels.edits("ball") == []
 
 
 def test_work_on_another_machine_guards_until_it_is_silent(workspace: Workspace) -> None:
-    workspace.store.guards.begin("ball", "tracking")
-    database = workspace.store._database
+    workspace.labels.guards.begin("ball", "tracking")
+    database = workspace.labels._database
     with database.write() as connection:
         connection.execute(update(schema.works).values(host="elsewhere", process=1))
     with pytest.raises(ConflictError, match="by process 1 on elsewhere"):
-        workspace.delete_sequence("ball")
+        workspace.deletion.delete("ball")
     with database.write() as connection:
         silent = schema.works.c.beat - EXPIRY_SECONDS - 1
         connection.execute(update(schema.works).values(beat=silent))
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
 
 
 GUARDING = """
@@ -334,11 +334,11 @@ def test_work_of_a_process_that_was_killed_guards_nothing(
     assert process.stdout is not None
     assert process.stdout.readline() == b"begun\n"
     with pytest.raises(ConflictError, match="is being tracked"):
-        workspace.delete_sequence("ball")
+        workspace.deletion.delete("ball")
     process.kill()
     process.wait()
     process.stdout.close()
-    workspace.delete_sequence("ball")
+    workspace.deletion.delete("ball")
 
 
 IMPORTING = """
@@ -351,7 +351,7 @@ folder, database, source = sys.argv[1:]
 workspace = Workspace(Settings(workspace=Path(folder), database=database, workers=1))
 print("ready", flush=True)
 sys.stdin.readline()
-job = workspace.runner.wait(workspace.import_paths([Path(source)], name="Twice").id, 120)
+job = workspace.runner.wait(workspace.imports.begin([Path(source)], name="Twice").id, 120)
 print(json.dumps([job.state, job.error, job.result]), flush=True)
 workspace.close()
 """
@@ -386,5 +386,5 @@ def test_one_name_imported_on_two_servers_at_once_gives_two_recordings(
     assert sorted(result["sequence"] for _, _, result in ended) == ["twice", "twice-2"], ended
     with closing(Workspace(settings)) as workspace:
         for sequence in ("twice", "twice-2"):
-            assert workspace.check(sequence) == []
+            assert workspace.listing.problems(sequence) == []
             assert workspace.recording(sequence).manifest.points == [400]

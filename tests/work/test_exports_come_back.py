@@ -61,7 +61,7 @@ def copies(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
     for step in range(2):
         np.save(source / f"{FIRST + step:06d}.npy", xyz + np.float32([0, 0, step]))
     with closing(Workspace(Settings(workspace=made))) as workspace:
-        done = workspace.runner.wait(workspace.import_paths([source], name="scan").id, 120)
+        done = workspace.runner.wait(workspace.imports.begin([source], name="scan").id, 120)
         assert done.state == "done", done.error
 
     def copy() -> Path:
@@ -74,13 +74,13 @@ def copies(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
 
 def painted(workspace: Workspace, which: Hostile) -> None:
     """Label the objects of both frames; labels of one category with 300 instances among them."""
-    workspace.put_categories([Category(60_000, "unlabeled", datasets={"semantickitti": 0})])
+    workspace.labels.taxonomy.put([Category(60_000, "unlabeled", datasets={"semantickitti": 0})])
     wanted = which.labels + [(f"pin {number}", "pin") for number in range(1, INSTANCES + 1)]
     labels = [
         Label(number, name, category, default_color(number))
         for number, (name, category) in enumerate(wanted, start=1)
     ]
-    workspace.store.apply(
+    workspace.labels.apply(
         "scan",
         edit_id=str(uuid4()),
         author="ann",
@@ -91,13 +91,13 @@ def painted(workspace: Workspace, which: Hostile) -> None:
     ids = [label.id for label in labels]
     label = np.array([0, *ids, *[0] * (OBJECTS - len(ids))], np.uint16)[OWNER]
     for frame in range(2):
-        workspace.put_annotation("scan", frame, label, author="ann")
-    workspace.update_label("scan", "ann", ids[0], locked=True)
-    workspace.update_label("scan", "ann", ids[2], visible=False)
+        workspace.annotations.put("scan", frame, label, author="ann")
+    workspace.labels.update_label("scan", "ann", ids[0], locked=True)
+    workspace.labels.update_label("scan", "ann", ids[2], visible=False)
     if which.deleted:
         deleted = np.zeros(len(OWNER), np.bool_)
         deleted[[0, 7, 11]] = True
-        workspace.put_annotation("scan", 1, deleted, layer="deleted", author="ann")
+        workspace.annotations.put("scan", 1, deleted, layer="deleted", author="ann")
 
 
 Told = tuple[str, str]
@@ -105,9 +105,9 @@ Told = tuple[str, str]
 
 def told(workspace: Workspace, frame: int) -> Iterator[tuple[Told, frozenset[int]]]:
     """Name and category of each label of a frame, with its points that are not deleted."""
-    label = workspace.annotation("scan", frame)[0]
-    alive = ~workspace.annotation("scan", frame, "deleted")[0]
-    palette = {each.id: (each.name, each.category) for each in workspace.palette("scan")}
+    label = workspace.annotations.read("scan", frame)[0]
+    alive = ~workspace.annotations.read("scan", frame, "deleted")[0]
+    palette = {each.id: (each.name, each.category) for each in workspace.labels.palette("scan")}
     for number in np.unique(label[label > 0]).tolist():
         yield palette[number], frozenset(np.flatnonzero((label == number) & alive).tolist())
 
@@ -138,7 +138,7 @@ def test_an_export_comes_back_into_a_copy(
         workspace.export("scan", kind, one / "out")
         before = [sorted(told(workspace, frame), key=repr) for frame in range(2)]
     with closing(Workspace(Settings(workspace=copies()))) as again:
-        job = again.import_labels("scan", one / "out", "bob")
+        job = again.imports.begin_labels("scan", one / "out", "bob")
         done = again.runner.wait(job.id, 120)
         assert done.state == "done", done.error
         after = [sorted(told(again, frame), key=repr) for frame in range(2)]

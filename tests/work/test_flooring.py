@@ -112,7 +112,7 @@ def test_what_is_deleted_is_no_floor(workspace: Workspace) -> None:
     workspace.stand_on_floor("hall", 0, [way])
     assert floor_in_room(workspace)[:, 1] == pytest.approx(-0.75, abs=0.06)
     away = {"tool": "delete", "shape": "plane", "radius": 0.1, "samples": [way]}
-    workspace.stroke("hall", 0, away, "ada")
+    workspace.strokes.apply("hall", 0, away, "ada")
     workspace.stand_on_floor("hall", 0, [way])
     assert np.abs(floor_in_room(workspace)[:, 1]).max() < 0.1
 

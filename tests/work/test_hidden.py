@@ -50,8 +50,8 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     )
     opened = Workspace(options)
     for name in ("plain", "hidden", "hidden here", "locked"):
-        opened.create_label("two", "ada", name=name)
-    opened.update_label("two", "ada", HIDDEN, visible=False)
+        opened.labels.create_label("two", "ada", name=name)
+    opened.labels.update_label("two", "ada", HIDDEN, visible=False)
     yield opened
     opened.close()
 
@@ -60,17 +60,19 @@ def lay(
     workspace: Workspace, frame: int, label: NDArray[np.uint16], deleted: NDArray[np.bool_]
 ) -> None:
     """Replace a frame's annotation: hiding does not matter to that."""
-    workspace.update_label("two", "ada", LOCKED, locked=False)
-    workspace.put_annotation("two", frame, label, author="ada")
-    workspace.put_annotation("two", frame, deleted, author="ada", layer="deleted")
-    workspace.update_label("two", "ada", LOCKED, locked=True)
-    assert (workspace.annotation("two", frame)[0] == label).all()
+    workspace.labels.update_label("two", "ada", LOCKED, locked=False)
+    workspace.annotations.put("two", frame, label, author="ada")
+    workspace.annotations.put("two", frame, deleted, author="ada", layer="deleted")
+    workspace.labels.update_label("two", "ada", LOCKED, locked=True)
+    assert (workspace.annotations.read("two", frame)[0] == label).all()
 
 
 def layers(workspace: Workspace, frame: int) -> NDArray[np.int64]:
     """Label, provenance and deletion of each point (N, 3), source order."""
     names = ("label", "provenance", "deleted")
-    return np.stack([workspace.annotation("two", frame, name)[0] for name in names], 1).astype(int)
+    return np.stack(
+        [workspace.annotations.read("two", frame, name)[0] for name in names], 1
+    ).astype(int)
 
 
 def inside(shape: str) -> NDArray[np.bool_]:
@@ -111,7 +113,7 @@ def test_a_stroke_changes_what_one_sees_and_no_more(
         "hidden": [HIDDEN_HERE, *([0] if bare else []), 60_000],
         **SHAPES[shape],
     }
-    commit = workspace.stroke("two", CLOUD_FRAME, stroke, "ada")
+    commit = workspace.strokes.apply("two", CLOUD_FRAME, stroke, "ada")
     after = layers(workspace, CLOUD_FRAME)
     hidden = [HIDDEN, HIDDEN_HERE, *([0] if bare else [])]
     free = (before[:, 2] == 0) & ~np.isin(label, [*hidden, LOCKED])
@@ -143,8 +145,8 @@ def test_rays_fills_and_planes_go_through_what_one_does_not_see(
     label = np.where(front, {"for all": HIDDEN, "here": HIDDEN_HERE, "deleted": 0}[how], 0)
     lay(workspace, WALLS_FRAME, label.astype(np.uint16), front & (how == "deleted"))
     stroke = {"shape": shape, "label": PLAIN, **RAY, "radius": 0.11, "hidden": [HIDDEN_HERE]}
-    workspace.stroke("two", WALLS_FRAME, stroke, "ada")
-    painted = workspace.annotation("two", WALLS_FRAME)[0] == PLAIN
+    workspace.strokes.apply("two", WALLS_FRAME, stroke, "ada")
+    painted = workspace.annotations.read("two", WALLS_FRAME)[0] == PLAIN
     assert not painted[front].any()
     assert painted[~front].sum() > 5
 
@@ -155,8 +157,8 @@ def test_a_fill_does_not_cross_what_one_does_not_see(workspace: Workspace) -> No
     lay(workspace, WALLS_FRAME, np.where(strip, HIDDEN, 0).astype(np.uint16), front & False)
     sample = {"origin": [-0.4, 0.01, 1], "direction": [0, 0, -1]}
     stroke = {"shape": "grow", "label": PLAIN, "radius": 0.11, "samples": [sample]}
-    workspace.stroke("two", WALLS_FRAME, stroke, "ada")
-    painted = workspace.annotation("two", WALLS_FRAME)[0] == PLAIN
+    workspace.strokes.apply("two", WALLS_FRAME, stroke, "ada")
+    painted = workspace.annotations.read("two", WALLS_FRAME)[0] == PLAIN
     assert painted[front & (WALLS[:, 0] < -0.12)].all()
     assert not painted[front & (WALLS[:, 0] > -0.12)].any()
 
@@ -165,46 +167,46 @@ def test_a_hidden_label_is_not_painted_with(workspace: Workspace) -> None:
     stroke = {"shape": "sphere", **RAY}
     for label, hidden in ((HIDDEN, []), (PLAIN, [PLAIN])):
         with pytest.raises(HiddenLabelError, match=f"\\({label}\\) is hidden; show it"):
-            workspace.stroke("two", 0, {**stroke, "label": label, "hidden": hidden}, "ada")
-    workspace.stroke("two", 0, {**stroke, "tool": "erase", "hidden": [0]}, "ada")
+            workspace.strokes.apply("two", 0, {**stroke, "label": label, "hidden": hidden}, "ada")
+    workspace.strokes.apply("two", 0, {**stroke, "tool": "erase", "hidden": [0]}, "ada")
 
 
 def test_what_is_hidden_counts_when_the_stroke_ends(workspace: Workspace) -> None:
     label = np.full(len(CLOUD), HIDDEN_HERE, np.uint16)
     lay(workspace, CLOUD_FRAME, label, np.zeros(len(CLOUD), np.bool_))
     brush = {"shape": "sphere", "label": PLAIN, "radius": 3}
-    live = workspace.begin_stroke("two", CLOUD_FRAME, brush)
+    live = workspace.strokes.begin("two", CLOUD_FRAME, brush)
     assert live.add([{"origin": [0, 0, 0]}]) == live.changing == len(CLOUD)
-    workspace.update_label("two", "ben", HIDDEN_HERE, visible=False)
+    workspace.labels.update_label("two", "ben", HIDDEN_HERE, visible=False)
     try:
         assert live.commit("ada").changed == 0
     finally:
-        workspace.update_label("two", "ben", HIDDEN_HERE, visible=True)
+        workspace.labels.update_label("two", "ben", HIDDEN_HERE, visible=True)
 
 
 @pytest.mark.parametrize("place", [[0, 0, 0], [900, 0, 0]])
 def test_a_label_hidden_before_the_stroke_ends_is_refused(
     workspace: Workspace, place: list[float]
 ) -> None:
-    live = workspace.begin_stroke("two", CLOUD_FRAME, {"shape": "sphere", "label": PLAIN})
+    live = workspace.strokes.begin("two", CLOUD_FRAME, {"shape": "sphere", "label": PLAIN})
     live.add([{"origin": place}])
-    workspace.update_label("two", "ben", PLAIN, visible=False)
+    workspace.labels.update_label("two", "ben", PLAIN, visible=False)
     try:
         with pytest.raises(HiddenLabelError, match="is hidden; show it"):
             live.commit("ada")
     finally:
-        workspace.update_label("two", "ben", PLAIN, visible=True)
+        workspace.labels.update_label("two", "ben", PLAIN, visible=True)
 
 
 @pytest.mark.parametrize("hidden", [3, [70_000], [-1], [True], ["1"], [[1]], [1.5], [1] * 65_536])
 def test_labels_that_a_viewer_hides_are_checked(workspace: Workspace, hidden: Any) -> None:
     with pytest.raises(BadInputError, match="hidden"):
-        workspace.stroke("two", 0, {"label": PLAIN, **RAY, "hidden": hidden}, "ada")
+        workspace.strokes.apply("two", 0, {"label": PLAIN, **RAY, "hidden": hidden}, "ada")
 
 
 def test_deleted_points_come_back_whatever_label_they_hold(workspace: Workspace) -> None:
     label = np.full(len(CLOUD), HIDDEN, np.uint16)
     lay(workspace, CLOUD_FRAME, label, np.ones(len(CLOUD), np.bool_))
     stroke = {"shape": "sphere", "tool": "restore", **RAY, "radius": 9}
-    assert workspace.stroke("two", CLOUD_FRAME, stroke, "ada").changed == len(CLOUD)
-    assert (workspace.annotation("two", CLOUD_FRAME)[0] == HIDDEN).all()
+    assert workspace.strokes.apply("two", CLOUD_FRAME, stroke, "ada").changed == len(CLOUD)
+    assert (workspace.annotations.read("two", CLOUD_FRAME)[0] == HIDDEN).all()

@@ -46,14 +46,14 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
 
 
 def run(workspace: Workspace, place: Path, sequence: str = "drive", **options: Any) -> Any:
-    job = workspace.import_labels(sequence, place, "me", **options)
+    job = workspace.imports.begin_labels(sequence, place, "me", **options)
     return workspace.runner.wait(job.id, PATIENCE)
 
 
 def labels(workspace: Workspace, frame: int, sequence: str = "drive") -> list[str]:
     """Name of each point's label, source order."""
-    names = {0: ""} | {label.id: label.name for label in workspace.palette(sequence)}
-    values = workspace.store.values(sequence, frame)
+    names = {0: ""} | {label.id: label.name for label in workspace.labels.palette(sequence)}
+    values = workspace.labels.values(sequence, frame)
     made = np.zeros(COUNTS[frame], np.uint16)
     made[workspace.recording(sequence)[frame].source_index] = values.label
     return [names[int(value)] for value in made]
@@ -80,11 +80,11 @@ def test_semantickitti_comes_in_as_one_edit(workspace: Workspace, tmp_path: Path
     for frame in range(3):
         expected = ["car 7", "road", ""] * COUNTS[frame]
         assert labels(workspace, frame) == expected[: COUNTS[frame]]
-        values = workspace.store.values("drive", frame)
+        values = workspace.labels.values("drive", frame)
         assert (values.provenance[values.label > 0] == IMPORTED).all()
-    car = next(label for label in workspace.palette("drive") if label.name == "car 7")
+    car = next(label for label in workspace.labels.palette("drive") if label.name == "car 7")
     assert car.category == "car"
-    workspace.undo("drive", "me")
+    workspace.labels.undo("drive", "me")
     assert set(labels(workspace, 0)) == {""}
 
 
@@ -96,7 +96,7 @@ def test_instances_that_no_label_can_have_are_told(workspace: Workspace, tmp_pat
         tmp_path / "csv" / "0.csv", columns, delimiter=",", header="x,y,z,label,instance",
         comments="",
     )  # fmt: skip
-    job = run(workspace, tmp_path / "csv", label_format="points")
+    job = run(workspace, tmp_path / "csv", format="points")
     assert job.state == "done", job.error
     (warning,) = job.result["warnings"]
     assert "5 points of 1 other numbers (70000) have no instance" in warning
@@ -110,15 +110,15 @@ def test_labels_in_words_are_classes_by_name(workspace: Workspace, tmp_path: Pat
     for k in range(2):
         rows = [f"{x},{y},{z},{names[(i + k) % 4]}" for i, (x, y, z) in enumerate(xyz(k).tolist())]
         (folder / f"{k}.csv").write_text("\n".join(["x,y,z,label", *rows, ""]))
-    job = run(workspace, folder, label_format="points")
+    job = run(workspace, folder, format="points")
     assert job.state == "done", job.error
     assert labels(workspace, 0)[:5] == ["road", "car", "", "tree", "road"]
     assert labels(workspace, 1)[:5] == ["car", "", "tree", "road", "car"]
     # The recording itself comes with them.
-    job = workspace.import_paths([folder], name="words")
+    job = workspace.imports.begin([folder], name="words")
     job = workspace.runner.wait(job.id, 60)
     assert job.state == "done", job.error
-    palette = workspace.palette("words")
+    palette = workspace.labels.palette("words")
     assert [(label.name, label.category) for label in palette] == [
         ("road", "road"), ("car", "car"), ("tree", "tree"),
     ]  # fmt: skip
@@ -140,7 +140,7 @@ def test_labels_in_an_archive_alone_or_uploaded(workspace: Workspace, tmp_path: 
         assert job.state == "done", job.error
         assert job.result["matched"] == 3
         assert labels(workspace, 1)[:3] == ["car 7", "road", ""]
-        workspace.undo("drive", "me")
+        workspace.labels.undo("drive", "me")
     assert set(Path(tempfile.gettempdir()).glob("pointbrush-*")) <= temporary
 
 
@@ -149,7 +149,7 @@ def test_a_dry_run_tells_and_writes_nothing(workspace: Workspace, tmp_path: Path
     assert [told["points"] for told in job.result["frames"]] == [27, 34, 40]
     assert job.result["new_labels"] == ["car 7", "road"]
     assert job.result["edit"] is None
-    assert workspace.palette("drive") == []
+    assert workspace.labels.palette("drive") == []
     assert set(labels(workspace, 1)) == {""}
 
 
@@ -219,20 +219,20 @@ EXPORTED = ["ply", "pcd", "npz", "csv", "las", "semantickitti", "labels-only"]
 
 def test_what_is_exported_comes_in_again(workspace: Workspace, tmp_path: Path) -> None:
     for number, name in enumerate(("pin 1", "pin 2"), start=1):
-        workspace.create_label("drive", "me", name=name, category="pin")
+        workspace.labels.create_label("drive", "me", name=name, category="pin")
         for frame in range(3):
             for point in xyz(frame)[np.arange(COUNTS[frame]) % 4 == number]:
                 samples = [{"origin": [float(v) for v in point]}]
                 brush = {"label": number, "radius": 1e-4, "samples": samples}
-                workspace.stroke("drive", frame, brush, "me")
+                workspace.strokes.apply("drive", frame, brush, "me")
     for kind in EXPORTED:
         workspace.export("drive", kind, tmp_path / kind)
         job = run(workspace, tmp_path / kind, "again")
         assert job.state == "done", (kind, job.error)
-        assert workspace.palette("again") == workspace.palette("drive")
+        assert workspace.labels.palette("again") == workspace.labels.palette("drive")
         for frame in range(3):
             assert labels(workspace, frame, "again") == labels(workspace, frame), kind
-        workspace.undo("again", "me")
+        workspace.labels.undo("again", "me")
         assert set(labels(workspace, 0, "again")) == {""}
 
 
@@ -242,7 +242,7 @@ def test_counts_that_do_not_fit_name_file_and_frame(workspace: Workspace, tmp_pa
     job = run(workspace, folder)
     assert job.state == "failed"
     assert "000001.label: expected 50 labels, one for each point of frame 1, got 49" in job.error
-    assert workspace.palette("drive") == []
+    assert workspace.labels.palette("drive") == []
 
 
 def test_files_are_matched_by_their_names_and_a_stranger_is_refused(
@@ -254,7 +254,7 @@ def test_files_are_matched_by_their_names_and_a_stranger_is_refused(
     job = run(workspace, folder)
     assert job.state == "failed"
     assert "1 of no frame: 000009.label" in job.error
-    assert workspace.palette("drive") == []
+    assert workspace.labels.palette("drive") == []
     (folder / "labels" / "000009.label").unlink()
     job = run(workspace, folder)
     assert job.result["files"] == [{"file": "000002.label", "frame": 2}]
@@ -266,11 +266,11 @@ def test_files_are_matched_by_their_names_and_a_stranger_is_refused(
 def test_a_locked_label_that_keeps_its_points_is_named(
     workspace: Workspace, tmp_path: Path
 ) -> None:
-    kept = workspace.create_label("drive", "me", name="kept").id
-    label = workspace.annotation("drive", 0)[0]
+    kept = workspace.labels.create_label("drive", "me", name="kept").id
+    label = workspace.annotations.read("drive", 0)[0]
     label[:] = kept
-    workspace.put_annotation("drive", 0, label, author="me")
-    workspace.update_label("drive", "me", kept, locked=True)
+    workspace.annotations.put("drive", 0, label, author="me")
+    workspace.labels.update_label("drive", "me", kept, locked=True)
     job = run(workspace, kitti(tmp_path / "made"))
     assert job.result["locked"] == ["kept"]
     assert 0 < job.result["changed"] < job.result["labelled"]

@@ -28,14 +28,14 @@ REAL = (
 def through(tmp_path: Path, source: Path, kind: str) -> laspy.LasData:
     """Import a file, label some points, export it."""
     with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
-        job = workspace.runner.wait(workspace.import_paths([source]).id, PATIENCE)
+        job = workspace.runner.wait(workspace.imports.begin([source]).id, PATIENCE)
         assert job.state == "done", job.error
         assert job.result is not None
         sequence = job.result["sequence"]
-        label = workspace.create_label(sequence, "ann", name="roof", category="Building")
-        array = workspace.annotation(sequence, 0)[0].copy()
+        label = workspace.labels.create_label(sequence, "ann", name="roof", category="Building")
+        array = workspace.annotations.read(sequence, 0)[0].copy()
         array[: len(array) // 2] = label.id
-        workspace.put_annotation(sequence, 0, array, author="ann")
+        workspace.annotations.put(sequence, 0, array, author="ann")
         workspace.export(sequence, kind, tmp_path / "out")
     found = laspy.read(tmp_path / "out" / f"000000.{kind}")
     assert np.array_equal(np.asarray(found["label"]), array)
@@ -126,13 +126,13 @@ def test_the_classification_is_labels_when_asked_for(tmp_path: Path) -> None:
     las.classification = np.repeat([1, 2, 6, 64], 25).astype(np.uint8)
     las.write(tmp_path / "a.las")
     with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
-        job = workspace.runner.wait(workspace.import_paths([tmp_path / "a.las"]).id, PATIENCE)
+        job = workspace.runner.wait(workspace.imports.begin([tmp_path / "a.las"]).id, PATIENCE)
         assert job.result is not None
         sequence = job.result["sequence"]
-        assert workspace.palette(sequence) == []
-        work = workspace.import_labels(sequence, tmp_path / "a.las", "ann", label_format="las")
+        assert workspace.labels.palette(sequence) == []
+        work = workspace.imports.begin_labels(sequence, tmp_path / "a.las", "ann", format="las")
         done = workspace.runner.wait(work.id, PATIENCE)
         assert done.state == "done", done.error
-        names = {label.id: label.name for label in workspace.palette(sequence)} | {0: ""}
-        found = [names[n] for n in workspace.annotation(sequence, 0)[0].tolist()]
+        names = {label.id: label.name for label in workspace.labels.palette(sequence)} | {0: ""}
+        found = [names[n] for n in workspace.annotations.read(sequence, 0)[0].tolist()]
     assert found == [""] * 25 + ["Ground"] * 25 + ["Building"] * 25 + ["class 64"] * 25

@@ -16,6 +16,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 from pointbrush.cli import main
 from pointbrush.errors import NotFoundError
 from pointbrush.settings import Settings
+from pointbrush.work.backup import make_backup
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
@@ -42,22 +43,22 @@ def painted(request: pytest.FixtureRequest, settings: Settings) -> Settings:
 def paint(settings: Settings) -> None:
     with closing(Workspace(settings)) as workspace:
         for sequence in ("wall", "floor"):
-            workspace.create_label(sequence, "ann", name="pin")
+            workspace.labels.create_label(sequence, "ann", name="pin")
             for x in (0.0, 0.5, 1.0):
                 stroke = {"id": str(uuid.uuid4()), "label": 1, "radius": 0.3}
                 sample = {"origin": [x, 0, 3]}
-                workspace.stroke(sequence, 0, stroke | {"samples": [sample]}, "ann")
-        workspace.undo("wall", "ann")
+                workspace.strokes.apply(sequence, 0, stroke | {"samples": [sample]}, "ann")
+        workspace.labels.undo("wall", "ann")
 
 
 def state(settings: Settings, sequence: str = "wall") -> dict[str, Any]:
     with closing(Workspace(settings)) as workspace:
-        assert workspace.check(sequence) == []
+        assert workspace.listing.problems(sequence) == []
         return {
-            "label": workspace.annotation(sequence, 0)[0].tolist(),
-            "edits": workspace.edits(sequence),
-            "palette": workspace.palette(sequence),
-            "tracks": workspace.tracks(sequence),
+            "label": workspace.annotations.read(sequence, 0)[0].tolist(),
+            "edits": workspace.labels.edits(sequence),
+            "palette": workspace.labels.palette(sequence),
+            "tracks": workspace.labels.tracks(sequence),
         }
 
 
@@ -79,8 +80,8 @@ def test_labels_move_to_postgres_and_back(
     assert run("info", *here) == 1
     assert f"start with --database {postgres_url}" in capsys.readouterr().err
     with closing(Workspace(there)) as workspace:
-        workspace.redo("wall", "ann")
-        workspace.store.register("another", [5])
+        workspace.labels.redo("wall", "ann")
+        workspace.labels.register("another", [5])
     after = state(there)
     assert run("move", "sqlite", *here, "--database", postgres_url) == 0
     assert state(settings) == after
@@ -111,21 +112,21 @@ def test_one_recording_comes_back_into_a_workspace_in_use(
 ) -> None:
     before, copy = state(painted), tmp_path / "copy"
     with closing(Workspace(painted)) as workspace:
-        workspace.backup(copy)
-        kept = workspace.annotation("floor", 0)[0].tolist()
-        workspace.undo("wall", "ann")
+        make_backup(workspace.labels, workspace.library, copy)
+        kept = workspace.annotations.read("floor", 0)[0].tolist()
+        workspace.labels.undo("wall", "ann")
         restored = workspace.restore_from_backup(copy, "wall")
         assert restored == "wall-2"
-        assert workspace.annotation("floor", 0)[0].tolist() == kept
-        assert workspace.annotation("wall", 0)[0].tolist() != before["label"]
+        assert workspace.annotations.read("floor", 0)[0].tolist() == kept
+        assert workspace.annotations.read("wall", 0)[0].tolist() != before["label"]
     assert state(painted, restored) == before
     database = ("--database", painted.database) if painted.database else ()
     assert run("restore", copy, "--only", "floor", "--workspace", painted.workspace, *database) == 0
     assert state(painted, "floor-2")["label"] == kept
     with closing(Workspace(painted)) as workspace:
-        workspace.redo("wall-2", "ann")
-        assert workspace.check("wall-2") == []
-        assert len(workspace.sequences()) == 4
+        workspace.labels.redo("wall-2", "ann")
+        assert workspace.listing.problems("wall-2") == []
+        assert len(workspace.library.manifests()) == 4
 
 
 def test_nothing_moves_while_a_server_runs_or_halfway(
@@ -188,19 +189,19 @@ def test_labels_that_are_missing_are_not_begun_anew_unasked(
     assert state(settings) == before
     found.unlink()
     with closing(Workspace(replace(settings, new_labels=True))) as workspace:
-        assert workspace.palette("wall") == []
+        assert workspace.labels.palette("wall") == []
     # Of a workspace from before the note nothing is known but that its labels are not there.
     found.unlink()
     (settings.workspace / "labels.made").unlink()
     with closing(Workspace(settings)) as workspace:
-        assert workspace.palette("wall") == []
+        assert workspace.labels.palette("wall") == []
     assert "labels.sqlite is missing beside 2 recordings" in caplog.text
 
 
 def test_a_restore_that_ends_halfway_leaves_nothing(painted: Settings, tmp_path: Path) -> None:
     with closing(Workspace(painted)) as workspace:
-        workspace.backup(tmp_path / "copy")
-        known = workspace.store.sequences()
+        make_backup(workspace.labels, workspace.library, tmp_path / "copy")
+        known = workspace.labels.sequences()
         folder = workspace.library.folder
         names = sorted(path.name for path in folder.iterdir())
 
@@ -209,8 +210,8 @@ def test_a_restore_that_ends_halfway_leaves_nothing(painted: Settings, tmp_path:
 
         file = tmp_path / "copy" / "labels.sqlite"
         with pytest.raises(ZeroDivisionError):
-            workspace.store.restore_sequence(file, "wall", "wall-9", "0" * 16, fail)
+            workspace.labels.restore_sequence(file, "wall", "wall-9", "0" * 16, fail)
         with pytest.raises(NotFoundError):
             workspace.restore_from_backup(tmp_path / "copy", "nothing")
-        assert workspace.store.sequences() == known
+        assert workspace.labels.sequences() == known
         assert sorted(path.name for path in folder.iterdir()) == names

@@ -14,8 +14,8 @@ from serving import settings_in
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
-from pointbrush.work.objects import StaleCandidateError
-from pointbrush.workspace import Answer, Workspace
+from pointbrush.work.objects import Answer, StaleCandidateError
+from pointbrush.workspace import Workspace
 from tests.waiting import eventually
 
 SEQUENCE = "balls"
@@ -56,8 +56,8 @@ def workspace(tmp_path: Any) -> Iterator[Workspace]:
         fps=10,
     )
     opened = Workspace(settings)
-    opened.create_label(SEQUENCE, "ada", name="one")
-    opened.create_label(SEQUENCE, "ada", name="two")
+    opened.labels.create_label(SEQUENCE, "ada", name="one")
+    opened.labels.create_label(SEQUENCE, "ada", name="two")
     yield opened
     opened.close()
 
@@ -70,16 +70,18 @@ def ray(at: tuple[float, float, float]) -> dict[str, list[float]]:
 
 
 def ask(workspace: Workspace, frame: int = 0, **fields: Any) -> Answer:
-    return workspace.ask(SEQUENCE, frame, {"positives": [ray(BALLS[0])], "label": 1, **fields})
+    return workspace.strokes.preview(
+        SEQUENCE, frame, {"positives": [ray(BALLS[0])], "label": 1, **fields}
+    )
 
 
 def take(workspace: Workspace, frame: int = 0, **fields: Any) -> Any:
     stroke = {"shape": "object", "label": 1, "samples": [ray(BALLS[0])], **fields}
-    return workspace.stroke(SEQUENCE, frame, stroke, "ada")
+    return workspace.strokes.apply(SEQUENCE, frame, stroke, "ada")
 
 
 def label(workspace: Workspace, frame: int = 0) -> NDArray[np.uint16]:
-    return workspace.annotation(SEQUENCE, frame)[0]
+    return workspace.annotations.read(SEQUENCE, frame)[0]
 
 
 def ready(workspace: Workspace, frame: int = 0) -> Answer:
@@ -120,7 +122,7 @@ def test_taking_a_candidate_is_one_edit_that_one_undo_takes_back(workspace: Work
     commit = take(workspace, candidate=chosen.id)
     assert commit.changed == len(chosen.numbers)
     assert (np.flatnonzero(label(workspace)) >= FLOOR).all()
-    workspace.undo(SEQUENCE, "ada")
+    workspace.labels.undo(SEQUENCE, "ada")
     assert not label(workspace).any()
 
 
@@ -140,7 +142,7 @@ def test_a_level_alone_is_enough_for_scripts(workspace: Workspace) -> None:
 def test_a_stale_candidate_is_refused_with_fresh_ones(workspace: Workspace) -> None:
     answer = ask(workspace)
     other = {"shape": "sphere", "label": 2, "radius": 0.1, "samples": [{"origin": list(BALLS[0])}]}
-    workspace.stroke(SEQUENCE, 0, {**other, "radius": 0.2}, "bob")
+    workspace.strokes.apply(SEQUENCE, 0, {**other, "radius": 0.2}, "bob")
     with pytest.raises(StaleCandidateError) as caught:
         take(workspace, candidate=answer.candidates[answer.first].id)
     assert caught.value.answer.candidates == ()  # all of it is bob's by now
@@ -150,14 +152,14 @@ def test_a_stale_candidate_is_refused_with_fresh_ones(workspace: Workspace) -> N
 def test_a_stroke_in_another_frame_leaves_candidates_valid(workspace: Workspace) -> None:
     answer = ask(workspace)
     other = {"shape": "sphere", "label": 2, "radius": 0.2, "samples": [{"origin": list(BALLS[0])}]}
-    workspace.stroke(SEQUENCE, 1, other, "bob")
+    workspace.strokes.apply(SEQUENCE, 1, other, "bob")
     assert take(workspace, candidate=answer.candidates[answer.first].id).changed > 0
 
 
 def test_points_of_other_labels_are_left_alone_unless_asked(workspace: Workspace) -> None:
     half = {"shape": "sphere", "label": 2, "radius": 0.12, "samples": [ray(BALLS[0])]}
     half["samples"] = [{"origin": [BALLS[0][0], BALLS[0][1] + 0.1, BALLS[0][2]]}]
-    workspace.stroke(SEQUENCE, 0, half, "bob")
+    workspace.strokes.apply(SEQUENCE, 0, half, "bob")
     theirs = label(workspace) == 2
     assert theirs.any()
     take(workspace)
@@ -169,14 +171,14 @@ def test_points_of_other_labels_are_left_alone_unless_asked(workspace: Workspace
 def test_hidden_locked_and_deleted_points_are_never_taken(workspace: Workspace) -> None:
     part = {"label": 2, "radius": 0.12, "shape": "sphere"}
     part["samples"] = [{"origin": [BALLS[0][0], BALLS[0][1] + 0.1, BALLS[0][2]]}]  # type: ignore[assignment]
-    workspace.stroke(SEQUENCE, 0, part, "bob")
+    workspace.strokes.apply(SEQUENCE, 0, part, "bob")
     theirs = label(workspace) == 2
     for change in ({"locked": True}, {"locked": False, "visible": False}):
-        workspace.update_label(SEQUENCE, "bob", 2, **change)
+        workspace.labels.update_label(SEQUENCE, "bob", 2, **change)
         take(workspace, take_labelled=True)
         assert (label(workspace)[theirs] == 2).all()
-        workspace.undo(SEQUENCE, "ada")
-    workspace.update_label(SEQUENCE, "bob", 2, visible=True)
+        workspace.labels.undo(SEQUENCE, "ada")
+    workspace.labels.update_label(SEQUENCE, "bob", 2, visible=True)
     take(workspace, take_labelled=True, hidden=[2])
     assert (label(workspace)[theirs] == 2).all()
 
@@ -187,7 +189,7 @@ def test_a_refined_object_takes_the_place_of_the_first_and_stays_one_undo(
     first = ask(workspace)
     one = take(workspace, candidate=first.candidates[first.first].id)
     both = {"positives": [ray(BALLS[0]), ray(BALLS[1])], "label": 1}
-    answer = workspace.ask(SEQUENCE, 0, both)
+    answer = workspace.strokes.preview(SEQUENCE, 0, both)
     stroke = {
         "samples": both["positives"],
         "candidate": answer.candidates[answer.first].id,
@@ -197,13 +199,13 @@ def test_a_refined_object_takes_the_place_of_the_first_and_stays_one_undo(
     take(workspace, **stroke)
     painted = np.flatnonzero(label(workspace) == 1)
     assert np.isin(np.arange(FLOOR, FLOOR + 2 * BALL), painted).mean() > 0.9
-    workspace.undo(SEQUENCE, "ada")
+    workspace.labels.undo(SEQUENCE, "ada")
     assert not label(workspace).any()
 
 
 def test_only_the_last_edit_can_be_replaced(workspace: Workspace) -> None:
     one = take(workspace)
-    workspace.create_label(SEQUENCE, "ada", name="three")
+    workspace.labels.create_label(SEQUENCE, "ada", name="three")
     with pytest.raises(ConflictError, match="replaces: expected your last edit"):
         take(workspace, replaces=one.edit_id)
 
@@ -249,7 +251,7 @@ def test_the_preview_of_a_region_is_what_a_stroke_changes(workspace: Workspace, 
     at = [0.5, 1.0, 2.0] if shape == "cluster" else [0.9, 1.0, 1.0]
     down = {"origin": at, "direction": [0.0, -1.0, 0.0]}
     fields = {"shape": shape, "label": 1, "radius": 0.1}
-    [level] = workspace.ask(SEQUENCE, 0, {**fields, "positives": [down]}).candidates
-    assert workspace.stroke(SEQUENCE, 0, {**fields, "samples": [down]}, "ada").changed == len(
-        level.numbers
-    )
+    [level] = workspace.strokes.preview(SEQUENCE, 0, {**fields, "positives": [down]}).candidates
+    assert workspace.strokes.apply(
+        SEQUENCE, 0, {**fields, "samples": [down]}, "ada"
+    ).changed == len(level.numbers)

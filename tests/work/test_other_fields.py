@@ -41,9 +41,9 @@ def test_other_fields_keep_order_type_and_points(tmp_path: Path, kind: str) -> N
     assert verify(tmp_path / "sequences" / "scan") == []
     workspace = Workspace(Settings(workspace=tmp_path))
     try:
-        label = workspace.create_label("scan", "me", name="car").id
+        label = workspace.labels.create_label("scan", "me", name="car").id
         x, y, z = (float(v) for v in frame.xyz[7])
-        workspace.stroke(
+        workspace.strokes.apply(
             "scan",
             0,
             {"tool": "delete", "radius": 0.01, "samples": [{"origin": [x, y, z]}]},

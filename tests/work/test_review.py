@@ -27,7 +27,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     settings = settings_in(tmp_path)
     add_sequence(settings, SEQUENCE, frames=FRAMES, points=2000)
     opened = Workspace(settings)
-    opened.create_label(SEQUENCE, "ada", name="pin")
+    opened.labels.create_label(SEQUENCE, "ada", name="pin")
     yield opened
     opened.close()
 
@@ -96,7 +96,7 @@ def tracked(workspace: Workspace, confidence: float, kind: str = "tracked") -> N
         "label": 1, "frame": 3, "start": 0, "pose": np.eye(4).ravel().tolist(), "rmse": 0.01,
         "inliers": 0.5, "confidence": confidence, "points": len(POINTS), "state": kind,
     }  # fmt: skip
-    workspace.store.apply(
+    workspace.labels.apply(
         SEQUENCE,
         edit_id="00000000-0000-4000-8000-000000000001",
         author="ada",
@@ -109,27 +109,27 @@ def tracked(workspace: Workspace, confidence: float, kind: str = "tracked") -> N
 
 def test_accepting_makes_points_painted_and_the_track_sure(workspace: Workspace) -> None:
     tracked(workspace, 0.2)
-    commit = workspace.accept(SEQUENCE, 3, [1], "ada")
+    commit = workspace.verdicts.give("accept", SEQUENCE, [3], [1], "ada")
     assert commit.changed == len(POINTS)
-    values = workspace.store.values(SEQUENCE, 3)
+    values = workspace.labels.values(SEQUENCE, 3)
     assert set(np.flatnonzero(values.provenance == 1)) == set(POINTS)
-    (track,) = workspace.tracks(SEQUENCE)
+    (track,) = workspace.labels.tracks(SEQUENCE)
     assert (track["state"], track["confidence"]) == ("painted", 1.0)
     # One edit, which can be taken back.
-    workspace.undo(SEQUENCE, "ada")
-    assert (workspace.store.values(SEQUENCE, 3).provenance[POINTS] == 2).all()
-    assert workspace.tracks(SEQUENCE)[0]["confidence"] == 0.2
+    workspace.labels.undo(SEQUENCE, "ada")
+    assert (workspace.labels.values(SEQUENCE, 3).provenance[POINTS] == 2).all()
+    assert workspace.labels.tracks(SEQUENCE)[0]["confidence"] == 0.2
 
 
 def test_a_lost_label_is_accepted_as_not_there(workspace: Workspace) -> None:
     tracked(workspace, 0.0, "lost")
-    assert workspace.accept(SEQUENCE, 3, [1], "ada").changed == 0
-    assert workspace.tracks(SEQUENCE)[0]["state"] == "painted"
+    assert workspace.verdicts.give("accept", SEQUENCE, [3], [1], "ada").changed == 0
+    assert workspace.labels.tracks(SEQUENCE)[0]["state"] == "painted"
 
 
 def test_a_cleared_stretch_is_empty_and_in_doubt_no_more(workspace: Workspace) -> None:
     tracked(workspace, 0.2)
-    workspace.store.apply(
+    workspace.labels.apply(
         SEQUENCE,
         edit_id=None,
         author="ada",
@@ -137,26 +137,28 @@ def test_a_cleared_stretch_is_empty_and_in_doubt_no_more(workspace: Workspace) -
         writes={4: Write(POINTS, label=1, provenance=1)},
         summary="",
     )
-    commit = workspace.clear_range(SEQUENCE, range(2, 5), [1], "ada")
+    commit = workspace.verdicts.give("clear", SEQUENCE, range(2, 5), [1], "ada")
     assert commit.changed == len(POINTS)
-    assert not workspace.annotation(SEQUENCE, 3)[0].any()
-    assert (workspace.annotation(SEQUENCE, 4)[0] == 1).sum() == len(POINTS), "painted points stay"
-    (track,) = workspace.tracks(SEQUENCE)
+    assert not workspace.annotations.read(SEQUENCE, 3)[0].any()
+    assert (workspace.annotations.read(SEQUENCE, 4)[0] == 1).sum() == len(POINTS), (
+        "painted points stay"
+    )
+    (track,) = workspace.labels.tracks(SEQUENCE)
     assert (track["state"], track["confidence"], track["points"]) == ("painted", 1.0, 0)
-    workspace.undo(SEQUENCE, "ada")
-    assert workspace.tracks(SEQUENCE)[0]["confidence"] == 0.2
+    workspace.labels.undo(SEQUENCE, "ada")
+    assert workspace.labels.tracks(SEQUENCE)[0]["confidence"] == 0.2
 
 
 def test_what_cannot_be_accepted(workspace: Workspace) -> None:
     with pytest.raises(BadInputError):
-        workspace.accept(SEQUENCE, 3, [], "ada")
+        workspace.verdicts.give("accept", SEQUENCE, [3], [], "ada")
     with pytest.raises(NotFoundError):
-        workspace.accept(SEQUENCE, 3, [9], "ada")
+        workspace.verdicts.give("accept", SEQUENCE, [3], [9], "ada")
     with pytest.raises(NotFoundError):
-        workspace.accept(SEQUENCE, FRAMES, [1], "ada")
-    workspace.update_label(SEQUENCE, "ada", 1, locked=True)
+        workspace.verdicts.give("accept", SEQUENCE, [FRAMES], [1], "ada")
+    workspace.labels.update_label(SEQUENCE, "ada", 1, locked=True)
     with pytest.raises(LockedLabelError):
-        workspace.accept(SEQUENCE, 3, [1], "ada")
+        workspace.verdicts.give("accept", SEQUENCE, [3], [1], "ada")
 
 
 def brush(label: int = 1, tool: str = "paint", **fields: object) -> dict[str, object]:
@@ -170,7 +172,7 @@ def test_a_stroke_counts_what_it_will_change_and_not_what_it_only_touches(
     workspace: Workspace,
 ) -> None:
     def draw(**fields: object) -> tuple[int, int, int]:
-        stroke = workspace.begin_stroke(SEQUENCE, 0, brush(**fields))  # type: ignore[arg-type]
+        stroke = workspace.strokes.begin(SEQUENCE, 0, brush(**fields))  # type: ignore[arg-type]
         touched = stroke.add(RAY)
         assert stroke.add(RAY) == touched
         counted = stroke.changing
@@ -180,7 +182,7 @@ def test_a_stroke_counts_what_it_will_change_and_not_what_it_only_touches(
     assert touched == counted == changed > 10
     # Painted again: touched, but nothing new to feel.
     assert draw() == (touched, 0, 0)
-    other = workspace.create_label(SEQUENCE, "ada", name="hand").id
+    other = workspace.labels.create_label(SEQUENCE, "ada", name="hand").id
     assert draw(label=other, only_unlabeled=True) == (touched, 0, 0)
     assert draw(label=other) == (touched, touched, touched)
     assert draw(tool="erase") == (touched, touched, touched)
@@ -188,12 +190,12 @@ def test_a_stroke_counts_what_it_will_change_and_not_what_it_only_touches(
     assert draw(tool="delete") == (touched, touched, touched)
     assert draw(tool="restore") == (touched, touched, touched)
     draw()
-    workspace.update_label(SEQUENCE, "ada", 1, locked=True)
+    workspace.labels.update_label(SEQUENCE, "ada", 1, locked=True)
     assert draw(label=other) == (touched, 0, 0)
 
 
 def test_a_range_is_rejected_and_accepted_as_one_edit(workspace: Workspace) -> None:
     with pytest.raises(BadInputError, match="frames: expected at least one"):
-        workspace.reject_range(SEQUENCE, [], [1], "ada")
+        workspace.verdicts.give("reject", SEQUENCE, [], [1], "ada")
     with pytest.raises(NotFoundError):
-        workspace.accept_range(SEQUENCE, [0, FRAMES], [1], "ada")
+        workspace.verdicts.give("accept", SEQUENCE, [0, FRAMES], [1], "ada")

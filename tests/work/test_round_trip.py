@@ -54,11 +54,11 @@ def painted(workspace: Workspace, name: str, frames: list[PointFrame]) -> Made:
     rng = np.random.default_rng(len(frames[0]))
     for category in (words(rng), "", words(rng), words(rng)):
         color = f"#{rng.integers(0, 1 << 24):06x}"
-        workspace.create_label(name, "ann", name=words(rng), category=category, color=color)
-    palette = {label.id: label for label in workspace.palette(name)}
+        workspace.labels.create_label(name, "ann", name=words(rng), category=category, color=color)
+    palette = {label.id: label for label in workspace.labels.palette(name)}
     labels = [rng.choice([0, *palette], len(frame)).astype(np.uint16) for frame in frames]
     for index, label in enumerate(labels):
-        workspace.put_annotation(name, index, label, author="ann")
+        workspace.annotations.put(name, index, label, author="ann")
     return Made(frames, labels, palette)
 
 
@@ -89,7 +89,7 @@ def test_points_colours_labels_palette_and_provenance_are_equal(
     workspace, recordings = source
     for name, made in recordings.items():
         workspace.export(name, kind, tmp_path / name)
-        job = again.import_paths([tmp_path / name], name=f"{name} {kind}", fps=10.0)
+        job = again.imports.begin([tmp_path / name], name=f"{name} {kind}", fps=10.0)
         done = again.runner.wait(job.id, PATIENCE)
         assert done.state == "done", done.error
         assert done.result is not None
@@ -99,8 +99,8 @@ def test_points_colours_labels_palette_and_provenance_are_equal(
 def came_back(again: Workspace, name: str, made: Made, kind: str) -> None:
     """Compare a recording with what its export was imported as."""
     for index, (frame, label) in enumerate(zip(made.frames, made.labels, strict=True)):
-        np.testing.assert_array_equal(again.annotation(name, index)[0], label)
-        provenance = again.annotation(name, index, "provenance")[0]
+        np.testing.assert_array_equal(again.annotations.read(name, index)[0], label)
+        provenance = again.annotations.read(name, index, "provenance")[0]
         np.testing.assert_array_equal(provenance, np.where(label > 0, 3, 0))
         stored = again.recording(name)[index]
         columns = stored.read_source(0, stored.count, ["xyz", "rgb", "intensity"])
@@ -112,7 +112,7 @@ def came_back(again: Workspace, name: str, made: Made, kind: str) -> None:
         np.testing.assert_array_equal(columns["intensity"][order], frame.intensity)
         if kind != "semantickitti":
             np.testing.assert_array_equal(columns["rgb"][order], frame.rgb)
-    palette = {label.id: label for label in again.palette(name)}
+    palette = {label.id: label for label in again.labels.palette(name)}
     for label_id in set(np.concatenate(made.labels).tolist()) - {0}:
         ours, theirs = made.palette[label_id], palette[label_id]
         assert (theirs.name, theirs.category) == (ours.name, ours.category)
@@ -133,13 +133,13 @@ def test_labels_alone_have_a_row_for_every_row_of_the_source(tmp_path: Path) -> 
     (source / "0.xyz").write_text("\n".join(rows))
     (source / "1.xyz").write_text("\n".join(f"{i} {i} 1 5" for i in range(20)))
     with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
-        job = workspace.import_paths([source], chosen=Corrections(drop_invalid=True))
+        job = workspace.imports.begin([source], chosen=Corrections(drop_invalid=True))
         done = workspace.runner.wait(job.id, PATIENCE)
         assert done.state == "done", done.error
-        label = workspace.create_label("scan", "ann", name="a").id
+        label = workspace.labels.create_label("scan", "ann", name="a").id
         painted_ = np.zeros(16, np.uint16)
         painted_[[0, 5, 15]] = label
-        workspace.put_annotation("scan", 0, painted_, author="ann")
+        workspace.annotations.put("scan", 0, painted_, author="ann")
         workspace.export("scan", "labels-only", tmp_path / "labels")
         manifest = json.loads((tmp_path / "labels" / "manifest.json").read_text())
         array = np.load(tmp_path / "labels" / "label" / "000000.npy")
@@ -154,8 +154,8 @@ def test_labels_alone_have_a_row_for_every_row_of_the_source(tmp_path: Path) -> 
             data = (tmp_path / "labels" / name).read_bytes()
             assert (file["bytes"], file["sha256"]) == (len(data), hashlib.sha256(data).hexdigest())
         # … and come in again.
-        workspace.undo("scan", "ann")
-        job = workspace.import_labels("scan", tmp_path / "labels", "bob")
+        workspace.labels.undo("scan", "ann")
+        job = workspace.imports.begin_labels("scan", tmp_path / "labels", "bob")
         done = workspace.runner.wait(job.id, PATIENCE)
         assert done.state == "done", done.error
-        np.testing.assert_array_equal(workspace.annotation("scan", 0)[0] > 0, painted_ > 0)
+        np.testing.assert_array_equal(workspace.annotations.read("scan", 0)[0] > 0, painted_ > 0)

@@ -12,7 +12,8 @@ import pytest
 from pointbrush.frame import PointFrame
 from pointbrush.jobs import Job
 from pointbrush.sequences import import_frames
-from pointbrush.workspace import Event, Provisional, Workspace
+from pointbrush.work.events import Event, Provisional
+from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 from tests.waiting import PATIENCE
 
@@ -38,9 +39,9 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     import_frames(frames(), folder, sequence_id=SEQUENCE, name=SEQUENCE, fps=30)
     with closing(Workspace(settings)) as opened:
         for number, place in PLACES.items():
-            opened.create_label(SEQUENCE, "ada", name=f"ball {number}")
+            opened.labels.create_label(SEQUENCE, "ada", name=f"ball {number}")
             stroke = {"shape": "sphere", "radius": 0.15, "samples": [{"origin": list(place)}]}
-            opened.stroke(SEQUENCE, 0, {**stroke, "label": number}, "ada")
+            opened.strokes.apply(SEQUENCE, 0, {**stroke, "label": number}, "ada")
         yield opened
 
 
@@ -52,7 +53,9 @@ def track(workspace: Workspace, meanwhile: Callable[[], object]) -> Job:
             meanwhile()
 
     undo = workspace.subscribe(listen)
-    started = workspace.track(SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada")
+    started = workspace.tracking.start(
+        SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada"
+    )
     job = workspace.runner.wait(started.id, PATIENCE)
     undo()
     assert job.state == "done", job.error
@@ -60,26 +63,28 @@ def track(workspace: Workspace, meanwhile: Callable[[], object]) -> Job:
 
 
 def points(workspace: Workspace, label: int) -> list[int]:
-    return [int((workspace.annotation(SEQUENCE, i)[0] == label).sum()) for i in range(1, FRAMES)]
+    return [
+        int((workspace.annotations.read(SEQUENCE, i)[0] == label).sum()) for i in range(1, FRAMES)
+    ]
 
 
 def test_a_label_that_is_deleted_meanwhile(workspace: Workspace) -> None:
-    job = track(workspace, lambda: workspace.delete_label(SEQUENCE, "bob", 1))
+    job = track(workspace, lambda: workspace.labels.delete_label(SEQUENCE, "bob", 1))
     assert min(points(workspace, 2)) > 300
     assert points(workspace, 1) == [0] * (FRAMES - 1)
     assert job.message == "left out, changed while it was tracked: 'ball 1' was deleted"
     assert job.result is not None
     assert job.result["left_out"] == [{"label": 1, "name": "ball 1", "why": "deleted"}]
-    assert {track["label"] for track in workspace.tracks(SEQUENCE)} == {2}
+    assert {track["label"] for track in workspace.labels.tracks(SEQUENCE)} == {2}
     # Who brings the label back has it as it was, and the run beside it.
-    workspace.undo(SEQUENCE, "bob")
-    assert (workspace.annotation(SEQUENCE, 0)[0] == 1).any()
+    workspace.labels.undo(SEQUENCE, "bob")
+    assert (workspace.annotations.read(SEQUENCE, 0)[0] == 1).any()
     assert min(points(workspace, 2)) > 300
-    assert workspace.check(SEQUENCE) == []
+    assert workspace.listing.problems(SEQUENCE) == []
 
 
 def test_a_label_that_is_locked_meanwhile(workspace: Workspace) -> None:
-    job = track(workspace, lambda: workspace.update_label(SEQUENCE, "bob", 2, locked=True))
+    job = track(workspace, lambda: workspace.labels.update_label(SEQUENCE, "bob", 2, locked=True))
     assert min(points(workspace, 1)) > 300
     assert points(workspace, 2) == [0] * (FRAMES - 1)
     assert "'ball 2' was locked" in job.message
@@ -88,14 +93,14 @@ def test_a_label_that_is_locked_meanwhile(workspace: Workspace) -> None:
 def test_a_run_whose_only_labels_went_changes_nothing(workspace: Workspace) -> None:
     def remove() -> None:
         for number in PLACES:
-            workspace.delete_label(SEQUENCE, "bob", number)
+            workspace.labels.delete_label(SEQUENCE, "bob", number)
 
-    before = len(workspace.edits(SEQUENCE))
+    before = len(workspace.labels.edits(SEQUENCE))
     job = track(workspace, remove)
     assert job.result is not None
     assert (job.result["edit"], job.result["changed"]) == (None, 0)
     assert "'ball 1' was deleted, 'ball 2' was deleted" in job.message
-    assert len(workspace.edits(SEQUENCE)) == before + len(PLACES)
+    assert len(workspace.labels.edits(SEQUENCE)) == before + len(PLACES)
 
 
 def test_a_run_that_nothing_disturbs_says_nothing_of_it(workspace: Workspace) -> None:

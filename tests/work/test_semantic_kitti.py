@@ -45,7 +45,7 @@ def opened(tmp_path: Path, name: str = "w") -> Workspace:
 
 
 def import_path(workspace: Workspace, path: Path) -> str:
-    job = workspace.runner.wait(workspace.import_paths([path]).id, PATIENCE)
+    job = workspace.runner.wait(workspace.imports.begin([path]).id, PATIENCE)
     assert job.state == "done", job.error
     assert job.result is not None
     return str(job.result["sequence"])
@@ -61,15 +61,15 @@ def test_files_differ_in_the_points_that_were_painted_alone(tmp_path: Path, way:
         sequence = import_path(workspace, source)
         if way == "as labels":
             job = workspace.runner.wait(
-                workspace.import_labels(sequence, labels, "ann").id, PATIENCE
+                workspace.imports.begin_labels(sequence, labels, "ann").id, PATIENCE
             )
             assert job.state == "done", job.error
-        car = workspace.create_label(sequence, "ann", name="my car", category="car")
+        car = workspace.labels.create_label(sequence, "ann", name="my car", category="car")
         workspace.export(sequence, "semantickitti", tmp_path / "before")
         painted = np.arange(20, 60)
-        array = workspace.annotation(sequence, 1)[0].copy()
+        array = workspace.annotations.read(sequence, 1)[0].copy()
         array[painted] = car.id
-        workspace.put_annotation(sequence, 1, array, author="ann")
+        workspace.annotations.put(sequence, 1, array, author="ann")
         workspace.export(sequence, "semantickitti", tmp_path / "after")
     for frame in range(2):
         np.testing.assert_array_equal(packed(tmp_path / "before", frame), packed(labels, frame))
@@ -82,8 +82,8 @@ def test_files_differ_in_the_points_that_were_painted_alone(tmp_path: Path, way:
     assert instance not in (0, 3, 7)
     with closing(opened(tmp_path, "again")) as workspace:
         sequence = import_path(workspace, tmp_path / "after")
-        names = {label.id: label for label in workspace.palette(sequence)}
-        found = workspace.annotation(sequence, 1)[0]
+        names = {label.id: label for label in workspace.labels.palette(sequence)}
+        found = workspace.annotations.read(sequence, 1)[0]
         assert {names[n].name for n in np.unique(found[painted]).tolist()} == {"my car"}
         workspace.export(sequence, "semantickitti", tmp_path / "twice")
     np.testing.assert_array_equal(packed(tmp_path / "twice", 1), packed(tmp_path / "after", 1))
@@ -98,11 +98,13 @@ def test_labels_beside_scans_become_the_labels_that_an_import_of_them_alone_make
         beside = import_path(workspace, source)
         labels = (source / "labels").rename(tmp_path / "labels")
         alone = import_path(workspace, source)
-        job = workspace.runner.wait(workspace.import_labels(alone, labels, "ann").id, PATIENCE)
+        job = workspace.runner.wait(
+            workspace.imports.begin_labels(alone, labels, "ann").id, PATIENCE
+        )
         assert job.state == "done", job.error
         for sequence in (beside, alone):
-            palette = workspace.palette(sequence)
-            points = [workspace.annotation(sequence, frame)[0] for frame in range(2)]
+            palette = workspace.labels.palette(sequence)
+            points = [workspace.annotations.read(sequence, frame)[0] for frame in range(2)]
             made[sequence] = palette, np.stack(points).tolist()
     assert made[beside] == made[alone]
     palette, _ = made[beside]
@@ -124,7 +126,7 @@ def test_scans_with_label_files_have_the_classes_names_wherever_they_lie(
     if "zip" in way:
         source = Path(shutil.make_archive(str(tmp_path / "packed"), "zip", source))
     with closing(opened(tmp_path)) as workspace:
-        palette = workspace.palette(import_path(workspace, source))
+        palette = workspace.labels.palette(import_path(workspace, source))
     assert {"road", "car 3", "car 7"} <= {label.name for label in palette}
 
 
@@ -143,14 +145,14 @@ def test_a_folder_of_point_labeler_has_the_classes_of_its_xml(tmp_path: Path) ->
     with closing(opened(tmp_path)) as workspace:
         sequence = import_path(workspace, source)
         labels.rename(source / "labels")
-        job = workspace.import_labels(
+        job = workspace.imports.begin_labels(
             sequence, source, "ann", names=parse_map("labels.xml", f"<config>{classes}</config>")
         )
         done = workspace.runner.wait(job.id, PATIENCE)
         assert done.state == "done", done.error
         assert done.result["files"] == [{"file": "000001.label", "frame": 1}]
-        names = {label.id: label.name for label in workspace.palette(sequence)}
-        found = [names.get(n, "") for n in workspace.annotation(sequence, 1)[0].tolist()]
+        names = {label.id: label.name for label in workspace.labels.palette(sequence)}
+        found = [names.get(n, "") for n in workspace.annotations.read(sequence, 1)[0].tolist()]
     kind = packed(source / "labels", 1)
     for name, number in (("yard", 40), ("lorry 3", 10 | 3 << 16), ("lorry 7", 10 | 7 << 16)):
         assert [each == name for each in found] == (kind == number).tolist()
@@ -159,13 +161,13 @@ def test_a_folder_of_point_labeler_has_the_classes_of_its_xml(tmp_path: Path) ->
 def test_categories_keep_their_number_in_a_dataset_and_in_the_workspace(tmp_path: Path) -> None:
     source = drive(tmp_path / "kitti", 1)
     with closing(opened(tmp_path)) as workspace:
-        workspace.put_categories([Category(10, "juggler")])
+        workspace.labels.taxonomy.put([Category(10, "juggler")])
         sequence = import_path(workspace, source)
-        known = {entry.name: entry for entry in workspace.categories()}
+        known = {entry.name: entry for entry in workspace.labels.taxonomy.entries()}
         assert known["car"].datasets == {"semantickitti": 10}
         assert (known["road"].number, known["road"].datasets["semantickitti"]) == (40, 40)
         assert known["car"].number != 10
-        workspace.create_label(sequence, "ann", name="Ada", category="juggler")
+        workspace.labels.create_label(sequence, "ann", name="Ada", category="juggler")
         workspace.export(sequence, "npz", tmp_path / "npz")
     arrays = np.load(tmp_path / "npz" / "000000.npz")
     assert known["car"].number in arrays["category"]
@@ -174,12 +176,12 @@ def test_categories_keep_their_number_in_a_dataset_and_in_the_workspace(tmp_path
 def test_a_category_of_another_place_does_not_take_a_number_of_the_dataset(tmp_path: Path) -> None:
     source = drive(tmp_path / "kitti", 1)
     with closing(opened(tmp_path)) as workspace:
-        workspace.put_categories([Category(10, "juggler")])
+        workspace.labels.taxonomy.put([Category(10, "juggler")])
         sequence = import_path(workspace, source)
-        juggler = workspace.create_label(sequence, "ann", name="Ada", category="juggler")
-        array = workspace.annotation(sequence, 0)[0].copy()
+        juggler = workspace.labels.create_label(sequence, "ann", name="Ada", category="juggler")
+        array = workspace.annotations.read(sequence, 0)[0].copy()
         array[:5] = juggler.id
-        workspace.put_annotation(sequence, 0, array, author="ann")
+        workspace.annotations.put(sequence, 0, array, author="ann")
         workspace.export(sequence, "semantickitti", tmp_path / "out")
     (kind,) = set((packed(tmp_path / "out", 0)[:5] & 0xFFFF).tolist())
     assert kind not in set((packed(source / "labels", 0) & 0xFFFF).tolist())

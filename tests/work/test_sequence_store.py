@@ -28,6 +28,7 @@ from pointbrush.sequences.bucket import Bucket
 from pointbrush.sequences.bucket_files import BucketFiles
 from pointbrush.sequences.file_cache import FileCache
 from pointbrush.settings import Settings
+from pointbrush.work.backup import make_backup
 from pointbrush.work.imports.importing import ImportWork
 from pointbrush.work.trash import ids_for
 from pointbrush.workspace import Workspace
@@ -79,12 +80,12 @@ class Channel:
 
 
 def imported(workspace: Workspace, folder: Path) -> str:
-    library, guards = workspace.library, workspace.store.guards
+    library, guards = workspace.library, workspace.labels.guards
     guard = guards.reserve(ids_for("room"), library.is_free)
     target = library.store.target(guard.sequence)
     ImportWork((source(folder),), target, guard.sequence)(Channel())
     guards.end(guard)
-    assert guard.sequence in [one.id for one in workspace.listing()]
+    assert guard.sequence in [one.id for one in workspace.listing.all()]
     return guard.sequence
 
 
@@ -94,19 +95,19 @@ def objects(url: str) -> set[str]:
 
 
 def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: Path) -> None:
-    assert workspace.listing() == []
+    assert workspace.listing.all() == []
     assert imported(workspace, tmp_path) == "room"
-    assert [(one.id, one.damaged) for one in workspace.listing()] == [("room", None)]
+    assert [(one.id, one.damaged) for one in workspace.listing.all()] == [("room", None)]
     first = workspace.recording("room")
     expected = np.random.default_rng(2).uniform(-1, 1, (POINTS, 3))
     assert np.allclose(first[2].source_xyz(), expected, atol=1e-6)
     assert first.other(2)["echo"].tolist() == list(range(POINTS))
     assert len(first[2].wire(0, 1)) > 0
-    assert workspace.check("room") == []
+    assert workspace.listing.problems("room") == []
 
     workspace.update_sequence("room", name="Hall")
-    workspace.create_label("room", "ada", name="wall")
-    workspace.put_annotation("room", 0, np.ones(POINTS, np.uint16), author="ada")
+    workspace.labels.create_label("room", "ada", name="wall")
+    workspace.annotations.put("room", 0, np.ones(POINTS, np.uint16), author="ada")
     with closing(Workspace(settings)) as other:
         assert [one.name for one in other.listing()] == ["Hall"]
         assert other.annotation("room", 0)[0].all()
@@ -114,39 +115,42 @@ def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: P
         again = open_sequence(other.recording("room").files)
         assert np.array_equal(again[1].xyz, first[1].xyz)
 
-    workspace.backup(tmp_path / "backup")
+    make_backup(workspace.labels, workspace.library, tmp_path / "backup")
     kept = open_sequence(tmp_path / "backup" / "sequences" / "room")
     assert kept[3].source_xyz().tobytes() == first[3].source_xyz().tobytes()
     assert workspace.restore_from_backup(tmp_path / "backup", "room") == "room-2"
-    assert workspace.check("room-2") == []
-    assert workspace.annotation("room-2", 0)[0].all()
+    assert workspace.listing.problems("room-2") == []
+    assert workspace.annotations.read("room-2", 0)[0].all()
 
 
 def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_path: Path) -> None:
     imported(workspace, tmp_path / "once")
-    workspace.create_label("room", "ada", name="wall")
-    workspace.put_annotation("room", 0, np.ones(POINTS, np.uint16), author="ada")
+    workspace.labels.create_label("room", "ada", name="wall")
+    workspace.annotations.put("room", 0, np.ones(POINTS, np.uint16), author="ada")
     with closing(Workspace(settings)) as other:
         assert [one.id for one in other.listing()] == ["room"]
-        workspace.delete_sequence("room")
-        assert other.listing() == workspace.listing() == []
+        workspace.deletion.delete("room")
+        assert other.listing() == workspace.listing.all() == []
     with pytest.raises(NotFoundError):
         workspace.recording("room")
     again = imported(workspace, tmp_path / "again")
-    restored = workspace.restore_sequence("room")
+    restored = workspace.deletion.restore("room")
     assert {again, restored} == {"room", "room-2"}
-    assert {one.id: one.damaged for one in workspace.listing()} == {"room": None, "room-2": None}
-    assert workspace.annotation(restored, 0)[0].all()
-    assert workspace.check(restored) == []
+    assert {one.id: one.damaged for one in workspace.listing.all()} == {
+        "room": None,
+        "room-2": None,
+    }
+    assert workspace.annotations.read(restored, 0)[0].all()
+    assert workspace.listing.problems(restored) == []
 
-    workspace.delete_sequence(restored)
+    workspace.deletion.delete(restored)
     columns = schema.sequences.c
     over = update(schema.sequences).where(columns.deleted.is_not(None))
     earlier = columns.deleted - KEPT_SECONDS - SURE_SECONDS - 1
-    with workspace.store._database.write() as connection:
+    with workspace.labels._database.write() as connection:
         connection.execute(over.values(deleted=earlier, expired=earlier + KEPT_SECONDS))
-    assert workspace.deleted_sequences() == []
-    assert [one.id for one in workspace.listing()] == [again]
+    assert workspace.deletion.deleted() == []
+    assert [one.id for one in workspace.listing.all()] == [again]
     if settings.sequences:
         assert {name.partition("/")[0] for name in objects(settings.sequences)} == {again}
 
@@ -159,6 +163,7 @@ from pointbrush.sequences.bucket import Bucket
 from pointbrush.sequences import files
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.work.imports.importing import ImportWork
+from pointbrush.work.backup import make_backup
 from pointbrush.workspace import Workspace
 
 class Channel:
@@ -168,7 +173,7 @@ class Channel:
 def killed(*_): os.kill(os.getpid(), signal.SIGKILL)
 
 workspace = Workspace(Settings.load())
-guard = workspace.store.guards.reserve(["room"], workspace.library.is_free)
+guard = workspace.labels.guards.reserve(["room"], workspace.library.is_free)
 if workspace.settings.sequences:  # all is there but what makes it a recording
     Bucket.write = killed
 else:
@@ -187,9 +192,9 @@ def test_an_import_that_is_killed_is_not_listed_and_leaves_nothing(
     if settings.sequences:
         assert len(objects(settings.sequences)) > FRAMES
     with closing(Workspace(settings)) as workspace:
-        assert workspace.listing() == []
+        assert workspace.listing.all() == []
         assert imported(workspace, tmp_path / "again") == "room"
-        assert workspace.check("room") == []
+        assert workspace.listing.problems("room") == []
         folder = workspace.library.folder
         assert [path for path in folder.rglob(".tmp-*") if path.is_dir()] == []
 
@@ -297,7 +302,7 @@ def test_damage_in_the_bucket_is_found_and_in_the_cache_mended(served_from: Sett
         recording = workspace.recording("room")
         with pytest.raises(PointbrushError, match="not those that were imported"):
             _ = recording[2]
-        assert any("000002.points" in problem for problem in workspace.check("room"))
+        assert any("000002.points" in problem for problem in workspace.listing.problems("room"))
         fs.pipe_file(name, whole)
         expected = recording[2].xyz.copy()
         (recording.path / "frames" / "000002.points").write_bytes(b"")
@@ -323,7 +328,7 @@ def test_while_the_store_is_away_what_is_here_is_served(
         monkeypatch.setattr("pointbrush.work.bucket_store.FRESH_SECONDS", -1.0)
         assert np.array_equal(workspace.recording("room")[0].xyz, known)
         with pytest.raises(UnavailableError, match="expected an answer from the bucket"):
-            workspace.listing()
+            workspace.listing.all()
         with pytest.raises(UnavailableError):
             workspace.ready_checks()["sequences"]()
 

@@ -59,7 +59,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     opened = Workspace(chosen)
     for name in RECORDINGS:
         for label in ("ball", "other", "locked"):
-            opened.create_label(name, "ada", name=label)
+            opened.labels.create_label(name, "ada", name=label)
     yield opened
     opened.close()
 
@@ -110,15 +110,15 @@ def annotate(workspace: Workspace, sequence: str, seed: int, share: float) -> No
             provenance=provenance.astype(np.uint8),
             deleted=rng.random(count) < 0.1,
         )
-    workspace.update_label(sequence, "ada", LOCKED, locked=False)
-    workspace.store.apply(
+    workspace.labels.update_label(sequence, "ada", LOCKED, locked=False)
+    workspace.labels.apply(
         sequence, edit_id=str(uuid.uuid4()), author="ada", kind="paint", writes=writes, summary=""
     )
-    workspace.update_label(sequence, "ada", LOCKED, locked=True)
+    workspace.labels.update_label(sequence, "ada", LOCKED, locked=True)
 
 
 def written(workspace: Workspace, sequence: str) -> list[FrameValues]:
-    return [workspace.store.values(sequence, i) for i in range(len(KINDS))]
+    return [workspace.labels.values(sequence, i) for i in range(len(KINDS))]
 
 
 def same(one: FrameValues, other: FrameValues, where: np.ndarray | slice = slice(None)) -> bool:
@@ -130,7 +130,7 @@ def same(one: FrameValues, other: FrameValues, where: np.ndarray | slice = slice
 
 def results_of(workspace: Workspace, asked: Request) -> list[FrameResult]:
     recording = workspace.recording(asked.sequence)
-    seeds = prepare(workspace.store, recording, asked.labels, asked.start, asked.stop)
+    seeds = prepare(workspace.labels, recording, asked.labels, asked.start, asked.stop)
     notes = Notes([])
     TrackingWork(
         recording.files,
@@ -186,7 +186,7 @@ def test_a_run_changes_only_what_it_may(
     assert list(map(plain, found)) == list(map(plain, again))
     labels = tuple(found[0].tracks)
     pending = PendingEdit(
-        workspace.store,
+        workspace.labels,
         asked.sequence,
         workspace.recording(asked.sequence).identity,
         asked.start,
@@ -212,7 +212,7 @@ def test_a_run_changes_only_what_it_may(
         assert set(new.label[changed].tolist()) <= {0, *labels}
         assert not new.label[changed & old.deleted].any()
     assert done["edit"] is not None
-    workspace.undo(asked.sequence, "ada")
+    workspace.labels.undo(asked.sequence, "ada")
     assert all(map(same, before, written(workspace, asked.sequence)))
 
 
@@ -237,7 +237,7 @@ def test_what_cannot_be_tracked_is_refused_before_it_begins(
     before = written(workspace, "plain")
     asked = {"start": 0, "stop": 3, "method": method, "author": "ada", "labels": [BALL]}
     with pytest.raises(error):
-        workspace.track("plain", **asked | change)  # type: ignore[arg-type]
+        workspace.tracking.start("plain", **asked | change)  # type: ignore[arg-type]
     assert all(map(same, before, written(workspace, "plain")))
 
 

@@ -36,15 +36,15 @@ def test_boxes_of_openpcdet_come_back_to_the_source(
     place = settings.workspace / "sequences" / "scan"
     import_frames([frame], place, sequence_id="scan", name="scan", fps=1.0, up=up)
     with closing(Workspace(settings)) as workspace:
-        made = workspace.create_label("scan", "ann", name="car", category="car")
+        made = workspace.labels.create_label("scan", "ann", name="car", category="car")
         label = np.where(np.arange(400) < CAR, made.id, 0).astype(np.uint16)
-        workspace.put_annotation("scan", 0, label, author="ann")
+        workspace.annotations.put("scan", 0, label, author="ann")
         workspace.export("scan", "openpcdet", tmp_path / "out")
-        workspace.put_annotation("scan", 0, np.zeros(400, np.uint16), author="ann")
-        job = workspace.import_labels("scan", tmp_path / "out", "bob")
+        workspace.annotations.put("scan", 0, np.zeros(400, np.uint16), author="ann")
+        job = workspace.imports.begin_labels("scan", tmp_path / "out", "bob")
         done = workspace.runner.wait(job.id, 120)
         assert done.state == "done", done.error
-        back = workspace.annotation("scan", 0)[0]
+        back = workspace.annotations.read("scan", 0)[0]
     assert np.count_nonzero(back[:CAR]) >= 0.97 * CAR  # those on the box's faces may be outside
     assert not back[CAR:].any()
 

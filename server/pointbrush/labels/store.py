@@ -134,6 +134,11 @@ class LabelStore:
         with self._sessions.knowing(sequence) as state:
             return list(state.palette.values())
 
+    def label(self, sequence: str, label_id: int) -> Label:
+        """One label; raises NotFoundError."""
+        with self._sessions.knowing(sequence) as state:
+            return palette.require(state.palette, label_id)
+
     def choosing(self, sequence: str) -> Palette:
         """Return the palette of now, for saying what labels an edit would add."""
         with self._sessions.reading(sequence) as (connection, state):
@@ -160,7 +165,7 @@ class LabelStore:
         edit_id: str | None = None,
         distinct: bool = False,
         **fields: Any,
-    ) -> tuple[Label, Commit]:
+    ) -> Label:
         """Add a label (also ``locked``, ``visible``); ConflictError when ``id`` is taken.
 
         ``distinct``: a name or colour that another label has gives way to a free one.
@@ -172,9 +177,9 @@ class LabelStore:
         plan = plans.create(entry, number, fields, distinct)
         commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # without another look at a database that may have gone away meanwhile
-            return commit.label, commit
+            return commit.label
         with self._sessions.reading(sequence) as (connection, state):
-            return palette.created_by(connection, state.number, commit.revision), commit
+            return palette.created_by(connection, state.number, commit.revision)
 
     def update_label(
         self,
@@ -184,18 +189,18 @@ class LabelStore:
         *,
         edit_id: str | None = None,
         **fields: Any,
-    ) -> tuple[Label, Commit]:
+    ) -> Label:
         """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``; None keeps."""
         given = palette.check_fields(fields)
         entry = new_entry(edit_id, author, "label", "change a label")
         plan = plans.change(entry, label_id, given)
         commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # and not the palette of now, from which it may be gone already
-            return commit.label, commit
+            return commit.label
         with self._sessions.reading(sequence) as (connection, state):
             number, made = state.number, commit.revision
             label = palette.as_last_made(connection, number, label_id, until=made)
-        return palette.require({} if label is None else {label_id: label}, label_id), commit
+        return palette.require({} if label is None else {label_id: label}, label_id)
 
     def arrange_labels(
         self, sequence: str, author: str, order: Sequence[int], *, edit_id: str | None = None

@@ -42,7 +42,7 @@ class Explaining:
         request = self.request
         recording = self.workspace.recording(self.sequence)
         self._seeds = prepare(
-            self.workspace.store, recording, [request.label], request.start, request.stop
+            self.workspace.labels, recording, [request.label], request.start, request.stop
         )
         self._method = watched(request.method, self._on_frame, self._on_iteration)
         self._ended = threading.Event()
@@ -62,7 +62,7 @@ class Explaining:
         request, recording = self.request, self.workspace.recording(self.sequence)
         step = 1 if request.stop > request.start else -1
         order = range(request.start, request.stop + step, step)
-        known = Knowledge(self.workspace.store, recording)
+        known = Knowledge(self.workspace.labels, recording)
         options = TrackOptions(continue_lost=True)
         try:
             if request.method == "auto":  # as a run does that is not explained
@@ -90,7 +90,7 @@ def first_frame(workspace: Workspace, sequence: str, label: int) -> int:
 
     Raises BadInputError where it has none.
     """
-    counts = workspace.store.counts(sequence)
+    counts = workspace.labels.counts(sequence)
     frames = sorted(frame for frame, number in counts if number == label)
     painted = [frame for frame in frames if counts[frame, label][1]]
     if not frames:

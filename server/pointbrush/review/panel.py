@@ -16,7 +16,9 @@ from pointbrush.labels import Commit
 from pointbrush.review.drawing import STEPS, Drawing, add_plot, blend, curves, lookup, told
 from pointbrush.review.explaining import Explaining, ExplainRequest, first_frame
 from pointbrush.settings import Settings
-from pointbrush.workspace import Event, Workspace
+from pointbrush.work.annotate.accepting import Verdict
+from pointbrush.work.events import Event
+from pointbrush.workspace import Workspace
 
 DOUBTFUL = 0.5
 """Confidence under which a tracked frame should be looked at."""
@@ -104,8 +106,8 @@ class ReviewPanel:
             self._labels = self._server.gui.add_html("")
 
     def _add_plots(self) -> None:
-        tracks = self._workspace.tracks(self._sequence)
-        palette = self._workspace.palette(self._sequence)
+        tracks = self._workspace.labels.tracks(self._sequence)
+        palette = self._workspace.labels.palette(self._sequence)
         self._plots: dict[str, Any] = {}
         if not palette:
             return
@@ -116,7 +118,9 @@ class ReviewPanel:
 
     def _add_judging(self) -> None:
         gui, last = self._server.gui, len(self._recording) - 1
-        names = [f"{label.id} {label.name}" for label in self._workspace.palette(self._sequence)]
+        names = [
+            f"{label.id} {label.name}" for label in self._workspace.labels.palette(self._sequence)
+        ]
         if not names:
             return
         with gui.add_folder("Judge a range"):
@@ -131,7 +135,7 @@ class ReviewPanel:
         if self._explaining is None:
             return
         gui, request = self._server.gui, self._explaining.request
-        by_id = {label.id: label.name for label in self._workspace.palette(self._sequence)}
+        by_id = {label.id: label.name for label in self._workspace.labels.palette(self._sequence)}
         self._steps: dict[str, Any] = {}
         self._iteration: Any = None
         with gui.add_folder(f"How {by_id[request.label]} is found ({request.method})"):
@@ -159,10 +163,10 @@ class ReviewPanel:
     def show(self) -> None:
         """Send the current frame with its label colours."""
         stored = self._recording[self.frame]
-        values = self._workspace.values(self._sequence, self.frame)
-        tracks = self._workspace.tracks(self._sequence)
+        values = self._workspace.labels.values(self._sequence, self.frame)
+        tracks = self._workspace.labels.tracks(self._sequence)
         kept = ~values.deleted
-        colors = lookup(self._workspace.palette(self._sequence))
+        colors = lookup(self._workspace.labels.palette(self._sequence))
         rgb = None if stored.rgb is None else stored.rgb[kept]
         self._server.scene.add_point_cloud(
             "/frame",
@@ -180,7 +184,7 @@ class ReviewPanel:
 
     def _listed(self, counts: NDArray[np.int64], tracks: Mapping[int, Mapping[str, Any]]) -> str:
         rows = []
-        for label in self._workspace.palette(self._sequence):
+        for label in self._workspace.labels.palette(self._sequence):
             points = int(counts[label.id]) if label.id < len(counts) else 0
             track = tracks.get(label.id)
             state = "" if track is None else f"{track['state']} {track['confidence']:.2f}"
@@ -201,7 +205,7 @@ class ReviewPanel:
         paths = []
         for label, way in ways.items():
             way.sort(key=lambda entry: entry[0])
-            values = self._workspace.values(self._sequence, way[0][0])
+            values = self._workspace.labels.values(self._sequence, way[0][0])
             own = self._recording[way[0][0]].coordinates[
                 np.flatnonzero((values.label == label) & ~values.deleted)
             ]
@@ -262,9 +266,10 @@ class ReviewPanel:
         """Accept what tracking found of the chosen label in the chosen frames, or reject it."""
         label = int(str(self._judged.value).split(" ", 1)[0])
         low, high = sorted((int(self._from.value), int(self._to.value)))
-        judged = self._workspace.accept_range if accept else self._workspace.reject_range
+        verdict: Verdict = "accept" if accept else "reject"
+        frames = range(low, high + 1)
         try:
-            commit = judged(self._sequence, range(low, high + 1), [label], AUTHOR)
+            commit = self._workspace.verdicts.give(verdict, self._sequence, frames, [label], AUTHOR)
         except PointbrushError as error:
             self._said.content = f"**{error}**"
             return
@@ -273,7 +278,7 @@ class ReviewPanel:
 
     def jump(self, direction: int) -> None:
         """Go to the next (1) or previous (-1) doubtful frame, if there is one."""
-        doubts = doubtful_frames(self._workspace.tracks(self._sequence))
+        doubts = doubtful_frames(self._workspace.labels.tracks(self._sequence))
         ahead = [frame for frame in doubts if (frame - self.frame) * direction > 0]
         if ahead:
             self.go_to(min(ahead) if direction > 0 else max(ahead))
@@ -309,8 +314,8 @@ class ReviewPanel:
             self.show()
 
     def _replot(self) -> None:
-        tracks = self._workspace.tracks(self._sequence)
-        palette = self._workspace.palette(self._sequence)
+        tracks = self._workspace.labels.tracks(self._sequence)
+        palette = self._workspace.labels.palette(self._sequence)
         for key, plot in self._plots.items():
             data = curves(tracks, palette, len(self._recording), key)
             if len(data) == len(plot.data):

@@ -245,7 +245,7 @@ class Editor:
         self._refused.pop(edit.id, None)
         if len(self._live) >= LIVE_STROKES and edit.id not in self._live:
             raise TooManyRequestsError(f"expected at most {LIVE_STROKES} strokes at a time")
-        self._live[edit.id] = workspace.begin_stroke(
+        self._live[edit.id] = workspace.strokes.begin(
             sequence, edit.frame, edit.brush.model_dump(), edit.id
         )
 
@@ -277,13 +277,13 @@ class Editor:
 
     def _undo(self, edit: messages.Undo | messages.Redo) -> Applied:
         viewer, workspace = self._viewer, self._hub.workspace
-        act = workspace.undo if isinstance(edit, messages.Undo) else workspace.redo
+        act = workspace.labels.undo if isinstance(edit, messages.Undo) else workspace.labels.redo
         commit = act(viewer.require_room().id, viewer.author, edit.id)
         return Applied(next(iter(commit.frames), 0), commit.changed, commit)
 
     def _track(self, edit: messages.Track) -> None:
         viewer = self._viewer
-        self._hub.workspace.track(
+        self._hub.workspace.tracking.start(
             viewer.require_room().id,
             start=edit.start,
             stop=edit.stop,

@@ -25,14 +25,8 @@ from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.system import shortages_in_words
-from pointbrush.workspace import (
-    Event,
-    Prepared,
-    Provisional,
-    Retracted,
-    SequencesChanged,
-    Workspace,
-)
+from pointbrush.work.events import Event, Prepared, Provisional, Retracted, SequencesChanged
+from pointbrush.workspace import Workspace
 
 logger = logging.getLogger(__name__)
 
@@ -73,7 +67,7 @@ class Hub:
 
         unsubscribe = self.workspace.subscribe(forward)
         self.metrics.watch_queues(self.queue_lengths)
-        self.workspace.store.time_transactions(self.metrics.transaction)
+        self.workspace.labels.time_transactions(self.metrics.transaction)
         try:
             async with asyncio.TaskGroup() as tasks:
                 background = [

@@ -12,7 +12,7 @@ from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.workspace import Answer
+from pointbrush.work.objects import Answer
 
 
 async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
@@ -28,7 +28,7 @@ async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
         if message.held is not None:
             raise BadInputError("held: expected together with the revision it was held at")
         return message
-    newest = await hub.read(hub.workspace.store.revision, message.sequence)
+    newest = await hub.read(hub.workspace.labels.revision, message.sequence)
     if message.revision > newest:
         raise BadInputError(f"revision: expected at most {newest}, got {message.revision}")
     return message
@@ -107,7 +107,7 @@ class Asker:
             "negatives": [sample.model_dump() for sample in question.negatives],
             "previous": question.previous,
         }
-        return self._hub.workspace.ask(sequence, question.frame, fields)
+        return self._hub.workspace.strokes.preview(sequence, question.frame, fields)
 
 
 def answer_message(question: messages.Ask, answer: Answer) -> messages.Candidates:

@@ -20,7 +20,8 @@ from pointbrush.streaming.shared.board import Board, Place
 from pointbrush.streaming.shared.cache import MessageCache, Versioned
 from pointbrush.streaming.shared.stock import PointsMessage, Shelf, Stock
 from pointbrush.streaming.table import FrameTable, Piece
-from pointbrush.workspace import Provisional, Workspace
+from pointbrush.work.events import Provisional
+from pointbrush.workspace import Workspace
 
 STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
 TICK_SECONDS = 0.03
@@ -77,7 +78,7 @@ class Room:
         self._identity = recording.identity
         self.viewers: set[Listener] = set()
         self.revision = 0
-        self.board = Board(workspace.store, run, self.id)
+        self.board = Board(workspace.labels, run, self.id)
         self._touched: dict[int, int] = {}
         self._start = 0
         self.stock = Stock(recording, shelf, run)
@@ -140,7 +141,7 @@ class Room:
         key = self._key(frame, first, count)
 
         def read() -> Versioned:
-            values = self.workspace.store.values(self.id, frame, first, count)
+            values = self.workspace.labels.values(self.id, frame, first, count)
             return values.revision, encode_whole(self.id, frame, first, values)
 
         least = self._touched.get(frame, self._start)
@@ -213,7 +214,7 @@ class Room:
         """A commit's part in each frame of ``bases`` that lists one, encoded once for all."""
         listed = {frame: delta for frame in bases if (delta := commit.frames[frame]) is not None}
 
-        accounts = self.workspace.store.accounts
+        accounts = self.workspace.labels.accounts
         author = accounts.known(commit.author)
         if author is None:
             author = str(await self._run(accounts.name, commit.author))
@@ -248,14 +249,14 @@ class Room:
         touched: dict[int, int] = {}
 
         def read(after: int) -> int:
-            commits = self.workspace.store.since(self.id, after)
+            commits = self.workspace.labels.since(self.id, after)
             for commit in commits:
                 for frame, delta in commit.frames.items():
                     if delta is None:
                         raise GapError(f"frame {frame}: too many points changed to list them")
                     base = touched.get(frame, revision)
                     touched[frame] = commit.revision
-                    author = self.workspace.store.accounts.name(commit.author)
+                    author = self.workspace.labels.accounts.name(commit.author)
                     deltas.append(delta_message(commit, frame, delta, base, author))
             return commits[-1].revision
 

@@ -243,7 +243,7 @@ class ViewerSession(Viewer):
             self.author = f"{OWNER}{MARK}{name}"
         else:
             with contextlib.suppress(ReadOnlyError):  # nothing is edited there
-                self.hub.workspace.store.accounts.rename(self.author, name)
+                self.hub.workspace.labels.accounts.rename(self.author, name)
         self.name = name
 
     async def _open(self, message: messages.Open) -> None:
@@ -263,7 +263,7 @@ class ViewerSession(Viewer):
         self.outbox.labels = self.outbox.all_cells = True
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
         with contextlib.suppress(UnavailableError):  # then each is told when it changes
-            for job in self.hub.workspace.jobs():
+            for job in self.hub.workspace.jobs.all():
                 if job.state in ("queued", "running"):
                     self.hub.tell_job(job, [self])
         if message.revision is not None:

@@ -30,7 +30,8 @@ from pointbrush.web.routes import RESOURCES, meta, objects, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.work.imports.uploads import Uploads
-from pointbrush.workspace import StaleCandidateError, Workspace
+from pointbrush.work.objects import StaleCandidateError
+from pointbrush.workspace import Workspace
 
 log = logging.getLogger(__name__)
 
@@ -58,7 +59,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.state.gate = Gate(workspace, settings, token)
     app.state.metrics = Metrics()
-    app.state.uploads = Uploads(settings.workspace.absolute(), workspace.uploads_in_use)
+    app.state.uploads = Uploads(settings.workspace.absolute(), workspace.jobs.uploads)
     app.state.kept_uploads = KeptUploads()
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())

@@ -56,8 +56,8 @@ class Gate:
         self._hosts = host_names(settings)
         self._local = is_loopback(settings.host)
         self.clients = Clients(settings.trusted_proxies)
-        self.sessions = WebSessions(workspace.store, token)
-        self._browsers = BrowserAccounts(workspace.store.signing_keys)
+        self.sessions = WebSessions(workspace.labels, token)
+        self._browsers = BrowserAccounts(workspace.labels.signing_keys)
         self._right: dict[str, None] = {}
         self._tries = settings.wrong_tokens_per_minute
         self._wrong = RateLimit(self._tries / 60, burst=self._tries)
@@ -67,7 +67,7 @@ class Gate:
         if self._is_own(secret):
             self._note(secret)
             return Principal(OWNER, OWNER, "admin", shared=True)
-        token = self._workspace.store.tokens.check(secret)
+        token = self._workspace.labels.tokens.check(secret)
         if token is None:
             raise self._refusal(connection)
         self._note(secret)
@@ -107,7 +107,7 @@ class Gate:
             session = self.sessions.begin(account, None, secret)
             kept = self._browsers.cookies(connection, account)
             return self._sharer(account), [_session_cookie(connection, session), *kept]
-        token = self._workspace.store.tokens.check(secret)
+        token = self._workspace.labels.tokens.check(secret)
         session = self.sessions.begin(principal.author, token, secret)
         return principal, [_session_cookie(connection, session)]
 
@@ -138,7 +138,7 @@ class Gate:
         return self._sharer(found.account)
 
     def _sharer(self, account: str) -> Principal:
-        name = self._workspace.store.accounts.name(account)
+        name = self._workspace.labels.accounts.name(account)
         return Principal(account, name, "admin", shared=True, session=True)
 
     def _refusal(self, connection: HTTPConnection) -> UnauthorizedError | TooManyRequestsError:

@@ -30,6 +30,16 @@ async def workspace_of(request: Request) -> Workspace:
 Ws = Annotated[Workspace, Depends(workspace_of)]
 
 
+def whole_sequence(seq: SequenceId, workspace: Ws) -> str:
+    """The id of a recording that can be opened; raises NotFoundError, DamagedError."""
+    workspace.recording(seq)
+    return seq
+
+
+WholeSequence = Annotated[str, Depends(whole_sequence)]
+"""Of calls that work on labels alone: also they do not answer for a damaged recording."""
+
+
 async def known_query(request: Request) -> None:
     """Refuse query parameters that the call has not: a misspelt one would change nothing.
 

@@ -17,7 +17,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from pointbrush.jobs import Job
 from pointbrush.labels import Commit
 from pointbrush.web.problems import LONGEST_PATH
-from pointbrush.workspace import Event, Workspace
+from pointbrush.work.events import Event
+from pointbrush.workspace import Workspace
 
 FORMATS = ("text", "json")
 SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush_(?:session|account)\w*=)[^\s&\"';,]+")

@@ -20,7 +20,9 @@ from pointbrush.streaming.messages import (
     Uuid,
     Vec3,
 )
-from pointbrush.workspace import Deleted, Listed, Split
+from pointbrush.work.annotate.splitting import Split
+from pointbrush.work.deletion import Deleted
+from pointbrush.work.listing import Listed
 
 VISIBLE = f"[^{HIDDEN}]"
 """Pattern of a character that names may hold."""
@@ -259,10 +261,10 @@ class EditInfoOut(BaseModel):
     undone: bool
 
     @classmethod
-    def of(cls, edit: EditInfo) -> EditInfoOut:
-        """From the store's record."""
+    def of(cls, edit: EditInfo, author: str) -> EditInfoOut:
+        """From the store's record, and its author's name."""
         return cls(
-            id=edit.id, revision=edit.revision, author=edit.author,
+            id=edit.id, revision=edit.revision, author=author,
             time=datetime.fromtimestamp(edit.time, UTC),
             kind=edit.kind, summary=edit.summary, points=edit.points,
             frames=list(edit.frames), undone=edit.undone,

@@ -20,8 +20,8 @@ from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
 from pointbrush.web.context import one_of
 from pointbrush.web.schemas import Body, Name, PaintId
+from pointbrush.work.imports.previewing import Preview
 from pointbrush.work.tracking.options import RunOptions
-from pointbrush.workspace import Preview
 
 ColumnName = Annotated[str, Field(min_length=1, max_length=200)]
 

@@ -25,7 +25,9 @@ from pointbrush.web.log_limits import limit_lines
 from pointbrush.web.logs import FORMATS, log_events, write_json
 from pointbrush.web.tls import Certificate, certificate, fingerprint
 from pointbrush.web.websocket_protocol import WebSocketProtocol
-from pointbrush.workspace import Event, Workspace
+from pointbrush.work.compiling import are_compiled
+from pointbrush.work.events import Event
+from pointbrush.workspace import Workspace
 
 DRAIN_SECONDS = 3
 """For what viewers have sent, and then for requests: with the jobs' end it is less than 10 s."""
@@ -232,14 +234,14 @@ def expect_tracking(workspace: Workspace, after: float = READY_AFTER) -> None:
 
     At once, while the first page opens, where loops are still to be compiled.
     """
-    if not workspace.loops_compiled:
-        workspace.expect_tracking()
+    if not are_compiled():
+        workspace.tracking.expect()
         return
 
     def labelled(event: Event) -> None:
         if isinstance(event, Commit):
             undo()
-            begin = threading.Timer(after, workspace.expect_tracking)
+            begin = threading.Timer(after, lambda: workspace.tracking.expect())
             begin.daemon = True
             begin.start()
 

@@ -14,6 +14,7 @@ from functools import partial
 from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known, LabelStore
 from pointbrush.sequences import Manifest
+from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.library import Library
 
 log = logging.getLogger(__name__)
@@ -30,8 +31,10 @@ class Deleted:
 class Deletion:
     """Deletes and restores the recordings of one workspace."""
 
-    def __init__(self, library: Library, store: LabelStore) -> None:
-        self._library, self._store = library, store
+    def __init__(
+        self, library: Library, store: LabelStore, publish: Callable[[Event], None]
+    ) -> None:
+        self._library, self._store, self._publish = library, store, publish
         self._trash = library.store.deleted
 
     def delete(self, sequence: str, identity: str | None = None) -> None:
@@ -50,6 +53,7 @@ class Deletion:
         # From here on it is deleted.
         self._library.hidden |= {sequence}
         self._tidy_later()
+        self._publish(SequencesChanged(sequence))
 
     def _is_deleted(self, identity: str) -> bool:
         return any(known.identity == identity for known in self._store.recordings.deleted())
@@ -103,6 +107,7 @@ class Deletion:
             self._tidy_later()
         finally:
             guards.end(guard)
+        self._publish(SequencesChanged(guard.sequence))
         return guard.sequence
 
     def _tidy_later(self) -> None:

@@ -15,7 +15,7 @@ from pointbrush.jobs import ENDED, Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
 from pointbrush.work.annotate.strokes import edit_id
-from pointbrush.work.imports.submitting import UPLOAD
+from pointbrush.work.imports.requests import UPLOAD
 
 log = logging.getLogger(__name__)
 
@@ -118,14 +118,14 @@ class JobBook:
 
     # ── for people ───────────────────────────────────────────────────────────────────────
 
-    def jobs(self) -> list[Job]:
+    def all(self) -> list[Job]:
         """Return the jobs of all servers, newest first."""
         here = {job.id: job for job in self._runner.jobs()}
         records = (each for each in self._records.all() if each.id not in self._dropped)
         kept = {record.id: job_of(record) for record in records}
         return sorted((kept | here).values(), key=lambda job: job.created, reverse=True)
 
-    def job(self, job_id: str) -> Job:
+    def get(self, job_id: str) -> Job:
         """Return a job of whichever server; raises NotFoundError."""
         try:
             return self._runner.job(job_id)
@@ -156,7 +156,7 @@ class JobBook:
 
     def _own(self, job_id: str, owner: str | None) -> Job | None:
         try:
-            job = self.job(job_id)
+            job = self.get(job_id)
         except NotFoundError:
             return None
         if job.owner != owner:
@@ -182,7 +182,7 @@ class JobBook:
         return self._runner.cancel(job_id)
 
     def _ask(self, job_id: str, *, keep: bool) -> Job:
-        job = self.job(job_id)
+        job = self.get(job_id)
         if job.state in ENDED:
             raise ConflictError(f"job {job_id}: expected a running job, it is {job.state}")
         self._records.ask(job_id, "keep" if keep else "cancel")

@@ -24,42 +24,6 @@ class Repaired:
     lost: list[str] = field(default_factory=list)
 
 
-def check_recording(library: Library, store: LabelStore, sequence: str) -> list[str]:
-    """List faults of a recording's files, journal and annotations; none when it is sound."""
-    problems = verify(library.store.files(sequence))
-    try:
-        return problems + store.check(sequence)
-    except (UnavailableError, NotFoundError) as error:
-        return [*problems, f"its labels cannot be read: {error}"]
-
-
-def repair(library: Library, store: LabelStore, sequences: Iterable[str]) -> Repaired:
-    """Make anew what can be; no other process may have the workspace open.
-
-    Indexes come from the database's rows; snapshots, counts, palette and tracks from the journal.
-    Files of frames, the journal and manifests cannot be made anew.  Raises ReadOnlyError.
-    """
-    done = Repaired()
-    _repair_database(store, done)
-    if done.lost:
-        return done
-    for sequence in sequences:
-        _repair_labels(store, sequence, done)
-        if not library.has(sequence):
-            done.lost.append(f"{sequence}: {LABELS_ALONE}")
-            continue
-        files = library.store.files(sequence)
-        if note_checksums(files):
-            done.rebuilt.append(
-                f"{sequence}: it had no checksums; those of its files as they are now are kept"
-            )
-        done.lost += [
-            f"{sequence}: {line}; import it again or restore it from a backup"
-            for line in verify(files)
-        ]
-    return done
-
-
 def _repair_database(store: LabelStore, done: Repaired) -> None:
     found = store.integrity()
     if not found:
@@ -110,78 +74,116 @@ class Listed:
         return self.id if self.manifest is None else self.manifest.name
 
 
-def recordings(
-    library: Library, store: LabelStore, imports: Imports, deletion: Deletion
-) -> list[Listed]:
-    """Every recording that has files or labels, by name; not those that imports have begun."""
-    found, revisions = library.survey(), store.sequences()
-    if revisions.keys() != {folder.id for folder in found}:
-        # A deletion or an import was stopped, here or by another server.
-        deletion.tidy()
-        for one in found:
-            if one.id not in revisions:
-                library.store.forget(one.id)
-        found = library.survey()
-        imports.complete([one.manifest for one in found if one.manifest is not None])
-        revisions = store.sequences()
-    importing = store.guards.importing() if revisions.keys() != {one.id for one in found} else ()
-    labelled = store.labelled_frames()
-    missing = imports.source_labels.missing(one.manifest for one in found if one.manifest)
-    entries = [
-        Listed(
-            one.id,
-            revisions.get(one.id, 0),
-            one.manifest,
-            one.damaged,
-            labelled.get(one.id, 0),
-            missing.get(one.id),
-        )
-        for one in found
-        if one.id in revisions or one.id not in importing
-    ]
-    alone = revisions.keys() - {one.id for one in found}
-    entries += [Listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
-    return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
+class Listing:
+    """The recordings of a workspace, their faults, and what can be made anew; thread-safe."""
 
+    def __init__(
+        self, library: Library, store: LabelStore, imports: Imports, deletion: Deletion
+    ) -> None:
+        self._library, self._store = library, store
+        self._imports, self._deletion = imports, deletion
 
-def entry(library: Library, store: LabelStore, imports: Imports, sequence: str) -> Listed:
-    """One of the list; raises NotFoundError when it has neither files nor labels."""
-    revision = store.sequences().get(sequence)
-    if library.has(sequence):
-        found = library.look(sequence)
-        labelled = store.labelled_frames(sequence).get(sequence, 0)
-        missing = imports.source_labels.missing([found.manifest] if found.manifest else [])
-        return Listed(
-            sequence,
-            revision or 0,
-            found.manifest,
-            found.damaged,
-            labelled,
-            missing.get(sequence),
-        )
-    if revision is None:
-        raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
-    return Listed(sequence, revision, None, LABELS_ALONE)
+    def all(self) -> list[Listed]:
+        """Every recording that has files or labels, by name; not those that imports have begun."""
+        found, revisions = self._library.survey(), self._store.sequences()
+        if revisions.keys() != {folder.id for folder in found}:
+            # A deletion or an import was stopped, here or by another server.
+            self._deletion.tidy()
+            for one in found:
+                if one.id not in revisions:
+                    self._library.store.forget(one.id)
+            found = self._library.survey()
+            self._imports.complete([one.manifest for one in found if one.manifest is not None])
+            revisions = self._store.sequences()
+        whole = revisions.keys() == {one.id for one in found}
+        importing = () if whole else self._store.guards.importing()
+        labelled = self._store.labelled_frames()
+        missing = self._imports.source_labels.missing(one.manifest for one in found if one.manifest)
+        entries = [
+            Listed(
+                one.id,
+                revisions.get(one.id, 0),
+                one.manifest,
+                one.damaged,
+                labelled.get(one.id, 0),
+                missing.get(one.id),
+            )
+            for one in found
+            if one.id in revisions or one.id not in importing
+        ]
+        alone = revisions.keys() - {one.id for one in found}
+        entries += [Listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
+        return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
+    def entry(self, sequence: str) -> Listed:
+        """One of the list; raises NotFoundError when it has neither files nor labels."""
+        revision = self._store.sequences().get(sequence)
+        if self._library.has(sequence):
+            found = self._library.look(sequence)
+            labelled = self._store.labelled_frames(sequence).get(sequence, 0)
+            missing = self._labels_missing(found.manifest)
+            return Listed(sequence, revision or 0, found.manifest, found.damaged, labelled, missing)
+        if revision is None:
+            raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+        return Listed(sequence, revision, None, LABELS_ALONE)
 
-def problems_of(library: Library, store: LabelStore, imports: Imports, sequence: str) -> list[str]:
-    """List faults of a recording's files, its journal or its annotations; [] if sound.
+    def _labels_missing(self, manifest: Manifest | None) -> str | None:
+        if manifest is None:
+            return None
+        return self._imports.source_labels.missing([manifest]).get(manifest.id)
 
-    Raises NotFoundError when it has neither, UnavailableError.
-    """
-    known, files = sequence in store.sequences(), library.has(sequence)
-    if not known and not files:
-        raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
-    if not files:
-        return [LABELS_ALONE, *_told(lambda: store.check(sequence))]
-    look = library.look(sequence)
-    missing = imports.source_labels.missing([look.manifest] if look.manifest else [])
-    damaged = look.damaged or (f"its {LABELS_MISSING}: {missing[sequence]}" if missing else None)
-    if known:
-        problems = _told(lambda: check_recording(library, store, sequence))
-    else:
-        problems = _told(lambda: verify(library.store.files(sequence)))
-    return problems if damaged is None else [damaged, *problems]
+    def problems(self, sequence: str) -> list[str]:
+        """List faults of a recording's files, its journal or its annotations; [] if sound.
+
+        Raises NotFoundError when it has neither, UnavailableError.
+        """
+        known, files = sequence in self._store.sequences(), self._library.has(sequence)
+        if not known and not files:
+            raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+        if not files:
+            return [LABELS_ALONE, *_told(lambda: self._store.check(sequence))]
+        look = self._library.look(sequence)
+        missing = self._labels_missing(look.manifest)
+        damaged = look.damaged or (f"its {LABELS_MISSING}: {missing}" if missing else None)
+        if known:
+            problems = _told(lambda: self._check(sequence))
+        else:
+            problems = _told(lambda: verify(self._library.store.files(sequence)))
+        return problems if damaged is None else [damaged, *problems]
+
+    def _check(self, sequence: str) -> list[str]:
+        problems = verify(self._library.store.files(sequence))
+        try:
+            return problems + self._store.check(sequence)
+        except (UnavailableError, NotFoundError) as error:
+            return [*problems, f"its labels cannot be read: {error}"]
+
+    def repair(self, sequences: Iterable[str]) -> Repaired:
+        """Make anew what can be; no other process may have the workspace open.
+
+        Indexes come from the database's rows; snapshots, counts, palette and tracks from the
+        journal.  Files of frames, the journal and manifests cannot be made anew.
+        Raises ReadOnlyError.
+        """
+        done = Repaired()
+        _repair_database(self._store, done)
+        if done.lost:
+            return done
+        for sequence in sequences:
+            _repair_labels(self._store, sequence, done)
+            if not self._library.has(sequence):
+                done.lost.append(f"{sequence}: {LABELS_ALONE}")
+                continue
+            files = self._library.store.files(sequence)
+            if note_checksums(files):
+                done.rebuilt.append(
+                    f"{sequence}: it had no checksums; those of its files as they are now are kept"
+                )
+            done.lost += [
+                f"{sequence}: {line}; import it again or restore it from a backup"
+                for line in verify(files)
+            ]
+        return done
 
 
 def _told(look: Callable[[], list[str]]) -> list[str]:

@@ -59,7 +59,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     add_sequence(settings, "other", frames=3, points=1000)
     opened = Workspace(settings)
     for name in ("ada", "grace"):
-        opened.create_label(name, name, name="pin")
+        opened.labels.create_label(name, name, name="pin")
     yield opened
     opened.close()
 
@@ -68,13 +68,13 @@ def test_two_people_label_a_recording_each(workspace: Workspace) -> None:
     for name, stop in (("ada", 300), ("grace", 200)):
         annotation = np.zeros(workspace.recording(name)[1].count, np.uint16)
         annotation[:stop] = 1
-        workspace.put_annotation(name, 1, annotation, author=name)
+        workspace.annotations.put(name, 1, annotation, author=name)
     found = workspace.reviewing.agreement("ada", "grace")
     assert [(each.name, each.iou) for each in found.labels] == [("pin", pytest.approx(2 / 3))]
     assert [each.differ for each in found.frames] == [0, 100, 0]
     noise = np.zeros(workspace.recording("ada")[1].count, bool)
     noise[250:] = True
-    workspace.put_annotation("ada", 1, noise, author="ada", layer="deleted")
+    workspace.annotations.put("ada", 1, noise, author="ada", layer="deleted")
     (label,) = workspace.reviewing.agreement("ada", "grace", frames="1").labels
     assert label.iou == pytest.approx(200 / 250)
     shown = colors_of(workspace.reviewing.difference("ada", "grace", 1))
@@ -85,9 +85,9 @@ def test_two_people_label_a_recording_each(workspace: Workspace) -> None:
 
 def test_labels_of_one_category_are_compared_by_it(workspace: Workspace) -> None:
     for name, called in (("ada", "1"), ("grace", "car one")):
-        label = workspace.create_label(name, name, name=called, category="car").id
+        label = workspace.labels.create_label(name, name, name=called, category="car").id
         annotation = np.full(workspace.recording(name)[0].count, label, np.uint16)
-        workspace.put_annotation(name, 0, annotation, author=name)
+        workspace.annotations.put(name, 0, annotation, author=name)
     assert workspace.reviewing.agreement("ada", "grace").miou == 0
     assert workspace.reviewing.agreement("ada", "grace", "category").miou == 1
 

@@ -82,11 +82,11 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     settings = settings_in(tmp_path)
     add_sequence(settings, SEQUENCE, frames=FRAMES, points=1000)
     with closing(Workspace(settings)) as opened:
-        label = opened.create_label(SEQUENCE, "ada", name='=<b>"pin"').id
+        label = opened.labels.create_label(SEQUENCE, "ada", name='=<b>"pin"').id
         stroke = {"label": label, "radius": 0.4, "samples": [{"origin": [0, 0, 3]}]}
-        opened.stroke(SEQUENCE, 1, stroke, "grace")
+        opened.strokes.apply(SEQUENCE, 1, stroke, "grace")
         track = {"label": label, "frame": 2, "confidence": 0.75, "state": "tracked"}
-        opened.store.apply(
+        opened.labels.apply(
             SEQUENCE, edit_id=None, author="ada", kind="tracking", writes={}, summary="",
             tracks=[{**track, "pose": IDENTITY, "rmse": 0, "inliers": 1, "points": 0, "start": 1}],
         )  # fmt: skip

@@ -12,6 +12,7 @@ from pointbrush.cli import main
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Review
 from pointbrush.settings import Settings
+from pointbrush.work.exporting import source_columns
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 
@@ -35,10 +36,12 @@ def workspace(settings: Settings) -> Iterator[Workspace]:
 
 def paint(workspace: Workspace, frame: int, near: tuple[float, float], label: int) -> None:
     """Give a label to the points within 40 cm of a place of the wall."""
-    columns = np.concatenate([part["xyz"] for part in workspace.points(SEQUENCE, frame, ("xyz",))])
-    annotation = workspace.annotation(SEQUENCE, frame)[0].copy()
+    columns = np.concatenate(
+        [part["xyz"] for part in source_columns(workspace.recording(SEQUENCE), frame, ("xyz",))]
+    )
+    annotation = workspace.annotations.read(SEQUENCE, frame)[0].copy()
     annotation[np.linalg.norm(columns[:, :2] - near, axis=1) < 0.4] = label
-    workspace.put_annotation(SEQUENCE, frame, annotation, author="ada")
+    workspace.annotations.put(SEQUENCE, frame, annotation, author="ada")
 
 
 def told(workspace: Workspace) -> list[tuple[str, int | None, int | None, bool]]:
@@ -49,7 +52,7 @@ def told(workspace: Workspace) -> list[tuple[str, int | None, int | None, bool]]
 def test_a_slip_is_found_accepted_and_found_again_when_the_frame_changes(
     workspace: Workspace,
 ) -> None:
-    label = workspace.create_label(SEQUENCE, "ada", name="pin").id
+    label = workspace.labels.create_label(SEQUENCE, "ada", name="pin").id
     for frame in range(FRAMES):
         paint(workspace, frame, (-1.0, 0.0), label)
     assert told(workspace) == []
@@ -68,7 +71,7 @@ def test_a_slip_is_found_accepted_and_found_again_when_the_frame_changes(
 
 
 def test_a_label_without_points_is_settled_by_accepting_the_label(workspace: Workspace) -> None:
-    label = workspace.create_label(SEQUENCE, "ada", name="pin").id
+    label = workspace.labels.create_label(SEQUENCE, "ada", name="pin").id
     assert told(workspace) == [("few", None, None, False)]
     workspace.reviewing.put(SEQUENCE, "ada", Review(None, None, label=label, state="accepted"))
     assert told(workspace) == [("few", None, None, True)]
@@ -77,7 +80,7 @@ def test_a_label_without_points_is_settled_by_accepting_the_label(workspace: Wor
 def test_the_command_lists_them(settings: Settings, capsys: pytest.CaptureFixture[str]) -> None:
     opened = Workspace(settings)
     for _ in range(2):
-        label = opened.create_label(SEQUENCE, "ada", name="pin").id
+        label = opened.labels.create_label(SEQUENCE, "ada", name="pin").id
     paint(opened, 1, (0.0, 0.0), label)
     opened.close()
     assert main(["check-labels", SEQUENCE, "--workspace", str(settings.workspace)]) == 0

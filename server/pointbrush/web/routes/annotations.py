@@ -84,11 +84,11 @@ async def import_labels(
         roots = workspace.import_roots(own=gate.is_own(request, who))
         (place,) = await run_in_threadpool(allowed, body.path, roots)
         job = await run_in_threadpool(
-            workspace.import_labels,
+            workspace.imports.begin_labels,
             seq,
             place,
             who.author,
-            label_format=body.format,
+            format=body.format,
             names=_names(body.map),
             dry_run=dry_run,
             no_ground=body.no_ground,
@@ -120,17 +120,17 @@ async def _uploaded(
             field, job_id = form.get("field"), form.get("id")
             await run_in_threadpool(_save, form, folder)
         return await run_in_threadpool(
-            workspace.import_labels,
+            workspace.imports.begin_labels,
             seq,
             folder,
             author,
-            label_format=label_format,
+            format=label_format,
             names=names,
             dry_run=dry_run,
             no_ground=no_ground,
             by_order=by_order,
             field=field[:200] if isinstance(field, str) and field else None,
-            cleanup=folder,
+            upload=folder,
             job_id=job_id if isinstance(job_id, str) and job_id else None,
         )
     except BaseException:

@@ -7,7 +7,7 @@ from typing import Annotated
 from fastapi import Query
 
 from pointbrush.web.auth import Caller, resource
-from pointbrush.web.context import FramePath, SequenceId, Ws
+from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditInfoOut, EditOut, StrokeBody, UndoBody
 
@@ -23,27 +23,28 @@ def post_stroke(
     Deleted points and those of locked and hidden labels (``visible: false``, or in the stroke's
     ``hidden``) are left alone; painting with such a label is refused (409).
     """
-    return EditOut.of(workspace.stroke(seq, i, stroke.model_dump(), who.author))
+    return EditOut.of(workspace.strokes.apply(seq, i, stroke.model_dump(), who.author))
 
 
 @router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
-def undo(seq: SequenceId, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
+def undo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
     """Take back the caller's last edit, only where nobody has changed the points since."""
-    return EditOut.of(workspace.undo(seq, who.author, body.id if body else None))
+    return EditOut.of(workspace.labels.undo(seq, who.author, body.id if body else None))
 
 
 @router.post("/sequences/{seq}/redo", responses=responses(404, 409, 413))
-def redo(seq: SequenceId, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
+def redo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
     """Bring back what the caller's last undo took."""
-    return EditOut.of(workspace.redo(seq, who.author, body.id if body else None))
+    return EditOut.of(workspace.labels.redo(seq, who.author, body.id if body else None))
 
 
 @router.get("/sequences/{seq}/edits", responses=responses(404))
 def list_edits(
-    seq: SequenceId,
+    seq: WholeSequence,
     workspace: Ws,
     before: Annotated[int | None, Query(ge=0, lt=2**53, description="a revision")] = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> list[EditInfoOut]:
     """The history, newest first."""
-    return [EditInfoOut.of(edit) for edit in workspace.edits(seq, before, limit)]
+    edits = workspace.labels.edits(seq, before=before, limit=limit)
+    return [EditInfoOut.of(edit, workspace.labels.accounts.name(edit.author)) for edit in edits]

@@ -28,7 +28,9 @@ from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag,
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
 from pointbrush.work.annotate.layers import require_layer
-from pointbrush.workspace import Placement, Workspace
+from pointbrush.work.annotate.overlays import Placement, placements_round
+from pointbrush.work.exporting import source_columns
+from pointbrush.workspace import Workspace
 
 router = resource("frames")
 Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
@@ -68,13 +70,13 @@ def get_points(
             if getattr(frame, name) is not None
         }
         return StreamingResponse(npy.stream_npz(fields, frame.count), media_type="application/zip")
-    length, pieces = npy.stream_points(workspace.points(seq, i), frame.count)
+    length, pieces = npy.stream_points(source_columns(workspace.recording(seq), i), frame.count)
     headers = {"Content-Length": str(length)}
     return StreamingResponse(pieces, media_type=npy.MEDIA_TYPE, headers=headers)
 
 
 def _column(workspace: Workspace, seq: str, i: int, name: str) -> Iterator[NDArray[Any]]:
-    return (columns[name] for columns in workspace.points(seq, i, (name,)))
+    return (columns[name] for columns in source_columns(workspace.recording(seq), i, (name,)))
 
 
 @router.get(
@@ -97,7 +99,7 @@ def get_annotation(
 
     The ``ETag`` is the revision of the frame's last change, in any layer.
     """
-    blocks, revision = workspace.annotation_blocks(seq, i, layer)
+    blocks, revision = workspace.annotations.blocks(seq, i, layer)
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
@@ -142,7 +144,7 @@ def put_annotation(
     is yet to come; edits in other frames do not matter.
     """
     count = workspace.recording(seq)[i].count
-    commit = workspace.put_annotation(
+    commit = workspace.annotations.put(
         seq,
         i,
         npy.parse(body, require_layer(layer), count),
@@ -151,7 +153,7 @@ def put_annotation(
         if_match=if_match(if_match_),
         edit=id,
     )
-    response.headers["ETag"] = etag(workspace.changed(seq, i, commit))
+    response.headers["ETag"] = etag(workspace.annotations.changed(seq, i, commit))
     return EditOut.of(commit)
 
 
@@ -317,5 +319,7 @@ def list_placements(
 
     By the recording's poses, and points of a label that is tracked in both frames by its track.
     """
-    found, shift = workspace.placements(seq, i, before, after)
+    recording = workspace.recording(seq)
+    shift = np.asarray(recording.manifest.shift, np.float64)
+    found = placements_round(workspace.labels, recording, i, before, after)
     return [PlacementOut.of(placement, shift) for placement in found]

@@ -71,7 +71,7 @@ class Wanted:
 
     @property
     def of_workspace(self) -> dict[str, Any]:
-        """Arguments of ``Workspace.import_paths`` and ``preview``; raises BadInputError."""
+        """Fields of an ``ImportRequest``; raises BadInputError."""
         options = self.options
         name = options.name or (self.upload.name if self.upload else None)
         return {
@@ -89,15 +89,15 @@ async def import_sequence(
     request: Request, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
     """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
-    await run_in_threadpool(workspace.require_importable)
+    await run_in_threadpool(workspace.library.require_writable)
     wanted = await _wanted(request, workspace, who)
     kept: KeptUploads = request.app.state.kept_uploads
 
     def start() -> JobOut:
         upload = wanted.upload
-        job = workspace.import_paths(
+        job = workspace.imports.begin(
             wanted.paths,
-            cleanup=upload.folder if upload else None,
+            upload=upload.folder if upload else None,
             owner=who.author,
             job_id=wanted.options.id,
             **wanted.of_workspace,
@@ -128,7 +128,7 @@ async def preview_import(request: Request, workspace: Ws, who: Caller) -> Previe
     Uploaded files are kept for an hour: ``upload`` of the answer, also of one that says what is
     wrong with them, names them to later previews and to the import.
     """
-    await run_in_threadpool(workspace.require_importable)
+    await run_in_threadpool(workspace.library.require_writable)
     wanted = await _wanted(request, workspace, who)
     upload = wanted.upload
     if upload is not None:
@@ -137,7 +137,7 @@ async def preview_import(request: Request, workspace: Ws, who: Caller) -> Previe
     named = None if upload is None else upload.id
     try:
         found = await run_in_threadpool(
-            lambda: workspace.preview(wanted.paths, **wanted.of_workspace)
+            lambda: workspace.imports.preview(wanted.paths, **wanted.of_workspace)
         )
     except BadInputError as error:
         if named is None:

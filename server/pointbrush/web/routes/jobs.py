@@ -19,13 +19,13 @@ router = resource("jobs")
 @router.get("/jobs", responses=responses())
 def list_jobs(workspace: Ws) -> list[JobOut]:
     """All remembered jobs, newest first."""
-    return [JobOut.of(job) for job in workspace.jobs()]
+    return [JobOut.of(job) for job in workspace.jobs.all()]
 
 
 @router.get("/jobs/{id}", responses=responses(404))
 def get_job(id: JobPath, workspace: Ws) -> JobOut:
     """One job."""
-    return JobOut.of(workspace.job(id.lower()))
+    return JobOut.of(workspace.jobs.get(id.lower()))
 
 
 @router.delete("/jobs/{id}", responses=responses(404, 409))
@@ -36,6 +36,6 @@ def cancel_job(
     keep: Annotated[bool, Query(description="commit what a tracking run has found")] = False,
 ) -> JobOut:
     """Ask a job to stop: one's own, or with the role manager anybody's."""
-    if workspace.job(id.lower()).owner != who.author:
+    if workspace.jobs.get(id.lower()).owner != who.author:
         require(who.role, CANCEL_ANY)
-    return JobOut.of(workspace.cancel(id.lower(), keep=keep))
+    return JobOut.of(workspace.jobs.cancel(id.lower(), keep=keep))

@@ -14,7 +14,7 @@ from pointbrush.labels import Label
 from pointbrush.names import spelled_out
 from pointbrush.streaming.messages import Color, LabelId, Uuid
 from pointbrush.web.auth import Caller, resource
-from pointbrush.web.context import LabelPath, SequenceId, Ws
+from pointbrush.web.context import LabelPath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
     VISIBLE,
@@ -28,7 +28,7 @@ from pointbrush.web.schemas import (
     SplitBody,
     SplitOut,
 )
-from pointbrush.workspace import NamedLabel
+from pointbrush.work.palettes import NamedLabel, add_labels, add_template
 
 router = resource("labels")
 EditId = Annotated[
@@ -41,14 +41,14 @@ def _out(label: Label) -> LabelOut:
 
 
 @router.get("/sequences/{seq}/labels", responses=responses(404))
-def list_labels(seq: SequenceId, workspace: Ws) -> list[LabelOut]:
+def list_labels(seq: WholeSequence, workspace: Ws) -> list[LabelOut]:
     """All labels of a sequence."""
-    return [_out(label) for label in workspace.palette(seq)]
+    return [_out(label) for label in workspace.labels.palette(seq)]
 
 
 @router.post("/sequences/{seq}/labels", status_code=201, responses=responses(404, 409, 413))
 def create_label(
-    seq: SequenceId,
+    seq: WholeSequence,
     body: LabelBody,
     response: Response,
     workspace: Ws,
@@ -56,20 +56,20 @@ def create_label(
     edit: EditId = None,
 ) -> LabelOut:
     """Add a label."""
-    label = workspace.create_label(seq, who.author, edit_id=edit, **body.model_dump())
+    label = workspace.labels.create_label(seq, who.author, edit_id=edit, **body.model_dump())
     response.headers["Location"] = f"/api/v1/sequences/{seq}/labels/{label.id}"
     return _out(label)
 
 
 @router.get("/sequences/{seq}/labels/{id}", responses=responses(404))
-def get_label(seq: SequenceId, id: LabelPath, workspace: Ws) -> LabelOut:
+def get_label(seq: WholeSequence, id: LabelPath, workspace: Ws) -> LabelOut:
     """One label."""
-    return _out(workspace.label(seq, id))
+    return _out(workspace.labels.label(seq, id))
 
 
 @router.patch("/sequences/{seq}/labels/{id}", responses=responses(404, 409, 413))
 def update_label(
-    seq: SequenceId,
+    seq: WholeSequence,
     id: LabelPath,
     body: LabelPatch,
     workspace: Ws,
@@ -79,21 +79,21 @@ def update_label(
     """Rename, recolour, recategorise, lock or hide a label."""
     fields = {name: value for name, value in body.model_dump().items() if value is not None}
     if not fields:
-        return _out(workspace.label(seq, id))
-    return _out(workspace.update_label(seq, who.author, id, edit_id=edit, **fields))
+        return _out(workspace.labels.label(seq, id))
+    return _out(workspace.labels.update_label(seq, who.author, id, edit_id=edit, **fields))
 
 
 @router.delete("/sequences/{seq}/labels/{id}", responses=responses(404, 409))
 def delete_label(
-    seq: SequenceId, id: LabelPath, workspace: Ws, who: Caller, edit: EditId = None
+    seq: WholeSequence, id: LabelPath, workspace: Ws, who: Caller, edit: EditId = None
 ) -> EditOut:
     """Remove a label; its points become unlabeled in the same edit."""
-    return EditOut.of(workspace.delete_label(seq, who.author, id, edit_id=edit))
+    return EditOut.of(workspace.labels.delete_label(seq, who.author, id, edit_id=edit))
 
 
 @router.post("/sequences/{seq}/labels/{id}/merge", responses=responses(404, 409))
 def merge_labels(
-    seq: SequenceId,
+    seq: WholeSequence,
     id: LabelPath,
     body: MergeBody,
     workspace: Ws,
@@ -101,7 +101,7 @@ def merge_labels(
     edit: EditId = None,
 ) -> EditOut:
     """Give all points of other labels to this one, in every frame, and remove them: one edit."""
-    return EditOut.of(workspace.merge_labels(seq, who.author, id, body.labels, edit_id=edit))
+    return EditOut.of(workspace.labels.merge_labels(seq, who.author, id, body.labels, edit_id=edit))
 
 
 @router.post("/sequences/{seq}/labels/{id}/split", responses=responses(404, 409))
@@ -114,8 +114,10 @@ def split_label(
     edit: EditId = None,
 ) -> SplitOut:
     """Give each connected part of a label in a frame a label of its own; the largest keeps it."""
-    how = {"gap": body.gap, "least": body.least}
-    return SplitOut.done(workspace.split_label(seq, who.author, id, body.frame, edit=edit, **how))
+    split = workspace.splitting.split
+    return SplitOut.done(
+        split(seq, who.author, id, body.frame, edit=edit, gap=body.gap, least=body.least)
+    )
 
 
 class PaletteLabel(BaseModel):
@@ -166,7 +168,7 @@ def list_templates() -> dict[str, PaletteOut]:
 
 
 @router.get("/sequences/{seq}/palette", responses=responses(404))
-def get_palette(seq: SequenceId, workspace: Ws) -> PaletteOut:
+def get_palette(seq: WholeSequence, workspace: Ws) -> PaletteOut:
     """The palette; the answer can be posted to another recording."""
     return PaletteOut(
         labels=[
@@ -176,26 +178,26 @@ def get_palette(seq: SequenceId, workspace: Ws) -> PaletteOut:
                 category=spelled_out(label.category),
                 color=label.color,
             )
-            for label in workspace.palette(seq)
+            for label in workspace.labels.palette(seq)
         ]
     )
 
 
 @router.post("/sequences/{seq}/palette", responses=responses(404, 409, 413))
-def add_palette(seq: SequenceId, body: PaletteBody, workspace: Ws, who: Caller) -> Added:
+def add_palette(seq: WholeSequence, body: PaletteBody, workspace: Ws, who: Caller) -> Added:
     """Add the labels of a file or a template that are not there yet, as one edit."""
     if (body.template is None) == (not body.labels):
         raise BadInputError("template: expected a template or labels, got both or none of them")
     if body.template is not None:
         dataset = dataset_named(body.template)
-        return Added(added=workspace.add_template(seq, dataset, who.author))
+        return Added(added=add_template(workspace.labels, seq, dataset, who.author))
     labels = [NamedLabel(each.name, each.category, each.color) for each in body.labels]
-    return Added(added=workspace.add_labels(seq, labels, who.author))
+    return Added(added=add_labels(workspace.labels, seq, labels, who.author))
 
 
 @router.put("/sequences/{seq}/palette/order", responses=responses(404, 409, 413))
 def arrange_palette(
-    seq: SequenceId, body: OrderBody, workspace: Ws, who: Caller, edit: EditId = None
+    seq: WholeSequence, body: OrderBody, workspace: Ws, who: Caller, edit: EditId = None
 ) -> EditOut:
     """Put the labels in an order, as one edit."""
-    return EditOut.of(workspace.arrange_labels(seq, who.author, body.labels, edit_id=edit))
+    return EditOut.of(workspace.labels.arrange_labels(seq, who.author, body.labels, edit_id=edit))

@@ -15,7 +15,8 @@ from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import problem_of, responses
 from pointbrush.web.schemas import Body
-from pointbrush.workspace import Answer, StaleCandidateError, Workspace
+from pointbrush.work.objects import Answer, StaleCandidateError
+from pointbrush.workspace import Workspace
 
 router = resource("objects")
 Rays = Annotated[list[Sample], Field(max_length=64)]
@@ -74,7 +75,7 @@ class ObjectOut(BaseModel):
 @router.post("/sequences/{seq}/frames/{i}/object", responses=responses(404, 413))
 def ask_object(seq: SequenceId, i: FramePath, body: ObjectBody, workspace: Ws) -> ObjectOut:
     """Candidates for some clicks; take one with a stroke of shape ``object``."""
-    answer = workspace.ask(seq, i, {**body.model_dump(), "shape": "object"})
+    answer = workspace.strokes.preview(seq, i, {**body.model_dump(), "shape": "object"})
     return ObjectOut.of(workspace, seq, i, answer)
 
 

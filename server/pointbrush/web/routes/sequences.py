@@ -28,15 +28,15 @@ router = resource("sequences")
 
 def _out(workspace: Workspace, sequence: str) -> SequenceOut:
     workspace.recording(sequence)
-    return SequenceOut.listed(workspace.entry(sequence))
+    return SequenceOut.listed(workspace.listing.entry(sequence))
 
 
 @router.get("/sequences", responses=responses())
 def list_sequences(workspace: Ws, *, deleted: DeletedQuery = False) -> list[SequenceOut]:
     """All recordings, by name, also damaged ones; or those deleted that can be restored."""
     if deleted:
-        return [SequenceOut.removed(entry) for entry in workspace.deleted_sequences()]
-    return [SequenceOut.listed(entry) for entry in workspace.listing()]
+        return [SequenceOut.removed(entry) for entry in workspace.deletion.deleted()]
+    return [SequenceOut.listed(entry) for entry in workspace.listing.all()]
 
 
 @router.get("/sequences/{seq}", responses=responses(404))
@@ -62,7 +62,7 @@ def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Sequenc
 
     The call can be repeated: they come in once.
     """
-    workspace.import_source_labels(seq, who.author)
+    workspace.imports.bring_labels(seq, who.author)
     return _out(workspace, seq)
 
 
@@ -87,7 +87,7 @@ def delete_sequence(seq: SequenceId, workspace: Ws, identity: IdentityQuery = No
 
     With the ``identity`` of its manifest the call can be repeated, and deletes no other one.
     """
-    workspace.delete_sequence(seq, identity)
+    workspace.deletion.delete(seq, identity)
 
 
 @router.post("/sequences/{seq}/restore", responses=responses(404, 409))
@@ -97,4 +97,4 @@ def restore_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
     Of several with this id the last one deleted.  If the id is taken meanwhile, it gets another.
     By its ``identity`` the call can be repeated.
     """
-    return SequenceOut.listed(workspace.entry(workspace.restore_sequence(seq)))
+    return SequenceOut.listed(workspace.listing.entry(workspace.deletion.restore(seq)))

@@ -72,7 +72,7 @@ class TaxonomyOut(BaseModel):
 @router.get("/taxonomy")
 def get_taxonomy(workspace: Ws) -> TaxonomyOut:
     """All classes of the workspace; the answer can be put into another one."""
-    return TaxonomyOut.of(workspace.categories())
+    return TaxonomyOut.of(workspace.labels.taxonomy.entries())
 
 
 @router.put("/taxonomy", responses=responses(409, 413))
@@ -81,4 +81,4 @@ def put_taxonomy(body: TaxonomyBody, workspace: Ws) -> TaxonomyOut:
     wanted = [
         Category(each.number, each.name, each.color, each.datasets) for each in body.categories
     ]
-    return TaxonomyOut.of(workspace.put_categories(wanted))
+    return TaxonomyOut.of(workspace.labels.taxonomy.put(wanted))

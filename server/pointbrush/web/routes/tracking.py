@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import Response
 
 from pointbrush.web.auth import Caller, resource
-from pointbrush.web.context import FramePath, SequenceId, Ws
+from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import EditOut
 from pointbrush.web.schemas_work import (
@@ -27,7 +27,7 @@ def start_tracking(
     seq: SequenceId, body: TrackingBody, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
     """Carry labels from frame ``start`` to ``stop`` in a job; the run is one edit."""
-    job = workspace.track(
+    job = workspace.tracking.start(
         seq,
         start=body.start,
         stop=body.stop,
@@ -43,13 +43,13 @@ def start_tracking(
 @router.post("/sequences/{seq}/frames/{i}/accept", responses=responses(404, 409))
 def accept(seq: SequenceId, i: FramePath, body: AcceptBody, workspace: Ws, who: Caller) -> EditOut:
     """Make what tracking found of the labels in this frame count as painted; one edit."""
-    return EditOut.of(workspace.accept(seq, i, body.labels, who.author, body.id))
+    return EditOut.of(workspace.verdicts.give("accept", seq, [i], body.labels, who.author, body.id))
 
 
 @router.post("/sequences/{seq}/frames/{i}/copy", responses=responses(404, 409))
 def copy(seq: SequenceId, i: FramePath, body: CopyBody, workspace: Ws, who: Caller) -> EditOut:
     """Label points as points at the same place in another frame are; one edit."""
-    return EditOut.of(workspace.copy_labels(seq, i, body.source, body.labels, who.author, body.id))
+    return EditOut.of(workspace.copying.copy(seq, i, body.source, body.labels, who.author, body.id))
 
 
 @router.post("/sequences/{seq}/frames/{i}/clear", responses=responses(404, 409))
@@ -60,13 +60,15 @@ def clear(seq: SequenceId, i: FramePath, body: ClearBody, workspace: Ws, who: Ca
     """
     stop = i if body.stop is None else body.stop
     frames = range(min(i, stop), max(i, stop) + 1)
-    return EditOut.of(workspace.clear_labels(seq, frames, body.labels, who.author, body.id))
+    return EditOut.of(workspace.copying.clear(seq, frames, body.labels, who.author, body.id))
 
 
 @router.post("/sequences/{seq}/accept", responses=responses(404, 409))
 def accept_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller) -> EditOut:
     """Make what tracking found of the labels in a stretch of frames count as painted; one edit."""
-    return EditOut.of(workspace.accept_range(seq, body.frames, body.labels, who.author, body.id))
+    return EditOut.of(
+        workspace.verdicts.give("accept", seq, body.frames, body.labels, who.author, body.id)
+    )
 
 
 @router.post("/sequences/{seq}/clear", responses=responses(404, 409))
@@ -76,13 +78,15 @@ def clear_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller
     Painted points stay, and the frames are in doubt no more.
     `POST /sequences/{seq}/frames/{i}/clear` takes the labels from painted points too.
     """
-    return EditOut.of(workspace.clear_range(seq, body.frames, body.labels, who.author, body.id))
+    return EditOut.of(
+        workspace.verdicts.give("clear", seq, body.frames, body.labels, who.author, body.id)
+    )
 
 
 @router.get("/sequences/{seq}/tracks", responses=responses(404))
-def list_tracks(seq: SequenceId, workspace: Ws) -> list[TrackOut]:
+def list_tracks(seq: WholeSequence, workspace: Ws) -> list[TrackOut]:
     """Pose, confidence and state of every tracked label in every frame."""
     return [
         TrackOut(**{name: track[name] for name in TrackOut.model_fields})
-        for track in workspace.tracks(seq)
+        for track in workspace.labels.tracks(seq)
     ]

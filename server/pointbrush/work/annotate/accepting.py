@@ -1,103 +1,79 @@
-"""A person vouches for what tracking found in a frame."""
+"""A person's word on what tracking found in frames."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels import Commit, FrameValues, LabelStore, Write
 from pointbrush.labels.types import PAINTED, TRACKED
+from pointbrush.work.annotate.strokes import edit_id
+from pointbrush.work.part import Part
 
-Track = dict[str, Any]
-_DONE = {"reject": "rejected", "clear": "cleared"}
+Verdict = Literal["accept", "reject", "clear"]
+"""Accept: points count as painted, tracks as sure; a label without points is known not to be there.
 
-
-@dataclass(frozen=True, slots=True)
-class Judgement:
-    """A person's word on ``labels`` in ``frames`` of a sequence; ``edit`` is its edit's id."""
-
-    sequence: str
-    frames: Sequence[int]
-    labels: Sequence[int]
-    author: str
-    edit: str
-
-
-def accept(store: LabelStore, judged: Judgement) -> Commit:
-    """Make the labels' points in the frames count as painted and their tracks as sure; one edit.
-
-    A label that was lost there, or has no points, is accepted as not being there.
-    Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no labels).
-    """
-
-    def theirs(frame: int) -> Write:
-        values = store.values(judged.sequence, frame)
-        points = np.flatnonzero(np.isin(values.label, judged.labels) & ~values.deleted)
-        return Write(points, provenance=PAINTED, living=True)
-
-    require(store, judged.sequence, judged.frames, judged.labels)
-    sure = {"confidence": 1.0, "state": "painted"}
-    return store.apply(
-        judged.sequence,
-        edit_id=judged.edit,
-        author=judged.author,
-        kind="accept",
-        writes={frame: theirs(frame) for frame in judged.frames},
-        summary=f"accepted {len(judged.labels)} labels in {called(judged.frames)}",
-        tracks=[{**track, **sure} for track in _tracks(store, judged)],
-    )
+Reject: tracked points lose the label, which is lost there: someone has still to look.
+Clear: the same, but the label is known not to be there, and no doubt is left.
+"""
+_DONE = {"accept": "accepted", "reject": "rejected", "clear": "cleared"}
+_LEFT: dict[str, dict[str, Any]] = {
+    "accept": {"confidence": 1.0, "state": "painted"},
+    "reject": {"confidence": 0.0, "state": "lost", "points": 0},
+    "clear": {"confidence": 1.0, "state": "painted", "points": 0},
+}
+"""The fields of labels' tracks after each verdict."""
 
 
-def reject(store: LabelStore, judged: Judgement) -> Commit:
-    """Take back what tracking found of labels in frames, as one edit; painted points stay.
+class Verdicts(Part):
+    """Verdicts of people on findings of tracking."""
 
-    The labels are lost there from then on: someone has still to look.  Raises as ``accept``.
-    """
-    return _take_back(store, judged, "reject", {"confidence": 0.0, "state": "lost", "points": 0})
+    def give(
+        self,
+        verdict: Verdict,
+        sequence: str,
+        frames: Sequence[int],
+        labels: Sequence[int],
+        author: str,
+        edit: str | None = None,
+    ) -> Commit:
+        """Judge labels in frames, as one edit; painted points are never taken away.
+
+        Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no labels, no frames).
+        """
+        recording = self._recording(sequence)
+        for frame in frames:
+            _ = recording[frame]
+        require(self._store, sequence, frames, labels)
+        write = _accepted if verdict == "accept" else _taken_back
+        return self._store.apply(
+            sequence,
+            edit_id=edit_id(edit),
+            author=author,
+            kind=verdict,
+            writes={frame: write(self._store.values(sequence, frame), labels) for frame in frames},
+            summary=f"{_DONE[verdict]} {len(labels)} labels in {called(frames)}",
+            tracks=[
+                {**track, **_LEFT[verdict]}
+                for track in self._store.tracks(sequence)
+                if track["frame"] in frames
+                and track["label"] in labels
+                and (verdict == "accept" or track["state"] != "painted")
+            ],
+        )
 
 
-def clear(store: LabelStore, judged: Judgement) -> Commit:
-    """Do the same, and vouch for the labels not being there: no doubt is left.
-
-    Raises as ``accept``.
-    """
-    return _take_back(store, judged, "clear", {"confidence": 1.0, "state": "painted", "points": 0})
+def _accepted(values: FrameValues, labels: Sequence[int]) -> Write:
+    points = np.flatnonzero(np.isin(values.label, labels) & ~values.deleted)
+    return Write(points, provenance=PAINTED, living=True)
 
 
-def _take_back(
-    store: LabelStore, judged: Judgement, kind: Literal["reject", "clear"], left: Track
-) -> Commit:
-    """Remove tracked points of labels in frames; ``left`` is what their tracks say then."""
-
-    def found(frame: int) -> Write:
-        values = store.values(judged.sequence, frame)
-        theirs = np.isin(values.label, judged.labels) & (values.provenance == TRACKED)
-        return Write(np.flatnonzero(theirs & ~values.deleted), label=0, provenance=0, living=True)
-
-    require(store, judged.sequence, judged.frames, judged.labels)
-    tracks = _tracks(store, judged)
-    return store.apply(
-        judged.sequence,
-        edit_id=judged.edit,
-        author=judged.author,
-        kind=kind,
-        writes={frame: found(frame) for frame in judged.frames},
-        summary=f"{_DONE[kind]} {len(judged.labels)} labels in {called(judged.frames)}",
-        tracks=[{**track, **left} for track in tracks if track["state"] != "painted"],
-    )
-
-
-def _tracks(store: LabelStore, judged: Judgement) -> list[Track]:
-    wanted = set(judged.frames)
-    return [
-        track
-        for track in store.tracks(judged.sequence)
-        if track["frame"] in wanted and track["label"] in judged.labels
-    ]
+def _taken_back(values: FrameValues, labels: Sequence[int]) -> Write:
+    theirs = np.isin(values.label, labels) & (values.provenance == TRACKED)
+    return Write(np.flatnonzero(theirs & ~values.deleted), label=0, provenance=0, living=True)
 
 
 def require(store: LabelStore, sequence: str, frames: Sequence[int], labels: Sequence[int]) -> None:

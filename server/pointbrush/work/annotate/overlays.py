@@ -66,6 +66,16 @@ def placements(
     return placed
 
 
+def placements_round(
+    store: LabelStore, recording: Recording, frame: int, before: int, after: int
+) -> list[Placement]:
+    """Place ``frame``, ``before`` frames before it and ``after`` after it, if there are so many."""
+    _ = recording[frame]
+    frames = range(max(0, frame - before), min(len(recording), frame + after + 1))
+    require_overlaid(recording, frame, frames)
+    return placements(store, recording, frame, frames)
+
+
 def _by_poses(recording: Recording, shown: int, frame: int) -> Matrix:
     """``T_shown_frame`` in local coordinates of points that stand still in the world."""
     manifest = recording.manifest

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.errors import ConflictError
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.palette import Palette, default_color
 from pointbrush.labels.types import PAINTED
 from pointbrush.selection.cluster import connected_parts, usual_gap
-from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.annotate.strokes import edit_id
+from pointbrush.work.part import Part
 
 MOST_PARTS = 64
 """Parts that get a label; further ones stay with the largest."""
@@ -29,62 +30,63 @@ class Split:
     gap: float
 
 
-def split_label(
-    store: LabelStore,
-    recording: Recording,
-    frame: int,
-    label_id: int,
-    author: str,
-    edit_id: str,
-    *,
-    gap: float | None = None,
-    least: int = LEAST_POINTS,
-) -> Split:
-    """Give each connected part of a label in ``frame`` a label of its own; the largest keeps it.
+class Splitting(Part):
+    """Splits of a label into its connected parts."""
 
-    Parts of fewer than ``least`` points stay with the largest.  ``gap``: metres between parts;
-    None: wider than the points' own spacing.
+    def split(
+        self,
+        sequence: str,
+        author: str,
+        label_id: int,
+        frame: int,
+        *,
+        edit: str | None = None,
+        gap: float | None = None,
+        least: int = LEAST_POINTS,
+    ) -> Split:
+        """Give each connected part of a label in a frame a label of its own; the largest keeps it.
 
-    Raises NotFoundError, LockedLabelError, and ConflictError when the points are one part.
-    """
-    sequence = recording.manifest.id
-    repeated = store.find(sequence, edit_id)
-    if repeated is not None:
-        return _again(store, repeated, frame, gap)
-    label = next((one for one in store.palette(sequence) if one.id == label_id), None)
-    if label is None:
-        raise NotFoundError(f"label: expected the id of a label, got {label_id}")
-    store.require_paintable(sequence, label_id)
-    values = store.values(sequence, frame)
-    numbers = np.flatnonzero((values.label == label_id) & ~values.deleted)
-    xyz = recording[frame].coordinates[numbers]
-    wide = usual_gap(xyz) if gap is None else gap
-    part = connected_parts(xyz, wide)
-    counts = np.bincount(part, minlength=1)
-    parts = [int(k) for k in np.flatnonzero(counts >= least) if 0 < k < MOST_PARTS]
-    if not parts:
-        raise ConflictError(
-            f"label: expected '{label.name}' to have parts of {least} points or more in frame "
-            f"{frame} with {wide:.3g} m between them, got one"
+        Parts of fewer than ``least`` points stay with the largest.  ``gap``: metres between parts;
+        None: wider than the points' own spacing.
+
+        Raises NotFoundError, LockedLabelError, and ConflictError when the points are one part.
+        """
+        recording, store, edit = self._recording(sequence), self._store, edit_id(edit)
+        repeated = store.find(sequence, edit)
+        if repeated is not None:
+            return _again(store, repeated, frame, gap)
+        label = store.label(sequence, label_id)
+        store.require_paintable(sequence, label_id)
+        values = store.values(sequence, frame)
+        numbers = np.flatnonzero((values.label == label_id) & ~values.deleted)
+        xyz = recording[frame].coordinates[numbers]
+        wide = usual_gap(xyz) if gap is None else gap
+        part = connected_parts(xyz, wide)
+        counts = np.bincount(part, minlength=1)
+        parts = [int(k) for k in np.flatnonzero(counts >= least) if 0 < k < MOST_PARTS]
+        if not parts:
+            raise ConflictError(
+                f"label: expected '{label.name}' to have parts of {least} points or more in frame "
+                f"{frame} with {wide:.3g} m between them, got one"
+            )
+        fresh: Sequence[Label] = ()
+
+        def choose(palette: Palette) -> tuple[Sequence[Label], dict[int, Write]]:
+            nonlocal fresh
+            fresh = _new_labels(palette, label, len(parts))
+            return fresh, {frame: _write(numbers, part, parts, fresh)}
+
+        commit = store.apply(
+            sequence,
+            edit_id=edit,
+            author=author,
+            kind="paint",
+            writes=choose,
+            summary=f"split '{label.name}' into {len(parts) + 1} parts",
+            if_match=(frame, values.revision),
+            identity=recording.identity,
         )
-    fresh: Sequence[Label] = ()
-
-    def choose(palette: Palette) -> tuple[Sequence[Label], dict[int, Write]]:
-        nonlocal fresh
-        fresh = _new_labels(palette, label, len(parts))
-        return fresh, {frame: _write(numbers, part, parts, fresh)}
-
-    commit = store.apply(
-        sequence,
-        edit_id=edit_id,
-        author=author,
-        kind="paint",
-        writes=choose,
-        summary=f"split '{label.name}' into {len(parts) + 1} parts",
-        if_match=(frame, values.revision),
-        identity=recording.identity,
-    )
-    return Split(commit, tuple(fresh), wide)
+        return Split(commit, tuple(fresh), wide)
 
 
 def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:

@@ -23,7 +23,7 @@ from pointbrush.work.imports.label_reading import (
     Unmatched,
 )
 from pointbrush.work.imports.naming import Naming, learn_numbers
-from pointbrush.work.imports.submitting import drop_upload
+from pointbrush.work.imports.requests import drop_upload
 
 TOLD = 100
 """Entries of a report's lists."""

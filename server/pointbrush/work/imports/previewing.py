@@ -8,7 +8,6 @@ from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import asdict, dataclass
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, UnavailableError
 from pointbrush.formats.alignment import agree_better_without
 from pointbrush.formats.bag import SENSOR
-from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.listing import Listing
 from pointbrush.formats.names import AXES
@@ -29,6 +27,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import axis_of
 from pointbrush.work.imports.importing import PART_POINTS, large_scan
+from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.worker import local_processes
 
 TOLD = 100
@@ -47,17 +46,6 @@ FAR = 1e4
 """Metres from the origin beyond which coordinates are a map's."""
 SAMPLE = 20_000
 """Points that tell which axis is up."""
-
-
-@dataclass(frozen=True, slots=True)
-class PreviewRequest:
-    """Request of a preview; the fields are those of an import."""
-
-    paths: tuple[Path, ...]
-    chosen: Corrections
-    limits: Limits
-    name: str | None = None
-    fps: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +82,7 @@ class Preview:
     warnings: list[str]
 
 
-def preview(request: PreviewRequest) -> Preview:
+def preview(request: ImportRequest, limits: Limits) -> Preview:
     """Read the first frames of a recording and say what an import would make of it.
 
     Raises what ``open_source`` raises, and BadInputError for frames that cannot be read.
@@ -108,11 +96,9 @@ def preview(request: PreviewRequest) -> Preview:
 
     with (
         reported() as warnings,
-        open_source(
-            request.paths, limits=request.limits, chosen=chosen, columns_found=note
-        ) as source,
+        open_source(request.paths, limits=limits, chosen=chosen, columns_found=note) as source,
     ):
-        frames = _first_frames(request, source.frames)
+        frames = _first_frames(request, limits, source.frames)
         if not any(len(frame) for frame in frames):
             raise BadInputError(f"expected points, got none in the first {len(frames)} frame(s)")
         listing = source.listings[0]
@@ -155,12 +141,14 @@ def _files(source: Source) -> list[dict[str, Any]]:
     return [{"file": name, "frame": frame} for frame, name in enumerate(names[:TOLD])]
 
 
-def _first_frames(request: PreviewRequest, frames: Iterator[PointFrame]) -> list[PointFrame]:
+def _first_frames(
+    request: ImportRequest, limits: Limits, frames: Iterator[PointFrame]
+) -> list[PointFrame]:
     """The first frames; of a scan that is too large to read whole, its first part."""
-    scan = large_scan(request.paths, request.limits)
+    scan = large_scan(request.paths, limits)
     if scan is None:
         return list(islice(frames, FRAMES))
-    options = ReadOptions(limits=request.limits, chosen=request.chosen)
+    options = ReadOptions(limits=limits, chosen=request.chosen)
     return [next(map(request.chosen.applied, read_chunks(scan, PART_POINTS, options)))]
 
 
@@ -237,13 +225,13 @@ class Previews:
         self._pool: ProcessPoolExecutor | None = None
         self._lock = threading.Lock()
 
-    def of(self, request: PreviewRequest) -> Preview:
+    def of(self, request: ImportRequest, limits: Limits) -> Preview:
         """Preview a recording; raises what ``preview`` raises, UnavailableError after a time."""
         with self._lock:
             self._pool = self._pool or local_processes(1)
             pool = self._pool
         try:
-            return pool.submit(preview, request).result(SECONDS)
+            return pool.submit(preview, request, limits).result(SECONDS)
         except (BrokenExecutor, FutureTimeoutError) as error:
             self._end(pool)
             if isinstance(error, BrokenExecutor):

@@ -3,109 +3,60 @@
 from __future__ import annotations
 
 import logging
-import shutil
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pointbrush import formats
-from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
-from pointbrush.formats.corrections import Corrections
-from pointbrush.jobs import ENDED, Job, JobRunner
+from pointbrush.errors import (
+    ConflictError,
+    NotFoundError,
+    PointbrushError,
+    ReadOnlyError,
+    UnavailableError,
+)
+from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
+from pointbrush.lazy import once
 from pointbrush.names import require_visible
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.imports import importing
+from pointbrush.work.imports.requests import SAMPLE, ImportRequest, drop_repeated, drop_upload
 from pointbrush.work.imports.source_labels import SourceLabels
+from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for
 from pointbrush.worker import Work
 
-log = logging.getLogger(__name__)
+if TYPE_CHECKING:
+    from pointbrush.work.imports.annotating import LabelImports
+    from pointbrush.work.imports.previewing import Preview, Previews
 
-UPLOAD = "upload"
-"""Of a job's request: the folder of its uploaded files, or None."""
+log = logging.getLogger(__name__)
 
 WITHOUT_LABELS = "the recording is there, but its labels did not come in"
 """Beginning of the error of an import that made a recording and not its labels."""
 
-IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
-"""Of a job's request: an import of paths, of the sample recording, or of labels made elsewhere."""
-
-
-@dataclass(frozen=True)
-class ImportRequest:
-    """An import of files that are at absolute ``paths``; see ``Workspace.import_paths``."""
-
-    paths: tuple[Path, ...]
-    name: str | None = None
-    fps: float | None = None
-    chosen: Corrections = field(default_factory=Corrections)
-    roots: tuple[Path, ...] = ()
-    upload: Path | None = None
-    """Folder of files that were uploaded for it, which goes when the import has ended."""
-
-    @property
-    def source(self) -> str:
-        """Origin of the recording as its manifest says."""
-        return importing.source_of(self.paths)
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the record a job keeps, to be begun again by ``Imports.again``."""
-        return {
-            "call": IMPORT,
-            "paths": [str(path) for path in self.paths],
-            "name": self.name,
-            "fps": self.fps,
-            "chosen": asdict(self.chosen),
-            "roots": [str(root) for root in self.roots],
-            UPLOAD: str(self.upload) if self.upload else None,
-        }
-
-    @classmethod
-    def of_json(cls, kept: Mapping[str, Any]) -> ImportRequest:
-        """Return the request that ``as_json`` made ``kept`` of."""
-        chosen = kept["chosen"] | {"columns": tuple(kept["chosen"]["columns"])}
-        return cls(
-            tuple(map(Path, kept["paths"])),
-            kept["name"],
-            kept["fps"],
-            Corrections(**chosen),
-            tuple(map(Path, kept["roots"])),
-            Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
-        )
-
-
-def drop_upload(upload: Path | None, job: Job) -> None:
-    """Remove the uploaded files of a job that has ended; another server may go on with it."""
-    if upload is not None and job.state in ENDED:
-        shutil.rmtree(upload, ignore_errors=True)
-
-
-def drop_repeated(upload: Path | None, job: Job) -> None:
-    """Remove uploaded files that ``job`` does not read, as it was begun with the first upload."""
-    if upload is not None and (job.request or {}).get(UPLOAD) != str(upload):
-        shutil.rmtree(upload, ignore_errors=True)
-
 
 class Imports:
-    """Starts imports into a library, and makes what they bring known."""
+    """Imports recordings, and labels of them, in jobs, and makes them known; thread-safe."""
 
     def __init__(
         self,
         library: Library,
         store: LabelStore,
         runner: JobRunner,
+        jobs: JobBook,
         publish: Callable[[Event], None],
         max_points: int,
     ) -> None:
         """``max_points``: most points of a frame that is read."""
-        self._library, self._store, self._runner = library, store, runner
+        self._library, self._store, self._runner, self._jobs = library, store, runner, jobs
         self._publish, self._max_points = publish, max_points
         self.source_labels = SourceLabels(store)
 
@@ -132,27 +83,101 @@ class Imports:
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
             self.source_labels.bring(self._library.recording(manifest.id))
 
-    def complete_labels(self, recording: Recording, author: str) -> None:
-        """See ``Workspace.import_source_labels``."""
-        sequence = recording.manifest.id
+    def begin(
+        self,
+        paths: Sequence[Path],
+        *,
+        owner: str | None = None,
+        job_id: str | None = None,
+        **request: Any,
+    ) -> Job:
+        """Import files as one sequence in a job.
+
+        ``request``: fields of ``ImportRequest``.  ``owner``: who asks.  With the ``job_id`` of a
+        job that they have begun before, that job is returned and nothing is begun; raises
+        ConflictError for another person's.
+        """
+        wanted = _request(paths, request)
+
+        def begin(job_id: str) -> Job:
+            for path in wanted.paths:
+                if not any(mark in str(path) for mark in "*?[") and not path.exists():
+                    raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
+            kept = wanted.as_json()
+            return self._begin(wanted, Job("import", None, job_id, owner=owner, request=kept))
+
+        job = self._jobs.begin_once(job_id, owner, begin)
+        drop_repeated(wanted.upload, job)
+        return job
+
+    def preview(self, paths: Sequence[Path], **request: Any) -> Preview:
+        """Preview ``begin``; nothing is written.  Raises what readers raise."""
+        wanted = _request(paths, request)
+        limits = formats.Limits(self._max_points, roots=wanted.roots)
+        return self._previews.of(wanted, limits)
+
+    def begin_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
+        """Make the sample recording and import it in a job, with a palette for its objects."""
+        request = {"call": SAMPLE, "frames": frames, "seed": seed}
+        return self._begin_sample(frames, seed, Job("import", None, request=request))
+
+    def begin_labels(
+        self,
+        sequence: str,
+        place: Path,
+        author: str,
+        *,
+        job_id: str | None = None,
+        **request: Any,
+    ) -> Job:
+        """Import labels made elsewhere as one edit, in a job whose result reports what was found.
+
+        ``request``: fields of ``LabelRequest``; ``job_id`` as of ``begin``.  Raises NotFoundError.
+        """
+        from pointbrush.work.imports.label_reading import LabelRequest
+
+        wanted = LabelRequest(place.absolute(), **request)
+        recording = self._library.recording(sequence)
+        begin = partial(self._of_labels.start, recording, wanted, author)
+        job = self._jobs.begin_once(job_id, author, begin)
+        drop_repeated(wanted.upload, job)
+        return job
+
+    def labels_again(self, job: Job) -> dict[str, Any] | None:
+        """Begin an import of labels again; see ``LabelImports.again``."""
+        return self._of_labels.again(self._library.recording(job.sequence or ""), job)
+
+    def bring_labels(self, sequence: str, author: str) -> None:
+        """Bring in the labels in a recording's own files, which did not come in with it.
+
+        Where they did, nothing happens.  Raises ConflictError where the files have none, and what
+        keeps them out.
+        """
+        recording = self._library.recording(sequence)
+        if "label" not in recording.manifest.fields:
+            raise ConflictError(f"labels: expected some in the files of {sequence!r}, got none")
         self._store.register(sequence, recording.manifest.points, recording.identity)
         try:
             self.source_labels.bring(recording, author)
         finally:
             self._publish(SequencesChanged(sequence))
 
-    def of_paths(self, request: ImportRequest, owner: str | None, job_id: str) -> Job:
-        """See ``Workspace.import_paths``."""
-        for path in request.paths:
-            if not any(mark in str(path) for mark in "*?[") and not path.exists():
-                raise NotFoundError(f"path: expected a file or folder, {path} does not exist")
-        kept = request.as_json()
-        return self._begin(request, Job("import", None, job_id, owner=owner, request=kept))
+    def close(self) -> None:
+        """End the process of previews, if there is one."""
+        if Imports._previews.made(self):
+            self._previews.close()
 
-    def of_sample(self, frames: int, seed: int) -> Job:
-        """See ``Workspace.import_sample``."""
-        request = {"call": SAMPLE, "frames": frames, "seed": seed}
-        return self._begin_sample(frames, seed, Job("import", None, request=request))
+    @once
+    def _previews(self) -> Previews:
+        from pointbrush.work.imports.previewing import Previews
+
+        return Previews()
+
+    @once
+    def _of_labels(self) -> LabelImports:
+        from pointbrush.work.imports.annotating import LabelImports
+
+        return LabelImports(self._store, self._runner, self._max_points)
 
     def again(self, job: Job) -> dict[str, Any] | None:
         """Begin an import again that another server has left; return its result if it was done.
@@ -241,3 +266,7 @@ class Imports:
         except BaseException:
             self._store.guards.end(guard)
             raise
+
+
+def _request(paths: Sequence[Path], fields: dict[str, Any]) -> ImportRequest:
+    return ImportRequest(tuple(path.absolute() for path in paths), **fields)

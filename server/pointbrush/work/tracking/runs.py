@@ -12,6 +12,7 @@ from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.tracking import FrameResult
 from pointbrush.work.events import Event, Provisional, Retracted
+from pointbrush.work.job_book import JobBook
 from pointbrush.work.tracking import TRACK
 from pointbrush.work.tracking import job as tracking
 from pointbrush.work.tracking.job import doubtful
@@ -46,34 +47,61 @@ class TrackRequest:
 
 
 class Runs:
-    """Starts tracking runs and takes in what they find."""
+    """Starts tracking runs and takes in what they find; thread-safe."""
 
     def __init__(
         self,
         store: LabelStore,
+        recording: Callable[[str], Recording],
         runner: JobRunner,
+        jobs: JobBook,
         publish: Callable[[Event], None],
         database_url: str,
     ) -> None:
-        self._store, self._runner, self._publish = store, runner, publish
-        self._database_url = database_url
+        """``recording``: opens the recording of an id."""
+        self._store, self._recording, self._runner, self._jobs = store, recording, runner, jobs
+        self._publish, self._database_url = publish, database_url
         self._kept: set[str] = set()
+
+    def expect(self) -> None:
+        """Have a worker process made ready for a run, unless jobs have begun one already."""
+        self._runner.make_ready(tracking.load_default_method)
 
     def keep(self, job_id: str) -> None:
         """The findings of a run are to be committed also when it is cancelled."""
         self._kept.add(job_id)
 
-    def start(self, recording: Recording, request: TrackRequest, author: str, job_id: str) -> Job:
-        """See ``Workspace.track``; ``job_id`` is that of the run's edit too."""
-        sequence, kept = recording.manifest.id, request.as_json()
-        job = Job("tracking", sequence, job_id, owner=author, edit=job_id, request=kept)
-        return self._begin(recording, request, job)
+    def start(
+        self,
+        sequence: str,
+        *,
+        start: int,
+        stop: int,
+        author: str,
+        labels: Sequence[int] | None = None,
+        edit: str | None = None,
+        **chosen: Any,
+    ) -> Job:
+        """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job.
 
-    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
+        ``chosen``: fields of ``RunOptions``.  ``edit``: the id of its edit and of its job; of a
+        run that ``author`` has begun before, that job is returned.
+        """
+        request = TrackRequest(start, stop, labels, RunOptions(**chosen))
+        recording, kept = self._recording(sequence), request.as_json()
+
+        def begin(job_id: str) -> Job:
+            job = Job("tracking", sequence, job_id, owner=author, edit=job_id, request=kept)
+            return self._begin(recording, request, job)
+
+        return self._jobs.begin_once(edit, author, begin)
+
+    def again(self, job: Job) -> dict[str, Any] | None:
         """Begin a run again that another server has left; return its result if it was done.
 
         Raises what ``start`` raises.
         """
+        recording = self._recording(job.sequence or "")
         made = self._store.find(recording.manifest.id, job.edit or job.id)
         if made is not None:
             return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}

@@ -1,0 +1,68 @@
+"""Layers of annotated frames, read and replaced, in source order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels import Commit
+from pointbrush.work import exporting
+from pointbrush.work.annotate import layers
+from pointbrush.work.annotate.strokes import edit_id
+from pointbrush.work.part import Part
+
+
+class Annotations(Part):
+    """Annotation of each point of a frame: a label, a provenance, whether it is deleted.
+
+    Arrays are in source order.
+    """
+
+    def read(self, sequence: str, frame: int, layer: str = "label") -> tuple[NDArray[Any], int]:
+        """A layer of a frame's annotation (N,), and the revision of the frame's last change."""
+        blocks, revision = self.blocks(sequence, frame, layer)
+        return np.concatenate(list(blocks)), revision
+
+    def blocks(
+        self, sequence: str, frame: int, layer: str = "label"
+    ) -> tuple[Iterator[NDArray[Any]], int]:
+        """The same in consecutive blocks, of which an octree's frame has many."""
+        return exporting.layer_blocks(self._store, self._recording(sequence), frame, layer)
+
+    def put(
+        self,
+        sequence: str,
+        frame: int,
+        array: NDArray[Any],
+        *,
+        author: str,
+        layer: str = "label",
+        if_match: int | None = None,
+        edit: str | None = None,
+    ) -> Commit:
+        """Replace a layer of a frame's annotation, as one edit.
+
+        ``if_match``: a revision since which the frame must not have changed.
+        Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
+        """
+        writes = layers.replacement(self._store, self._recording(sequence), frame, layer, array)
+        return self._store.apply(
+            sequence,
+            edit_id=edit_id(edit),
+            author=author,
+            kind="import",
+            writes=writes,
+            summary=f"annotation of frame {frame}",
+            if_match=None if if_match is None else (frame, if_match),
+            identity=self._recording(sequence).identity,
+        )
+
+    def changed(self, sequence: str, frame: int, commit: Commit) -> int:
+        """The revision of a frame's last change as of ``commit``."""
+        if frame in commit.frames:
+            return commit.revision
+        # What others did since must not look as if it had been seen.
+        return min(commit.revision, self._store.changed(sequence, frame))

@@ -1,0 +1,76 @@
+"""Requests of imports, as the jobs that carry them out keep them."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pointbrush.formats.corrections import Corrections
+from pointbrush.jobs import ENDED, Job
+from pointbrush.work.imports import importing
+
+UPLOAD = "upload"
+"""Of a job's request: the folder of its uploaded files, or None."""
+
+IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
+"""Of a job's request: an import of paths, of the sample recording, or of labels made elsewhere."""
+
+
+@dataclass(frozen=True)
+class ImportRequest:
+    """An import of files that are at absolute ``paths``."""
+
+    paths: tuple[Path, ...]
+    name: str | None = None
+    fps: float | None = None
+    chosen: Corrections = field(default_factory=Corrections)
+    """Choices of a person on how the files are read."""
+    roots: tuple[Path, ...] = ()
+    """Folders outside which nothing is read, if any."""
+    upload: Path | None = None
+    """Folder of files that were uploaded for it, which goes when the import has ended."""
+
+    @property
+    def source(self) -> str:
+        """Origin of the recording as its manifest says."""
+        return importing.source_of(self.paths)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record a job keeps, to be begun again by ``Imports.again``."""
+        return {
+            "call": IMPORT,
+            "paths": [str(path) for path in self.paths],
+            "name": self.name,
+            "fps": self.fps,
+            "chosen": asdict(self.chosen),
+            "roots": [str(root) for root in self.roots],
+            UPLOAD: str(self.upload) if self.upload else None,
+        }
+
+    @classmethod
+    def of_json(cls, kept: Mapping[str, Any]) -> ImportRequest:
+        """Return the request that ``as_json`` made ``kept`` of."""
+        chosen = kept["chosen"] | {"columns": tuple(kept["chosen"]["columns"])}
+        return cls(
+            tuple(map(Path, kept["paths"])),
+            kept["name"],
+            kept["fps"],
+            Corrections(**chosen),
+            tuple(map(Path, kept["roots"])),
+            Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
+        )
+
+
+def drop_upload(upload: Path | None, job: Job) -> None:
+    """Remove the uploaded files of a job that has ended; another server may go on with it."""
+    if upload is not None and job.state in ENDED:
+        shutil.rmtree(upload, ignore_errors=True)
+
+
+def drop_repeated(upload: Path | None, job: Job) -> None:
+    """Remove uploaded files that ``job`` does not read, as it was begun with the first upload."""
+    if upload is not None and (job.request or {}).get(UPLOAD) != str(upload):
+        shutil.rmtree(upload, ignore_errors=True)

@@ -1,0 +1,19 @@
+"""Common base of the parts of a workspace that edit labels of recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from pointbrush.labels import LabelStore
+from pointbrush.sequences import Sequence as Recording
+
+
+class Part:
+    """Edits of recordings that are named by their ids; thread-safe.
+
+    Every method raises NotFoundError for an unknown sequence or frame, DamagedError.
+    """
+
+    def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
+        """``recording``: opens the recording of an id."""
+        self._store, self._recording = store, recording

@@ -1,0 +1,63 @@
+"""Strokes of all shapes on frames, whole or while they are drawn, and their previews."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pointbrush.labels import Commit, LabelStore
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.annotate.strokes import LiveStroke, edit_id
+from pointbrush.work.objects import Answer, Level, Objects, ObjectStroke
+from pointbrush.work.part import Part
+
+
+class Strokes(Part):
+    """Strokes on frames."""
+
+    def __init__(
+        self, store: LabelStore, recording: Callable[[str], Recording], objects: Objects
+    ) -> None:
+        """``objects`` answers clicks of the shape ``object``."""
+        super().__init__(store, recording)
+        self._objects = objects
+
+    def begin(
+        self, sequence: str, frame: int, brush: Mapping[str, Any], stroke_id: str | None = None
+    ) -> LiveStroke | ObjectStroke | Commit:
+        """Start a stroke that is still being drawn; see LiveStroke.
+
+        One that is sent again after its answer was lost has been applied: that is its commit.
+        """
+        given = edit_id(stroke_id)
+        begun = self._store.begin(sequence, given)
+        if isinstance(begun, Commit):
+            return begun
+        recording = self._recording(sequence)
+        if brush.get("shape") == "object":
+            return ObjectStroke(self._objects, self._store, recording, frame, brush, given)
+        return LiveStroke(self._store, begun, recording, frame, brush, given)
+
+    def apply(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
+        """Apply a whole stroke (the fields of REST's); durable when this returns."""
+        live = self.begin(sequence, frame, fields, fields.get("id"))
+        if isinstance(live, Commit):
+            return live
+        live.add(fields.get("samples") or [])
+        return live.commit(author)
+
+    def preview(self, sequence: str, frame: int, fields: Mapping[str, Any]) -> Answer:
+        """Preview a stroke: levels of an object, or a region of another shape.
+
+        ``fields`` are those of a stroke, with ``positives`` for its samples.
+        Raises BadInputError, NotFoundError.
+        """
+        recording = self._recording(sequence)
+        if fields.get("shape", "object") == "object":
+            return self._objects.answer(recording, frame, self._objects.parse(fields))
+        view = self._store.view(sequence)
+        live = LiveStroke(self._store, view, recording, frame, fields, edit_id(None))
+        live.add(fields.get("positives") or [])
+        numbers = live.previewed()
+        levels = (Level("", 0, 1.0, numbers),) if len(numbers) else ()
+        return Answer(levels, 0, ready=True)
