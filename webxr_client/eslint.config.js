@@ -7,16 +7,13 @@ const LONGER = {
   loops: ['cloud/points/inside.ts', 'cloud/points/pick.ts', 'net/depth/decode.ts'],
   // One decision of a picture or an event, whose steps depend on one another.
   decisions: [
-    'desktop/{keyboard,pointer}.ts',
-    'engine/{detail,playback}.ts',
-    'overlays/index.ts',
     'panels/labels/label-rows.ts',
     'tools/object.ts',
     'xr/bodies/body.ts',
     'xr/drawing/ui.ts',
     'xr/input/{pointer,pressure}.ts',
     'xr/moving/locomotion.ts',
-    'xr/painting/{brush-look,painter}.ts',
+    'xr/painting/brush-look.ts',
     'xr/panels/room-panels.ts',
   ],
   // Tables: what tests may look at, and markup.

@@ -39,20 +39,28 @@ function typing(target: EventTarget | null): boolean {
   return target.isContentEditable || target.matches('textarea, select');
 }
 
+/** The character's own meaning goes first: keyboards have / and + above digits. */
+function bindingOf(name: string, digit: string | null): KeyBinding | undefined {
+  return table.get(name) ?? (digit ? table.get(`shift+${digit}`) : undefined);
+}
+
+function run(binding: KeyBinding, event: KeyboardEvent, key: string): void {
+  const runs = !event.repeat || binding.repeats === true;
+  if (runs && binding.run(key) === false) return;
+  event.preventDefault();
+}
+
 /** The result stops listening. */
 export function listenToKeys(camera: DeskCamera): () => void {
   const down = (event: KeyboardEvent): void => {
     if (typing(event.target) || event.defaultPrevented || isForControl(event)) return;
     const name = keyName(event);
     const digit = shiftedDigit(event);
-    // The character's own meaning goes first: keyboards have / and + above digits.
-    const binding = table.get(name) ?? (digit ? table.get(`shift+${digit}`) : undefined);
+    const binding = bindingOf(name, digit);
     if (binding) {
       // A button that was clicked does not keep Space.
       if (name === ' ' && event.target instanceof HTMLButtonElement) event.target.blur();
-      const runs = !event.repeat || binding.repeats === true;
-      if (runs && binding.run(digit ?? event.key.toLowerCase()) === false) return;
-      event.preventDefault();
+      run(binding, event, digit ?? event.key.toLowerCase());
       return;
     }
     if (!event.ctrlKey && !event.metaKey && !event.altKey) {

@@ -5,6 +5,7 @@ import { type CloudFrame } from '../cloud/points/frame';
 import { DELETED } from '../cloud/points/piece';
 import type { Viewer } from '../cloud/picture/viewer';
 import { isStroke, state } from '../store/state';
+import type { PointerSample } from '../store/types';
 import type { AheadPreview } from '../tools/preview';
 import { boxDraft } from '../tools/volume';
 import { brushColor, brushFor } from '../tools/brush';
@@ -13,7 +14,7 @@ import type { ObjectTool } from '../tools/object';
 import { Path } from '../tools/path';
 import type { RegionPreview } from '../tools/region';
 import type { Stroke, Strokes } from '../tools/strokes';
-import { deskWay } from '../tools/ways';
+import { completes, deskWay } from '../tools/ways';
 import { scrollClip } from '../tools/clip';
 import { Aim } from '../view/aim';
 import { BoxTool } from './box-tool';
@@ -117,7 +118,7 @@ export class DeskPointer {
 
   private chooseDrag(event: PointerEvent): Drag | null {
     if (event.button === 2) return this.pivotUnderCursor('pan');
-    const removes = event.altKey && event.button === 0 && this.clicksObjects();
+    const removes = this.removes(event);
     if (event.button === 1 || (event.altKey && !removes)) return this.pivotUnderCursor('turn');
     if (event.button !== 0) return null;
     if (this.handles.grab()) return 'handle';
@@ -125,15 +126,20 @@ export class DeskPointer {
       if (this.lasso.corner(this.aim.x, this.aim.y)) this.closeOutline();
       return null;
     }
-    const tool = state.tool.peek();
-    if (tool === 'navigate') return this.pivotUnderCursor('turn');
-    if (!isStroke(tool)) {
-      // A finger's tap counts when it is up: a second one may follow.
-      if (event.pointerType === 'touch') return 'tap';
-      this.tap();
-      return null;
-    }
-    return this.beginStroke(removes);
+    if (state.tool.peek() === 'navigate') return this.pivotUnderCursor('turn');
+    return isStroke(state.tool.peek()) ? this.beginStroke(removes) : this.beginTap(event);
+  }
+
+  private beginTap(event: PointerEvent): Drag | null {
+    // A finger's tap counts when it is up: a second one may follow.
+    if (event.pointerType === 'touch') return 'tap';
+    this.tap();
+    return null;
+  }
+
+  /** Whether a press takes points away from an object. */
+  private removes(event: PointerEvent): boolean {
+    return event.altKey && event.button === 0 && this.clicksObjects();
   }
 
   private clicksObjects(): boolean {
@@ -178,14 +184,19 @@ export class DeskPointer {
 
   /** Two fingers: their middle moves the camera, their distance brings it closer. */
   private pinch(event: PointerEvent, { x, y, dx, dy, grown }: Pinch): void {
-    const { camera, viewer } = this.deps;
     this.aim.place(event);
     this.aim.x = x;
     this.aim.y = y;
-    camera.pan(dx, dy, this.canvas.clientHeight);
+    this.deps.camera.pan(dx, dy, this.canvas.clientHeight);
+    this.zoom(Math.log(grown) * NOTCHES_PER_E);
+  }
+
+  /** Bring the camera closer to what is aimed at. */
+  private zoom(notches: number): void {
+    const { camera, viewer } = this.deps;
     const hit = this.aim.hit(0.1);
     const target = hit ? this.aim.roomPosition(hit) : this.aim.ahead(camera.pivot);
-    camera.zoom(Math.log(grown) * NOTCHES_PER_E, target);
+    camera.zoom(notches, target);
     viewer.invalidate();
   }
 
@@ -216,10 +227,9 @@ export class DeskPointer {
     if (this.drag === 'pinch' && more) return;
     if (this.drag === 'stroke') {
       this.stroke?.end();
-      const { tool, brush } = state;
-      const offers =
-        brush.peek().complete && tool.peek() === 'paint' && deskWay().samples === 'path';
-      if (this.stroke && offers) this.deps.objects.complete(this.path.samples(), this.stroke.id);
+      if (this.stroke && completes(deskWay())) {
+        this.deps.objects.complete(this.path.samples(), this.stroke.id);
+      }
       this.stroke = null;
     }
     if (this.drag === 'lasso') this.outlines.end();
@@ -249,10 +259,7 @@ export class DeskPointer {
       actions.nudgeRadius(Math.sign(notches));
       return;
     }
-    const hit = this.aim.hit(0.1);
-    const target = hit ? this.aim.roomPosition(hit) : this.aim.ahead(this.deps.camera.pivot);
-    this.deps.camera.zoom(event.ctrlKey ? notches * 4 : notches, target);
-    this.deps.viewer.invalidate();
+    this.zoom(event.ctrlKey ? notches * 4 : notches);
   }
 
   /** A touchpad sends parts of a notch: they add up. */
@@ -283,16 +290,21 @@ export class DeskPointer {
     this.deps.objects.end();
     this.deps.regions.leave();
     if (way.name === 'box') return this.boxes.begin() ? 'box' : 'turn';
-    if (way.samples === 'drawn') {
-      this.lasso.begin(this.aim.x, this.aim.y, brushColor());
-      return outlineKind.peek() === 'polygon' ? null : 'lasso';
-    }
+    if (way.samples === 'drawn') return this.beginOutline();
     this.stroke = this.deps.strokes.begin(frame, brush, info.shift);
-    const ray = this.aim.ray();
     this.path.clear();
-    this.path.add(ray);
-    this.stroke.add(ray);
+    this.sample(this.aim.ray());
     return 'stroke';
+  }
+
+  private beginOutline(): Drag | null {
+    this.lasso.begin(this.aim.x, this.aim.y, brushColor());
+    return outlineKind.peek() === 'polygon' ? null : 'lasso';
+  }
+
+  private sample(ray: PointerSample): void {
+    this.path.add(ray);
+    this.stroke?.add(ray);
   }
 
   /** Dabs between the last place and this one, close enough to make a line. */
@@ -305,9 +317,7 @@ export class DeskPointer {
     for (let i = 1; i <= dabs; i++) {
       const t = i / dabs;
       const { last } = this;
-      const ray = this.aim.ray(last.x + (x - last.x) * t, last.y + (y - last.y) * t);
-      this.path.add(ray);
-      this.stroke.add(ray);
+      this.sample(this.aim.ray(last.x + (x - last.x) * t, last.y + (y - last.y) * t));
     }
     this.last.x = x;
     this.last.y = y;

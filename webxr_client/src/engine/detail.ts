@@ -193,6 +193,12 @@ export function nodeOf({ index, count, lo, hi, parent }: ChunkRow): OctreeNode {
   return { index, count, box, spacing, parent };
 }
 
+/** Pixels that its parent's points, `spacing` metres apart, leave empty where a chunk lies. */
+function gapOf(node: OctreeNode, spacing: number, view: View): number {
+  const distance = Math.max(NEAREST, node.box.distanceToPoint(view.eye));
+  return (spacing * view.pixels) / distance;
+}
+
 const candidates: OctreeNode[] = [];
 let gaps = new Float64Array(0);
 
@@ -204,10 +210,7 @@ export function worthwhile(nodes: readonly OctreeNode[], view: View, budget: num
   candidates.length = 0;
   if (gaps.length < nodes.length) gaps = new Float64Array(nodes.length);
   for (const node of nodes) {
-    // A chunk is worth what its parent's points leave empty on screen.
-    const coarse = node.parent < 0 ? Infinity : (nodes[node.parent]?.spacing ?? Infinity);
-    const distance = Math.max(NEAREST, node.box.distanceToPoint(view.eye));
-    const gap = (coarse * view.pixels) / distance;
+    const gap = gapOf(node, nodes[node.parent]?.spacing ?? Infinity, view);
     if (gap < FINEST_PIXELS) continue;
     if (node.parent >= 0 && !view.frustum.intersectsBox(node.box)) continue;
     gaps[node.index] = gap;

@@ -209,32 +209,36 @@ export class Playback {
   /** Put the newest frame that is here on screen, and the next one on the GPU. */
   private sync(): void {
     if (!this.info) return;
+    const { store, clock } = this;
     const playing = peek(state.playing);
     const head = peek(state.frame);
-    const direction = playing ? this.clock.direction : 1;
     // The server sends nothing of a frame without points.
     const empty = this.info.points[head] === 0;
     const coming = playing && !empty;
-    const index = coming ? this.store.newest(head, direction, peek(state.loop)) : head;
-    const frame = empty ? this.store.nothing(head) : this.store.get(index);
+    const index = coming ? store.newest(head, clock.direction, peek(state.loop)) : head;
+    const frame = empty ? store.nothing(head) : store.get(index);
     if (!frame || (frame.loaded === 0 && !frame.empty)) return;
-    const changed =
-      frame !== this.shown ||
-      frame.pointsVersion !== this.shownVersion ||
-      frame.labelsVersion !== this.shownLabels;
-    if (changed) {
-      this.shown = frame;
-      this.shownVersion = frame.pointsVersion;
-      this.shownLabels = frame.labelsVersion;
-      this.viewer.show(frame);
-      state.shown.value = frame.shown;
-      return;
-    }
-    // The picture stands: time to bring the next frame over.
-    if (playing) {
-      const next = this.store.get((index + direction + this.store.length) % this.store.length);
-      if (next && next.loaded > 0) this.viewer.prepare(next);
-    }
+    if (!this.show(frame) && playing) this.prepare(index + clock.direction);
+  }
+
+  /** The picture stands: time to bring the next frame over. */
+  private prepare(index: number): void {
+    const { length } = this.store;
+    const next = this.store.get((index + length) % length);
+    if (next && next.loaded > 0) this.viewer.prepare(next);
+  }
+
+  /** Put a frame on screen; false when it is there as it is. */
+  private show(frame: CloudFrame): boolean {
+    const { pointsVersion, labelsVersion } = frame;
+    const same = pointsVersion === this.shownVersion && labelsVersion === this.shownLabels;
+    if (frame === this.shown && same) return false;
+    this.shown = frame;
+    this.shownVersion = pointsVersion;
+    this.shownLabels = labelsVersion;
+    this.viewer.show(frame);
+    state.shown.value = frame.shown;
+    return true;
   }
 
   /** The buffer bar, a few times a second at most. */

@@ -50,10 +50,7 @@ export class Overlays {
       this.ghost.hide();
       return;
     }
-    if (info.room !== this.room) {
-      this.room = info.room;
-      this.summaries.forget();
-    }
+    this.standIn(info.room);
     const moved = this.follow(peek(state.frame));
     if (boxes || trails) this.look(frame, trails, now);
     const news = this.dirty || this.seen !== this.summaries.version;
@@ -62,6 +59,12 @@ export class Overlays {
     this.haunt(ghost && !peek(state.playing));
     this.seen = this.summaries.version;
     this.dirty = false;
+  }
+
+  private standIn(room: readonly number[]): void {
+    if (room === this.room) return;
+    this.room = room;
+    this.summaries.forget();
   }
 
   private follow(head: number): boolean {

@@ -153,3 +153,8 @@ export function roomWay(): Way {
 export function deskWay(shape: BrushShape = state.brush.peek().shape): DeskWay {
   return DESK_WAYS.find((way) => way.shape === shape)!;
 }
+
+/** Whether a stroke is completed to the object that it lies on. */
+export function completes(way: Way): boolean {
+  return way.samples === 'path' && peek(state.brush).complete && peek(state.tool) === 'paint';
+}

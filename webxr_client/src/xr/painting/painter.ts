@@ -10,7 +10,7 @@ import { canEdit, isStroke, notify, state } from '../../store/state';
 import { brushFor, refusal } from '../../tools/brush';
 import { Path } from '../../tools/path';
 import type { Stroke } from '../../tools/strokes';
-import { roomWay, wayOf, type Way } from '../../tools/ways';
+import { completes, roomWay, wayOf, type Way } from '../../tools/ways';
 import { AirShape } from './air';
 import { Asking } from './asking';
 import { BrushLook } from './brush-look';
@@ -126,19 +126,24 @@ export class Painter {
       this.rest();
       return;
     }
-    if (this.moved()) this.interrupt(hand);
-    if (hand.trigger === 0) this.free = true;
-    else if (blocked && !this.painting) this.free = false;
-    if (this.free && this.guesses(hand, other)) this.refuse(hand);
+    this.checkPress(hand, other, blocked);
     const level = hand.pressure.update(this.free ? hand.trigger : 0, now);
     this.measureSphere();
     this.aimTip(hand, level, now);
     if (level !== this.level) this.turnTo(level, hand, head, now);
-    if (this.level > 0) this.go(hand, other, now);
-    const way = this.level > 0 ? this.way : roomWay();
-    if (this.level === 0) this.askAhead(!blocked, way, hand, now);
+    const way = this.painting ? this.way : roomWay();
+    if (this.painting) this.go(hand, other, now);
+    else this.askAhead(!blocked, way, hand, now);
     const color = this.look.show(!blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.paint(color);
+  }
+
+  /** End what is painted where it may go on no more, and see whose press it is. */
+  private checkPress(hand: Pointer, other: Pointer | null, blocked: boolean): void {
+    if (this.moved()) this.interrupt(hand);
+    if (hand.trigger === 0) this.free = true;
+    else if (blocked && !this.painting) this.free = false;
+    if (this.free && this.guesses(hand, other)) this.refuse(hand);
   }
 
   /** Whether the place of the brush, or of a box's other corner, is guessed. */
@@ -249,26 +254,28 @@ export class Painter {
     if (before > 0) this.finish(head);
     this.level = level;
     this.measureSphere();
-    if (level === 0) return;
     if (before === 0) this.pressedAt = now;
-    if (before === 0) this.pointing = !isStroke(peek(state.tool));
+    if (level > 0) this.press(hand, before === 0);
+  }
+
+  /** A press begins, `first`, or goes on with another size of the brush. */
+  private press(hand: Pointer, first: boolean): void {
+    if (first) this.pointing = !isStroke(peek(state.tool));
+    this.way = this.pointing ? wayOf('sphere') : roomWay();
     if (this.pointing) {
-      this.way = wayOf('sphere');
-      if (before === 0) this.pointAt(hand);
+      if (first) this.pointAt(hand);
       return;
     }
-    this.way = roomWay();
-    if (before === 0 && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
+    if (first && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
+    this.noteFrame();
     if (this.way.samples === 'drawn') {
       this.air.begin(this.way, this.tip);
-      this.noteFrame();
       return;
     }
     const brush = brushFor(this.way, this.radius[0]!);
-    this.noteFrame();
     if (this.way.samples === 'clicks') {
       this.aimAt(this.way, hand);
-      if (brush && before === 0) this.engine.objects.click(structuredClone(this.pointed()));
+      if (brush && first) this.engine.objects.click(structuredClone(this.pointed()));
       return;
     }
     this.asking.leave();
@@ -336,24 +343,19 @@ export class Painter {
     const { stroke } = this;
     stroke?.end();
     this.stroke = null;
-    if (stroke && eye) this.offerObject(stroke.id);
-    this.air.hide();
-    const info = peek(state.sequence);
-    const drawn = this.level > 0 && this.way.samples === 'drawn';
-    if (drawn && eye && info) {
-      const shape = this.air.end(eye, info);
-      const brush = shape && brushFor(this.way, this.radius[0]!);
-      if (brush) this.begin({ ...brush, ...shape })?.end();
+    if (stroke && eye && completes(this.way)) {
+      this.engine.objects.complete(this.path.samples(), stroke.id);
     }
+    this.air.hide();
+    if (this.level > 0 && this.way.samples === 'drawn' && eye) this.sendDrawn(eye);
     this.level = 0;
   }
 
-  /** A stroke was drawn: offer the object that it lies on. */
-  private offerObject(stroke: string): void {
-    const offers = peek(state.brush).complete && peek(state.tool) === 'paint';
-    if (offers && this.way.samples === 'path') {
-      this.engine.objects.complete(this.path.samples(), stroke);
-    }
+  private sendDrawn(eye: Vector3): void {
+    const info = peek(state.sequence);
+    const shape = info && this.air.end(eye, info);
+    const brush = shape && brushFor(this.way, this.radius[0]!);
+    if (brush) this.begin({ ...brush, ...shape })?.end();
   }
 
   private pointAt(hand: Pointer): void {
