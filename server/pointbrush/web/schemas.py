@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from pointbrush.labels import Commit, EditInfo
+from pointbrush.labels import Commit
 from pointbrush.names import HIDDEN
 from pointbrush.roles import Role
 from pointbrush.sequences import Manifest
@@ -49,6 +49,17 @@ class Body(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True)
     _integral = model_validator(mode="before")(integral)
+
+
+class Out(BaseModel):
+    """Base of answers that say what something of the workspace is, under the names it has there."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    @classmethod
+    def of(cls, found: object) -> Self:
+        """Make the answer of something with attributes of these names."""
+        return cls.model_validate(found)
 
 
 class Bounds(BaseModel):
@@ -155,7 +166,7 @@ class FloorBody(Body):
     samples: Annotated[list[Sample], Field(min_length=1, max_length=64)]
 
 
-class LabelOut(BaseModel):
+class LabelOut(Out):
     """An entry of the palette."""
 
     id: int
@@ -247,7 +258,7 @@ class UndoBody(Body):
     id: Uuid | None = None
 
 
-class EditInfoOut(BaseModel):
+class EditInfoOut(Out):
     """One line of the history."""
 
     id: str
@@ -260,18 +271,8 @@ class EditInfoOut(BaseModel):
     frames: list[int]
     undone: bool
 
-    @classmethod
-    def of(cls, edit: EditInfo, author: str) -> EditInfoOut:
-        """From the store's record, and its author's name."""
-        return cls(
-            id=edit.id, revision=edit.revision, author=author,
-            time=datetime.fromtimestamp(edit.time, UTC),
-            kind=edit.kind, summary=edit.summary, points=edit.points,
-            frames=list(edit.frames), undone=edit.undone,
-        )  # fmt: skip
 
-
-class ChunkOut(BaseModel):
+class ChunkOut(Out):
     """One row of a frame's chunk table; ``offset`` is into the frame's wire bytes.
 
     Position = ``origin + q * scale``, local metres; ``parent`` is the chunk above in an octree,

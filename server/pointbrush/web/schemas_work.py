@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from pointbrush.formats import format_names
 from pointbrush.formats.corrections import (
@@ -15,11 +15,10 @@ from pointbrush.formats.corrections import (
     parse_corrections,
 )
 from pointbrush.formats.names import DELIMITERS
-from pointbrush.jobs import Job
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
 from pointbrush.web.context import one_of
-from pointbrush.web.schemas import Body, Name, PaintId
+from pointbrush.web.schemas import Body, Name, Out, PaintId
 from pointbrush.work.imports.previewing import Preview
 from pointbrush.work.tracking.options import RunOptions
 
@@ -129,7 +128,7 @@ class StretchBody(AcceptBody):
         return range(min(self.start, self.stop), max(self.start, self.stop) + 1)
 
 
-class TrackOut(BaseModel):
+class TrackOut(Out):
     """A label's track in one frame."""
 
     label: LabelId
@@ -142,7 +141,7 @@ class TrackOut(BaseModel):
     state: Literal["tracked", "occluded", "lost", "painted"]
 
 
-class JobOut(BaseModel):
+class JobOut(Out):
     """Long work and how far it is."""
 
     id: str
@@ -153,11 +152,3 @@ class JobOut(BaseModel):
     message: str
     result: dict[str, Any] | None
     error: str | None
-
-    @classmethod
-    def of(cls, job: Job) -> JobOut:
-        """From the runner's record."""
-        return cls(
-            id=job.id, kind=job.kind, sequence=job.sequence, state=job.state,
-            progress=job.progress, message=job.message, result=job.result, error=job.error,
-        )  # fmt: skip

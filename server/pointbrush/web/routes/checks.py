@@ -8,18 +8,16 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from fastapi import Query, Response
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from pointbrush.streaming.messages import Vec3
 from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Out
 from pointbrush.work.reviewing import (
     POLICY,
-    Agreement,
     By,
-    Checked,
-    Finding,
     Kind,
     Table,
     to_csv,
@@ -42,7 +40,7 @@ CompareBy = Annotated[By, Query(description="labels are the same by")]
 TEXT = {"schema": {"type": "string"}}
 
 
-class FindingOut(BaseModel):
+class FindingOut(Out):
     """A suspicious thing; its ``id`` is the same at every check as long as it is there."""
 
     id: str
@@ -54,28 +52,12 @@ class FindingOut(BaseModel):
     place: Annotated[Vec3 | None, Field(description="in frame `first`, source coordinates")]
     settled: Annotated[bool, Field(description="its frames or labels are accepted as they are")]
 
-    @classmethod
-    def of(cls, finding: Finding) -> FindingOut:
-        """From the workspace's."""
-        return cls(
-            id=finding.id, kind=finding.kind, text=finding.text, labels=list(finding.labels),
-            first=finding.first, last=finding.last,
-            place=None if finding.place is None else list(finding.place),
-            settled=finding.settled,
-        )  # fmt: skip
 
-
-class ChecksOut(BaseModel):
+class ChecksOut(Out):
     """Findings in the order to go through them, and what could not be looked at."""
 
     findings: list[FindingOut]
     unchecked: list[str]
-
-    @classmethod
-    def of(cls, checked: Checked) -> ChecksOut:
-        """From the workspace's."""
-        findings = [FindingOut.of(each) for each in checked.findings]
-        return cls(findings=findings, unchecked=list(checked.unchecked))
 
 
 @router.get("/sequences/{seq}/checks", responses=responses(404))
@@ -88,7 +70,7 @@ def get_checks(
     return ChecksOut.of(workspace.reviewing.checks(seq, frames))
 
 
-class LabelAgreementOut(BaseModel):
+class LabelAgreementOut(Out):
     """A label by name: its points in the first, the second and both."""
 
     name: str
@@ -98,7 +80,7 @@ class LabelAgreementOut(BaseModel):
     both: int
 
 
-class FrameAgreementOut(BaseModel):
+class FrameAgreementOut(Out):
     """Points of a frame that either labelled, and those of them that differ."""
 
     frame: int
@@ -106,28 +88,13 @@ class FrameAgreementOut(BaseModel):
     differ: int
 
 
-class AgreementOut(BaseModel):
+class AgreementOut(Out):
     """Null where neither has labelled anything."""
 
     miou: Share | None
     same: Share | None
     labels: list[LabelAgreementOut]
     frames: list[FrameAgreementOut]
-
-    @classmethod
-    def of(cls, found: Agreement) -> AgreementOut:
-        """From the workspace's."""
-        labels = [
-            LabelAgreementOut(
-                name=each.name, iou=each.iou, first=each.first, second=each.second, both=each.both
-            )
-            for each in found.labels
-        ]
-        frames = [
-            FrameAgreementOut(frame=each.frame, labelled=each.labelled, differ=each.differ)
-            for each in found.frames
-        ]
-        return cls(miou=found.miou, same=found.same, labels=labels, frames=frames)
 
 
 @router.get("/sequences/{seq}/agreement", responses=responses(404))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Query
@@ -46,5 +47,6 @@ def list_edits(
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> list[EditInfoOut]:
     """The history, newest first."""
+    name = workspace.labels.accounts.name
     edits = workspace.labels.edits(seq, before=before, limit=limit)
-    return [EditInfoOut.of(edit, workspace.labels.accounts.name(edit.author)) for edit in edits]
+    return [EditInfoOut.of(replace(edit, author=name(edit.author))) for edit in edits]

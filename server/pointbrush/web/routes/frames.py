@@ -15,7 +15,7 @@ from fastapi import Depends, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel
 
 from pointbrush.errors import NotFoundError
 from pointbrush.selection import MAX_FRAMES
@@ -26,7 +26,7 @@ from pointbrush.web import npy
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut
+from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut, Out
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.annotate.overlays import Placement, placements_round
 from pointbrush.work.exporting import source_columns
@@ -167,7 +167,7 @@ def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
 
 
 def _row(chunk: Chunk) -> ChunkOut:
-    return ChunkOut(**{name: getattr(chunk, name) for name in ChunkOut.model_fields})
+    return ChunkOut.of(chunk)
 
 
 @router.get(
@@ -222,14 +222,12 @@ def get_thumbnail(
     )
 
 
-class CameraOut(BaseModel):
+class CameraOut(Out):
     """A picture of a frame; a point p in source coordinates is at ``K (T_camera_frame p)``.
 
     ``distortion`` are the coefficients of ``model`` (``plumb_bob``: k1, k2, p1, p2, k3; none: the
     picture is rectified).  ``K`` and ``T_camera_frame`` are null where they are not known.
     """
-
-    model_config = ConfigDict(from_attributes=True)
 
     name: str
     width: int
@@ -243,8 +241,7 @@ class CameraOut(BaseModel):
 @router.get("/sequences/{seq}/frames/{i}/cameras", responses=responses(404))
 def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[CameraOut]:
     """The cameras that took a picture at this frame; [] where there is none."""
-    found = workspace.recording(seq).projections(i)
-    return [CameraOut.model_validate(each) for each in found]
+    return [CameraOut.of(each) for each in workspace.recording(seq).projections(i)]
 
 
 @router.get(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Annotated
 
 from fastapi import Query, Response
@@ -10,7 +9,6 @@ from pydantic import BaseModel, Field
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import DATASETS, dataset_named
-from pointbrush.labels import Label
 from pointbrush.names import spelled_out
 from pointbrush.streaming.messages import Color, LabelId, Uuid
 from pointbrush.web.auth import Caller, resource
@@ -36,14 +34,10 @@ EditId = Annotated[
 ]
 
 
-def _out(label: Label) -> LabelOut:
-    return LabelOut(**{name: asdict(label)[name] for name in LabelOut.model_fields})
-
-
 @router.get("/sequences/{seq}/labels", responses=responses(404))
 def list_labels(seq: WholeSequence, workspace: Ws) -> list[LabelOut]:
     """All labels of a sequence."""
-    return [_out(label) for label in workspace.labels.palette(seq)]
+    return [LabelOut.of(label) for label in workspace.labels.palette(seq)]
 
 
 @router.post("/sequences/{seq}/labels", status_code=201, responses=responses(404, 409, 413))
@@ -58,13 +52,13 @@ def create_label(
     """Add a label."""
     label = workspace.labels.create_label(seq, who.author, edit_id=edit, **body.model_dump())
     response.headers["Location"] = f"/api/v1/sequences/{seq}/labels/{label.id}"
-    return _out(label)
+    return LabelOut.of(label)
 
 
 @router.get("/sequences/{seq}/labels/{id}", responses=responses(404))
 def get_label(seq: WholeSequence, id: LabelPath, workspace: Ws) -> LabelOut:
     """One label."""
-    return _out(workspace.labels.label(seq, id))
+    return LabelOut.of(workspace.labels.label(seq, id))
 
 
 @router.patch("/sequences/{seq}/labels/{id}", responses=responses(404, 409, 413))
@@ -79,8 +73,8 @@ def update_label(
     """Rename, recolour, recategorise, lock or hide a label."""
     fields = {name: value for name, value in body.model_dump().items() if value is not None}
     if not fields:
-        return _out(workspace.labels.label(seq, id))
-    return _out(workspace.labels.update_label(seq, who.author, id, edit_id=edit, **fields))
+        return LabelOut.of(workspace.labels.label(seq, id))
+    return LabelOut.of(workspace.labels.update_label(seq, who.author, id, edit_id=edit, **fields))
 
 
 @router.delete("/sequences/{seq}/labels/{id}", responses=responses(404, 409))

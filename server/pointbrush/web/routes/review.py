@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Annotated
 
 from fastapi import Query
-from pydantic import BaseModel, Field
+from pydantic import BeforeValidator, Field
 
 from pointbrush.labels import Review
 from pointbrush.roles import includes, require
@@ -15,8 +15,8 @@ from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import ASSIGN, DECIDE
-from pointbrush.web.schemas import VISIBLE, Body, PaintId
-from pointbrush.work.reviewing import Overview, Standing, State
+from pointbrush.web.schemas import VISIBLE, Body, Out, PaintId
+from pointbrush.work.reviewing import State
 from pointbrush.workspace import Workspace
 
 router = resource("review")
@@ -42,12 +42,19 @@ class ReviewBody(FrameReviewBody):
     last: FrameIndex | None = None
 
 
-class StandingOut(BaseModel):
+LabelOrNone = Annotated[
+    int | None,
+    BeforeValidator(lambda label: label or None),
+    Field(description="null: the frames themselves"),
+]
+
+
+class StandingOut(Out):
     """State of frames ``first`` to ``last``, or of a label as a whole."""
 
     first: int | None
     last: int | None
-    label: Annotated[int | None, Field(description="null: the frames themselves")]
+    label: LabelOrNone
     state: State
     note: str
     place: Vec3 | None
@@ -56,20 +63,8 @@ class StandingOut(BaseModel):
     at: datetime | None
     changed: Annotated[bool, Field(description="labels changed after the state was given")]
 
-    @classmethod
-    def of(cls, standing: Standing) -> StandingOut:
-        """From the workspace's."""
-        return cls(
-            first=standing.first, last=standing.last, label=standing.label or None,
-            state=standing.state, note=standing.note,
-            place=None if standing.place is None else list(standing.place),
-            assignee=standing.assignee, by=standing.by,
-            at=None if standing.at is None else datetime.fromtimestamp(standing.at, UTC),
-            changed=standing.changed,
-        )  # fmt: skip
 
-
-class OverviewOut(BaseModel):
+class OverviewOut(Out):
     """The review of a recording: frames in each state, and all about which something was said."""
 
     counts: dict[State, int]
@@ -77,41 +72,20 @@ class OverviewOut(BaseModel):
     labels: list[StandingOut]
     people: list[str]
 
-    @classmethod
-    def of(cls, overview: Overview) -> OverviewOut:
-        """From the workspace's."""
-        return cls(
-            counts=dict(overview.counts),
-            frames=[StandingOut.of(each) for each in overview.frames],
-            labels=[StandingOut.of(each) for each in overview.labels],
-            people=list(overview.people),
-        )
 
-
-class ReviewOut(BaseModel):
+class ReviewOut(Out):
     """A decision; null is what it did not set."""
 
     first: int | None
     last: int | None
-    label: int | None
+    label: LabelOrNone
     state: State | None
     note: str | None
     place: Vec3 | None
     assignee: str | None
-    by: str
-    at: datetime
+    by: Annotated[str, Field(validation_alias="author")]
+    at: Annotated[datetime, Field(validation_alias="time")]
     revision: int
-
-    @classmethod
-    def of(cls, review: Review) -> ReviewOut:
-        """From the store's log."""
-        return cls.model_validate({
-            **{name: getattr(review, name) for name in
-               ("first", "last", "state", "note", "assignee", "revision")},
-            "label": review.label or None, "by": review.author,
-            "place": None if review.place is None else list(review.place),
-            "at": datetime.fromtimestamp(review.time, UTC),
-        })  # fmt: skip
 
 
 @router.get("/sequences/{seq}/review", responses=responses(404))

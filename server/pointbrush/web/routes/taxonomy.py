@@ -11,7 +11,7 @@ from pointbrush.names import HIDDEN
 from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import VISIBLE, Body
+from pointbrush.web.schemas import VISIBLE, Body, Out
 
 router = resource("taxonomy")
 NAME = f"^[^{HIDDEN} ]{VISIBLE}*$"
@@ -39,7 +39,7 @@ class TaxonomyBody(Body):
     categories: Annotated[list[CategoryBody], Field(max_length=65535)]
 
 
-class CategoryOut(BaseModel):
+class CategoryOut(Out):
     """A class and its number in every export of this workspace."""
 
     number: int
@@ -56,17 +56,7 @@ class TaxonomyOut(BaseModel):
     @classmethod
     def of(cls, entries: list[Category]) -> TaxonomyOut:
         """From the workspace's."""
-        return cls(
-            categories=[
-                CategoryOut(
-                    number=each.number,
-                    name=each.name,
-                    color=each.color,
-                    datasets=dict(each.datasets),
-                )
-                for each in entries
-            ]
-        )
+        return cls(categories=[CategoryOut.of(each) for each in entries])
 
 
 @router.get("/taxonomy")

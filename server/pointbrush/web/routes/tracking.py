@@ -86,7 +86,4 @@ def clear_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller
 @router.get("/sequences/{seq}/tracks", responses=responses(404))
 def list_tracks(seq: WholeSequence, workspace: Ws) -> list[TrackOut]:
     """Pose, confidence and state of every tracked label in every frame."""
-    return [
-        TrackOut(**{name: track[name] for name in TrackOut.model_fields})
-        for track in workspace.labels.tracks(seq)
-    ]
+    return [TrackOut.of(track) for track in workspace.labels.tracks(seq)]
