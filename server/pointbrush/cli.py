@@ -12,15 +12,16 @@ from functools import partial
 from importlib import import_module
 from keyword import iskeyword
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin
 
 from pointbrush import __version__
 from pointbrush.errors import BadInputError, PointbrushError
-from pointbrush.formats.names import AXES, DELIMITERS, LABEL_FORMATS
+from pointbrush.formats.corrections import Corrections
 from pointbrush.options import UNBOUNDED, Option, hide_password, options_of
 from pointbrush.permissions import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import REMOTE, Settings, options
+from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 
 Command = Callable[[argparse.Namespace, Settings], None]
@@ -76,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
     )
     import__.add_argument("--name", help="the recording's name")
     import__.add_argument("--fps", type=_positive, help="frames per second")
-    _corrections(import__)
+    _choices(import__, Corrections)
     import__.add_argument(
         "--dry-run", action="store_true", help="say what would be imported, write nothing"
     )
@@ -91,20 +92,13 @@ def parser() -> argparse.ArgumentParser:
         help="a file or folder of labels; none: those of the recording's own files, which did not "
         "come in with it",
     )
-    labels_.add_argument("--format", help=f"of the labels: {', '.join(LABEL_FORMATS)}")
     labels_.add_argument(
         "--map",
         type=Path,
         metavar="FILE",
         help="names of classes: JSON, YAML, XML, or lines 'number name'",
     )
-    labels_.add_argument(
-        "--no-ground", action="store_true", help="leave the ground out of each box"
-    )
-    labels_.add_argument(
-        "--by-order", action="store_true", help="files are frames in their order, not by name"
-    )
-    labels_.add_argument("--field", help="the field of the points that is labels")
+    _choices(labels_, LabelOptions)
     labels_.add_argument("--dry-run", action="store_true", help="say what is found, write nothing")
 
     _command(commands, "serve", "serve the page, REST and the socket")
@@ -212,50 +206,16 @@ def parser() -> argparse.ArgumentParser:
 def _choices(command: argparse.ArgumentParser, kind: type) -> None:
     """Add a flag for each choice of a dataclass, see ``options.choice``."""
     for each in options_of(kind):
-        text = each.definition.help
+        how: dict[str, Any] = {"default": each.default, "help": each.definition.help}
         if each.kind is bool:
-            command.add_argument(each.flag, action="store_true", help=text)
-        else:
-            known = get_args(each.kind) or None
-            command.add_argument(each.flag, default=each.default, choices=known, help=text)
-
-
-def _corrections(command: argparse.ArgumentParser) -> None:
-    """Add what a person can say of files, see ``Corrections``."""
-    command.add_argument("--format", help="file format, where the name does not tell")
-    command.add_argument(
-        "--columns",
-        help="what the columns are, in order: x,y,z,intensity,red,green,blue,label,instance, '-' "
-        "for none; or pairs: scalar_Foo=label",
-    )
-    command.add_argument(
-        "--delimiter", help=f"between values of a text: a character, or {', '.join(DELIMITERS)}"
-    )
-    command.add_argument(
-        "--decimal-comma",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="whether 1,5 is one and a half in a text",
-    )
-    command.add_argument(
-        "--scale", type=_positive, help="metres for each unit of the files: 0.001 for millimetres"
-    )
-    # "--up -y" would be read as an option -y.
-    command.add_argument(
-        "--up", help=f"the axis that points up, as --up=-y: one of {', '.join(AXES)}"
-    )
-    command.add_argument("--topic", help="of a bag; topic#frame_id where sensors share a topic")
-    command.add_argument(
-        "--poses", default="auto", help="auto, none, or a file of poses (default: auto)"
-    )
-    command.add_argument(
-        "--by-order",
-        action="store_true",
-        help="take poses that begin with times, and colour images, for frames in their order",
-    )
-    command.add_argument(
-        "--drop-invalid", action="store_true", help="leave out points that are NaN or infinite"
-    )
+            how["action"] = "store_true"
+        elif each.kind == bool | None:
+            how["action"] = argparse.BooleanOptionalAction
+        elif each.kind is float:
+            how["type"] = _positive
+        elif get_origin(each.kind) is Literal:
+            how["choices"] = get_args(each.kind)
+        command.add_argument(each.flag, **how)
 
 
 def _function(command: str) -> str:

@@ -8,17 +8,18 @@ import sys
 import threading
 import time
 from contextlib import closing, suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 
 from pointbrush import printing
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
 from pointbrush.labels import check_database
-from pointbrush.options import has_password
+from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, own_url, restore_backup
+from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
 
@@ -57,18 +58,13 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
     from pointbrush.work.imports.previewing import preview
     from pointbrush.work.imports.requests import ImportRequest
 
-    chosen = parse_corrections({f.name: getattr(given, f.name) for f in fields(Corrections)})
+    how = parse_corrections(chosen(Corrections, given))
     if given.dry_run:
-        request = ImportRequest(tuple(given.paths), given.name, given.fps, chosen)
+        request = ImportRequest(tuple(given.paths), given.name, given.fps, how)
         printing.preview(asdict(preview(request, Limits(settings.max_frame_points))))
         return
     with closing(Workspace(settings)) as workspace:
-        job = workspace.imports.begin(
-            given.paths,
-            name=given.name,
-            fps=given.fps,
-            chosen=chosen,
-        )
+        job = workspace.imports.begin(given.paths, name=given.name, fps=given.fps, chosen=how)
         result = follow(workspace.jobs.get, job)
         printing.imported(result)
 
@@ -86,12 +82,9 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             given.sequence,
             given.path,
             AUTHOR,
-            format=given.format,
             names={} if given.map is None else read_map(given.map),
             dry_run=given.dry_run,
-            no_ground=given.no_ground,
-            by_order=given.by_order,
-            field=given.field,
+            **chosen(LabelOptions, given),
         )
         result = follow(workspace.jobs.get, job)
         frames = len(workspace.recording(given.sequence))

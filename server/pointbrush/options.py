@@ -87,6 +87,11 @@ def choice(default: Any, help_text: str, **more: Any) -> Any:
     return option(default, help_text, where=(), **more)
 
 
+def chosen(kind: type, source: object) -> dict[str, Any]:
+    """Return the choices of a dataclass among the attributes of ``source``, by name."""
+    return {each.name: getattr(source, each.name) for each in fields(kind)}
+
+
 def options_of(kind: type) -> tuple[Option, ...]:
     """Return the options that are the fields of the dataclass ``kind``, in their order."""
     hints = get_type_hints(kind)

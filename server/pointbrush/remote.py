@@ -6,7 +6,6 @@ import argparse
 import shutil
 import tempfile
 import zipfile
-from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,8 +15,10 @@ from pointbrush import printing
 from pointbrush.client import PATIENCE, Client, Job, Recording
 from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
+from pointbrush.options import chosen
 from pointbrush.printing import follow
 from pointbrush.settings import Settings
+from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 
 
@@ -44,8 +45,7 @@ def _followed(client: Client, job: Job) -> dict[str, Any]:
 
 def import_(given: argparse.Namespace, settings: Settings) -> None:
     """Upload files, import them as one recording, and print its id or what would be imported."""
-    options = {field.name: getattr(given, field.name) for field in fields(Corrections)}
-    options |= {"name": given.name, "fps": given.fps}
+    options = chosen(Corrections, given) | {"name": given.name, "fps": given.fps}
     with client_of(settings) as client:
         if given.dry_run:
             printing.preview(client.preview(given.paths, **options))
@@ -63,12 +63,9 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             return
         job = recording.start_label_import(
             [given.path],
-            format=given.format,
             map=None if given.map is None else _text(given.map),
-            field=given.field,
-            no_ground=given.no_ground,
-            by_order=given.by_order,
             dry_run=given.dry_run,
+            **chosen(LabelOptions, given),
         )
         result = _followed(client, job)
         printing.labels_imported(result, len(recording.frames), dry_run=given.dry_run)

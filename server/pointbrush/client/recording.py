@@ -226,44 +226,31 @@ class Recording(Part[L]):
 
     @steps
     def start_label_import(
-        self,
-        files: Files,
-        *,
-        format: str | None = None,
-        map: str | None = None,
-        field: str | None = None,
-        no_ground: bool = False,
-        by_order: bool = False,
-        dry_run: bool = False,
-        patience: float = PATIENCE,
+        self, /, files: Files, *, dry_run: bool = False, patience: float = PATIENCE, **options: Any
     ) -> Steps[Job]:
         """Start what ``import_labels`` waits for; returns the job."""
-        given = _label_options(format, map, field, no_ground=no_ground, by_order=by_order)
-        return (yield from self._label_import(files, given, dry_run, patience))
+        return (yield from self._label_import(files, options, dry_run, patience))
 
     @steps
     def import_labels(
         self,
+        /,
         files: Files,
         *,
-        format: str | None = None,
-        map: str | None = None,
-        field: str | None = None,
-        no_ground: bool = False,
-        by_order: bool = False,
         dry_run: bool = False,
         progress: bool = False,
         patience: float = PATIENCE,
+        **options: Any,
     ) -> Steps[dict[str, Any]]:
         """Import labels made elsewhere, and wait; returns the report.
 
-        ``files``: a text is a path of the server, anything else is uploaded.  ``map`` names
-        classes: JSON, YAML, XML of point_labeler, or lines ``number name``; ``field`` is that of
-        the points that is labels; ``no_ground`` leaves the ground out of boxes; ``by_order`` takes
-        files for frames in their order, not by their names.  ``patience``: as of ``track``.
+        ``files``: a text is a path of the server, anything else is uploaded.  ``options``: format;
+        ``map`` names classes: JSON, YAML, XML of point_labeler, or lines ``number name``;
+        ``field`` is that of the points that is labels; ``no_ground`` leaves the ground out of
+        boxes; ``by_order`` takes files for frames in their order, not by their names.
+        ``patience``: as of ``track``.
         """
-        given = _label_options(format, map, field, no_ground=no_ground, by_order=by_order)
-        job = yield from self._label_import(files, given, dry_run, patience)
+        job = yield from self._label_import(files, options, dry_run, patience)
         return (yield from finished(job, progress=progress, patience=patience))
 
     @steps
@@ -318,16 +305,3 @@ class Recording(Part[L]):
         identity = self.manifest.identity
         query = {} if identity is None else {"identity": identity}
         yield from self._call("DELETE", "", again=identity is not None, params=query)
-
-
-def _label_options(
-    format: str | None, map: str | None, field: str | None, *, no_ground: bool, by_order: bool
-) -> dict[str, Any]:
-    """Build the body of an import of labels; what was not asked for is None, and left out."""
-    return {
-        "format": format,
-        "map": map,
-        "field": field,
-        "no_ground": no_ground or None,
-        "by_order": by_order or None,
-    }

@@ -1,4 +1,7 @@
-"""Corrections by a person of what a recording's files say, or seem to say."""
+"""Corrections by a person of what a recording's files say, or seem to say.
+
+Command line, REST and the jobs of imports follow from them.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.names import AXES, DELIMITERS
-from pointbrush.frame import PointFrame
+from pointbrush.options import choice
+
+if TYPE_CHECKING:
+    from pointbrush.frame import PointFrame
 
 MEANINGS = ("x", "y", "z", "red", "green", "blue", "rgb", "intensity", "label", "instance")
 """Roles of a column; any other name keeps it as a field of its own."""
@@ -28,26 +32,27 @@ class Corrections:
     Raises BadInputError for a value that is none of its field's.
     """
 
-    format: str | None = None
-    """A name of the registry; None: what endings and contents tell."""
-    columns: tuple[str, ...] = ()
-    """Meanings of all columns in order ("x", "y", "-", "label"), or pairs "column=meaning"."""
-    delimiter: str | None = None
-    """Separator of a text's values: one character, or a name of DELIMITERS."""
-    decimal_comma: bool | None = None
-    """Whether 1,5 is one and a half in a text."""
-    scale: float = 1.0
-    """Metres for each unit of the files' coordinates and of the poses with them."""
-    up: str | None = None
-    """The axis of the files' coordinates that points up, one of AXES."""
-    topic: str | None = None
-    """Of a bag: the topic, or "topic#frame_id" where several sensors speak on it."""
-    poses: str = "auto"
-    """"auto", "none", or the path of a file of poses, a line a frame."""
-    by_order: bool = False
-    """Take poses that begin with times, and colour images, for frames in their order."""
-    drop_invalid: bool = False
-    """Leave NaN and infinite points out, and count them."""
+    format: str | None = choice(None, "file format, where the name does not tell")
+    columns: tuple[str, ...] = choice(
+        (),
+        "what the columns are, in order: x,y,z,intensity,red,green,blue,label,instance, '-' for "
+        "none; or pairs: scalar_Foo=label",
+    )
+    delimiter: str | None = choice(
+        None, f"between values of a text: a character, or {', '.join(DELIMITERS)}"
+    )
+    decimal_comma: bool | None = choice(None, "whether 1,5 is one and a half in a text")
+    scale: float = choice(
+        1.0, "metres for each unit of the files and of the poses with them: 0.001 for millimetres"
+    )
+    up: str | None = choice(None, f"the axis that points up, as --up=-y: one of {', '.join(AXES)}")
+    """"--up -y" would be read as an option -y."""
+    topic: str | None = choice(None, "of a bag; topic#frame_id where sensors share a topic")
+    poses: str = choice("auto", "auto, none, or a file of poses, a line a frame (default: auto)")
+    by_order: bool = choice(
+        False, "take poses that begin with times, and colour images, for frames in their order"
+    )
+    drop_invalid: bool = choice(False, "leave out points that are NaN or infinite")
 
     def __post_init__(self) -> None:
         if len(self.columns) > MOST_COLUMNS or not all(
@@ -97,7 +102,7 @@ class Corrections:
         viewpoint = frame.viewpoint
         return replace(
             frame,
-            xyz=frame.xyz.astype(np.float64) * self.scale,
+            xyz=frame.xyz.astype("float64") * self.scale,
             pose=pose,
             viewpoint=None if viewpoint is None else viewpoint * self.scale,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -15,6 +15,7 @@ from pointbrush.formats.corrections import (
     parse_corrections,
 )
 from pointbrush.formats.names import DELIMITERS
+from pointbrush.options import chosen
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
 from pointbrush.web.context import one_of
@@ -57,7 +58,7 @@ class ImportOptions(Body):
     @property
     def chosen(self) -> Corrections:
         """The corrections among them; raises BadInputError."""
-        return parse_corrections({f.name: getattr(self, f.name) for f in fields(Corrections)})
+        return parse_corrections(chosen(Corrections, self))
 
 
 class ImportBody(ImportOptions):

@@ -15,7 +15,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
-from starlette.datastructures import UploadFile
+from starlette.datastructures import FormData, UploadFile
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.streaming.encoding import describe
@@ -54,6 +54,33 @@ def parse_json(model: type[Model], body: bytes) -> Model:
         found = error.errors()
         kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
         raise kind(describe(found)) from None
+
+
+def parse_form(model: type[Model], form: FormData) -> Model:
+    """Validate options as a form has them, which is all text; raises BadInputError."""
+    texts = {name: form.get(name) for name in model.model_fields}
+    values = {
+        name: _of_text(name, text, str(model.model_fields[name].annotation))
+        for name, text in texts.items()
+        if isinstance(text, str) and text
+    }
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        raise BadInputError(describe(error.errors())) from None
+
+
+def _of_text(name: str, text: str, kind: str) -> Any:
+    if "bool" in kind:
+        if text not in ("true", "false"):
+            raise BadInputError(f"{name}: expected true or false, got {text[:40]!r}")
+        return text == "true"
+    if "float" not in kind:
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInputError(f"{name}: expected a number, got {text[:40]!r}") from None
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import shutil
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
@@ -12,18 +13,18 @@ from pydantic import Field
 from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
-from pointbrush.errors import BadInputError
 from pointbrush.formats.class_maps import parse_map
-from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.jobs import Job
+from pointbrush.options import chosen
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, one_of
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body
 from pointbrush.web.schemas_work import JobId, JobOut
-from pointbrush.web.upload_files import described, parse_json, save
+from pointbrush.web.upload_files import described, parse_form, parse_json, save
+from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
@@ -33,16 +34,21 @@ MAX_FIELD = 1 << 20
 DryRun = Annotated[bool, Query(description="say what is found, and write nothing")]
 
 
-class LabelImportBody(Body):
-    """Label files that the server can already read; ``map`` as ``--map`` of the command."""
+class LabelImportOptions(Body):
+    """Choices on how label files are read; ``map`` as ``--map`` of the command."""
 
-    path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
     format: Annotated[str, Field(pattern=one_of(list(LABEL_FORMATS)))] | None = None
     map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
     no_ground: bool = False
     by_order: bool = False
     field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     id: JobId | None = None
+
+
+class LabelImportBody(LabelImportOptions):
+    """Label files that the server can already read."""
+
+    path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
 
 
 IMPORT_BODY = described(
@@ -83,26 +89,17 @@ async def import_labels(
         gate: Gate = request.app.state.gate
         roots = workspace.import_roots(own=gate.is_own(request, who))
         (place,) = await run_in_threadpool(allowed, body.path, roots)
-        job = await run_in_threadpool(
-            workspace.imports.begin_labels,
-            seq,
-            place,
-            who.author,
-            format=body.format,
-            names=_names(body.map),
-            dry_run=dry_run,
-            no_ground=body.no_ground,
-            by_order=body.by_order,
-            field=body.field,
-            roots=roots,
-            job_id=body.id,
-        )
+        more = _more(body) | {"dry_run": dry_run, "roots": roots}
+        begin = partial(workspace.imports.begin_labels, seq, place, who.author, **more)
+        job = await run_in_threadpool(begin)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
 
 
-def _names(text: str | None) -> dict[int, ClassName]:
-    return {} if text is None else parse_map("map", text)
+def _more(options: LabelImportOptions) -> dict[str, Any]:
+    """Arguments of ``Imports.begin_labels`` that are the caller's choice; raises BadInputError."""
+    names = {} if options.map is None else parse_map("map", options.map)
+    return chosen(LabelOptions, options) | {"names": names, "job_id": options.id}
 
 
 async def _uploaded(
@@ -114,25 +111,11 @@ async def _uploaded(
         async with request.form(
             max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
         ) as form:
-            label_format, names = _fields(form)
-            no_ground = form.get("no_ground") == "true"
-            by_order = form.get("by_order") == "true"
-            field, job_id = form.get("field"), form.get("id")
+            more = _more(parse_form(LabelImportOptions, form))
             await run_in_threadpool(_save, form, folder)
-        return await run_in_threadpool(
-            workspace.imports.begin_labels,
-            seq,
-            folder,
-            author,
-            format=label_format,
-            names=names,
-            dry_run=dry_run,
-            no_ground=no_ground,
-            by_order=by_order,
-            field=field[:200] if isinstance(field, str) and field else None,
-            upload=folder,
-            job_id=job_id if isinstance(job_id, str) and job_id else None,
-        )
+        more |= {"dry_run": dry_run, "upload": folder}
+        begin = partial(workspace.imports.begin_labels, seq, folder, author, **more)
+        return await run_in_threadpool(begin)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
@@ -140,12 +123,3 @@ async def _uploaded(
 
 def _save(form: FormData, folder: Path) -> None:
     save([file for file in form.getlist("files") if isinstance(file, UploadFile)], folder)
-
-
-def _fields(form: FormData) -> tuple[str | None, dict[int, ClassName]]:
-    given, names = form.get("format"), form.get("map")
-    label_format = given if isinstance(given, str) and given else None
-    if label_format is not None and label_format not in LABEL_FORMATS:
-        expected = ", ".join(LABEL_FORMATS)
-        raise BadInputError(f"format: expected one of {expected}, got {label_format[:40]!r}")
-    return label_format, _names(names if isinstance(names, str) and names else None)

@@ -12,14 +12,12 @@ from fastapi import Path as PathParameter
 from fastapi import Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
-from pydantic import ValidationError
-from starlette.datastructures import FormData, UploadFile
+from starlette.datastructures import UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
-from pointbrush.streaming.encoding import describe
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import problem_of, responses
@@ -29,6 +27,7 @@ from pointbrush.web.upload_files import (
     KeptUploads,
     Upload,
     described,
+    parse_form,
     parse_json,
     relative_path,
     save,
@@ -40,7 +39,7 @@ router = resource("imports")
 MAX_FILES = 20_000
 MAX_FIELD = 64 * 1024
 MAX_FIELDS = 32
-NUMBERS, WORDS = ("fps", "scale"), ("drop_invalid", "decimal_comma", "by_order")
+WORDS = ("drop_invalid", "decimal_comma", "by_order")
 TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
 """Options of a form that have no pattern of their own, with an example."""
 UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]
@@ -202,7 +201,7 @@ async def _uploaded(request: Request, owner: str) -> Wanted:
         async with request.form(
             max_files=MAX_FILES, max_fields=MAX_FIELDS, max_part_size=MAX_FIELD
         ) as form:
-            options = _options(form)
+            options = parse_form(ImportOptions, form)
             files = [file for file in form.getlist("files") if isinstance(file, UploadFile)]
             saved = await run_in_threadpool(save, files, folder)
         upload = Upload("", owner, folder, tuple(saved.paths), saved.name)
@@ -210,26 +209,3 @@ async def _uploaded(request: Request, owner: str) -> Wanted:
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
-
-
-def _options(form: FormData) -> ImportOptions:
-    """Options as a form has them, which is all text; raises BadInputError."""
-    values: dict[str, Any] = {}
-    for name in ImportOptions.model_fields:
-        text = form.get(name)
-        if not isinstance(text, str) or not text:
-            continue
-        values[name] = text
-        if name in NUMBERS:
-            try:
-                values[name] = float(text)
-            except ValueError:
-                raise BadInputError(f"{name}: expected a number, got {text[:40]!r}") from None
-        elif name in WORDS:
-            if text not in ("true", "false"):
-                raise BadInputError(f"{name}: expected true or false, got {text[:40]!r}")
-            values[name] = text == "true"
-    try:
-        return ImportOptions.model_validate(values)
-    except ValidationError as error:
-        raise BadInputError(describe(error.errors())) from None

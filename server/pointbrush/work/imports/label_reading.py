@@ -32,26 +32,20 @@ from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of
+from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.imports.requests import LABELS, UPLOAD
 from pointbrush.worker import Channel
 
 
-@dataclass(frozen=True)
-class LabelRequest:
+@dataclass(frozen=True, kw_only=True)
+class LabelRequest(LabelOptions):
     """Request of an import of labels: the file, folder or archive that has them, and choices."""
 
     place: Path
-    format: str | None = None
     names: Mapping[int, ClassName] = of_field(default_factory=dict)
     """Classes by number."""
     dry_run: bool = False
     """Write nothing."""
-    no_ground: bool = False
-    """Leave the ground out of boxes."""
-    by_order: bool = False
-    """Take files for frames in their order, whatever their names are."""
-    field: str | None = None
-    """Name of the field of points that is labels, where the files do not say so."""
     roots: tuple[Path, ...] = ()
     upload: Path | None = None
     """Folder of files that were uploaded for it, which goes when the import has ended."""

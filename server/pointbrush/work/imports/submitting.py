@@ -136,7 +136,7 @@ class Imports:
         """
         from pointbrush.work.imports.label_reading import LabelRequest
 
-        wanted = LabelRequest(place.absolute(), **request)
+        wanted = LabelRequest(place=place.absolute(), **request)
         recording = self._library.recording(sequence)
         begin = partial(self._of_labels.start, recording, wanted, author)
         job = self._jobs.begin_once(job_id, author, begin)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from pointbrush.errors import BadInputError
-from pointbrush.options import choice
+from pointbrush.options import choice, chosen
 
 Overwrite = Literal["never", "tracked", "all"]
 
@@ -36,4 +36,4 @@ class RunOptions:
     @classmethod
     def of(cls, source: object) -> dict[str, Any]:
         """Return the choices among the attributes of ``source``, to be passed on by name."""
-        return {each.name: getattr(source, each.name) for each in fields(cls)}
+        return chosen(cls, source)
