@@ -32,7 +32,7 @@ def test_what_moves_is_looked_for_elsewhere_in_every_frame(
     for _ in range(4):
         pose = track.motion.poses[-1].copy()
         pose[0, 3] += 0.1 if moves else 0.0
-        track.motion.add(pose)
+        track.motion = track.motion.add(pose)
     asked = []
     monkeypatch.setattr(fit, "proposals", lambda *_: asked.append(1) or [])
     fit.register(search_among(track, view, points))

@@ -11,8 +11,9 @@ from runs import follow
 
 from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.scene.pixels import LastSeen
-from pointbrush.tracking.sensors.camera import find_lens
+from pointbrush.tracking.scene.images import DepthNoise
+from pointbrush.tracking.scene.pixels import LastSeen, again
+from pointbrush.tracking.sensors.camera import Projection, find_lens
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.predict import search_among
 from pointbrush.tracking.steps.relocate import register_and_claim
@@ -112,7 +113,9 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
         seen(2, 1, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS.background
     )
     assert missed.tolist() == [True, False, True, False]
-    assert held.again(np.arange(4), seen(2, 2.5, 2, 4), limit).tolist() == [7, 0, 7, 0]
+    points = Projection(np.arange(4, dtype=np.int32), seen(2, 2.5, 2, 4))
+    shown = again(points, np.arange(4), held, DepthNoise(0.01, 0.0), 2.0)
+    assert shown.tolist() == [7, 0, 7, 0]
     held.learn(seen(3, 2, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS.background)
     assert held.label.tolist() == [0, 7, 7, 0]
     held.learn(seen(3, 1, 1, 3.5), owned(0, 0, 0, 7), limit, unknown, options=OPTIONS.background)
@@ -124,7 +127,7 @@ def test_nobody_jumps_from_behind_another_to_somebody_in_like_clothes(hidden: bo
     start = recording(1, {2: (0.06, 3.4, 0.0)})[0]
     view = View(0, start, find_lens(start, options=OPTIONS), options=OPTIONS)
     track = begin(view, 2, np.flatnonzero(start.truth == 2), 0.0, NO_RIVALS)
-    track.motion.poses = [np.eye(4)] * 3
+    track.motion = replace(track.motion, poses=(np.eye(4),) * 3)
     before = {1: (0.03, 1.3, 0.0)} if hidden else {}
     now = recording(1, before | {3: (0.9, 3.3, 0.0)})[0]
     view = View(1, now, find_lens(now, options=OPTIONS), options=OPTIONS)

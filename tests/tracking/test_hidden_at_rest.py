@@ -67,11 +67,11 @@ def test_what_moves_in_sight_rests_no_longer_though_it_shows_fewer_points() -> N
     )
     few, clear = int(0.3 * track.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)
     for _ in range(4):
-        track.motion.add(np.eye(4))
+        track.motion = track.motion.add(np.eye(4))
     assert not well_seen(track, clear, few)
     for step in range(1, 4):
         pose = np.eye(4)
         pose[0, 3] = 0.1 * step
-        track.motion.add(pose)
+        track.motion = track.motion.add(pose)
     assert well_seen(track, clear, few)
     assert not well_seen(track, replace(clear, visible=0.2), few)

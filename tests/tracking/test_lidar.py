@@ -217,7 +217,7 @@ def parked(view: View, frames: int) -> Track:
     """The car of ``beside_the_road``, which has stood there for some ``frames``."""
     track = begin(view, 1, np.arange(SIDE), 0.0, OtherMovers(np.empty((0, 3)), np.empty((0, 3))))
     for _ in range(frames):
-        track.motion.add(np.eye(4))
+        track.motion = track.motion.add(np.eye(4))
     return track
 
 
@@ -230,7 +230,7 @@ def test_a_parked_car_that_is_hidden_is_not_a_like_one(beside: float, gap: int) 
     )
     track = parked(view, 3)
     assert track.stands
-    track.motion.gap = gap
+    track.motion = replace(track.motion, gap=gap)
     later = beside_the_road(beside)
     search = crop(track, later, nobody, np.ones(len(later.xyz), np.bool_))
     assert search is not None
@@ -240,7 +240,9 @@ def test_a_parked_car_that_is_hidden_is_not_a_like_one(beside: float, gap: int) 
 
 def test_what_was_hidden_and_stood_before_a_lidar_need_not_wait_for_the_others() -> None:
     track = parked(beside_the_road(0.0), 3)
-    track.frames_unseen, track.motion.gap = 5, 6
+    track.frames_unseen, track.motion = 5, replace(track.motion, gap=6)
     assert not track.absent
-    track.motion.poses[-1] = track.motion.poses[-1] + np.eye(4, k=3)  # 1 metre on
+    *before, last = track.motion.poses
+    away = last + np.eye(4, k=3)  # 1 metre on
+    track.motion = replace(track.motion, poses=(*before, away))
     assert track.absent

@@ -56,7 +56,7 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     track = begin(view, 1, own, 0.004, OtherMovers.none())
     track.painted = replace(track.painted, with_flying=painted)
     for _ in range(OPTIONS.search.remembered_poses):
-        track.motion.add(np.eye(4))
+        track.motion = track.motion.add(np.eye(4))
     limits = (np.array([-0.4, 0.8, 1.2]), np.array([0.5, 1.6, 2.0]))
     around = view.box(*limits)
     place = Registration(np.eye(4), track.model.xyz, limits, around, around, around, 0.05)

@@ -130,7 +130,7 @@ def beside_whole(
     for frame in range(OPTIONS.search.remembered_poses):
         pose = np.eye(4)
         pose[0, 3] = moves * frame
-        track.motion.add(pose)
+        track.motion = track.motion.add(pose)
     lo, hi = view.xyz[core].min(axis=0) - 0.25, view.xyz[core].max(axis=0) + 0.25
     box = (lo.astype(np.float64), hi.astype(np.float64))
     around = view.box(*box)

@@ -190,7 +190,7 @@ def rested(share: float) -> tuple[Track, View, I64]:
         View(0, first, lens, options=OPTIONS), 1, np.flatnonzero(first.truth == 1), 0.004, none
     )
     for _ in range(4):
-        track.motion.add(np.eye(4))
+        track.motion = track.motion.add(np.eye(4))
     return track, View(1, frame, lens, options=OPTIONS), np.flatnonzero(frame.truth == 1)
 
 

@@ -110,7 +110,8 @@ class Flight:
         self.track = begin(self.first, 1, self.painted, 0.004, none)
         pose, before, ago = np.eye(4), np.eye(4), np.eye(4)
         pose[0, 3], before[0, 3], ago[0, 3] = 0.3, -0.3, -0.6
-        self.track.motion.poses = [ago, before, np.eye(4)]
+        poses = (ago, before, np.eye(4))
+        self.track.motion = replace(self.track.motion, poses=poses)
         model = self.track.model.xyz
         box = (model.min(axis=0) + [0.3, 0, 0] - 0.15, model.max(axis=0) + 0.45)
         around = self.view.box(*box)

@@ -57,7 +57,7 @@ def fly(colour: tuple[int, int, int], meant: float, swapped: bool) -> list[tuple
             places[label] = Registration(pose, track.model.xyz, box, none, none, none, 0.05)
         most = twins.meet(tracks, places)
         for label, track in tracks.items():
-            track.motion.add(places[label].pose)
+            track.motion = track.motion.add(places[label].pose)
         result.append((most.get(1, 1.0), most.get(2, 1.0)))
     return result
 

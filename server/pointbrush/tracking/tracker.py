@@ -285,9 +285,11 @@ class Run:
         """Labels that are not asked for, and whose stored points are far from what is: they have
         these, and are not followed.  Those that come near are begun anew from them, in ``fixed``.
         """
-        regions = [self._region(self.tracks[n]) for n in self.labels if n in self.tracks]
         aside: dict[int, I64] = {}
-        for label, points in self.companions.stored(rules, view.xyz).items():
+        stored = self.companions.stored(rules, view.xyz)
+        asked = [self.tracks[n] for n in self.labels if n in self.tracks] if stored else []
+        regions = [self._region(track) for track in asked]
+        for label, points in stored.items():
             if label in fixed or label in self.people:
                 continue
             step = max(1, len(points) // self._near.sampled_points)
@@ -307,7 +309,7 @@ class Run:
         """Points (M, 3) of where a label is expected, and metres around them that it may take."""
         near = self._near
         xyz = track.model.xyz[:: max(1, len(track.model.xyz) // near.sampled_points)]
-        expected = transform_each(track.motion.predictions(), xyz).reshape(-1, 3)
+        expected = transform_each(track.motion.predictions, xyz).reshape(-1, 3)
         margin = near.near_radii * track.span + near.near_units * track.unit
         return expected, margin + near.near_steps * track.motion.speed * track.motion.gap
 

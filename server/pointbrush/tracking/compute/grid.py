@@ -136,8 +136,14 @@ def close_to(wanted: NDArray[np.floating], points: NDArray[np.floating], most: f
     """
     if not len(points) or not len(wanted):
         return np.zeros(len(wanted), np.bool_)
-    grid = columns(_places(points), _tints(points), float(points.shape[1] > 3))
-    return any_near_each(grid, _places(wanted), _tints(wanted), most)
+    places, tints, weight = _places(points), _tints(points), float(points.shape[1] > 3)
+    return _near(places, tints, weight, _places(wanted), _tints(wanted), most)
+
+
+@compiled
+def _near(xyz: F64, tint: F32, weight: float, wanted: F64, colour: F32, most: float) -> Mask:
+    """See ``any_near_each``, of points (N, 3) that are sorted for this."""
+    return any_near_each(columns(xyz, tint, weight), wanted, colour, most)
 
 
 def _places(points: NDArray[np.floating]) -> F64:

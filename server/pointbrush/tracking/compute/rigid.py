@@ -285,35 +285,31 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
     return T
 
 
-def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> float:
-    """Cost, 0 to ``excess_cost``, of target points just beside the ``moved`` source.
+def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> F64:
+    """Compute the cost (K,), 0 to ``excess_cost``, of target points just beside the source, which
+    is ``moved`` (K, M, 3).
 
     An object placed inside a larger surface fits it well, but the surface goes on around it.
     """
-    return options.excess_cost * min(
-        1.0,
-        _beside(
-            columns(moved, NONE, 0.0),
-            target.xyz,
-            unit,
-            options.beside_units,
-            options.on_units,
-        ),
-    )
+    beside = _beside(moved, target.xyz, options.beside_units * unit, options.on_units * unit)
+    return np.asarray(options.excess_cost * np.minimum(1.0, beside))
 
 
 @compiled
-def _beside(surface: Columns, xyz: F64, unit: float, beside_units: float, on_units: float) -> float:
-    """Points (N, 3) just beside the surface, for each that is on it."""
-    on, beside, none = 0, 0, (0.0, 0.0, 0.0)
-    lo, hi = bounds(surface.xyz)
-    for i in range(len(xyz)):
-        x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
-        away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
-        if away >= beside_units * unit:
-            continue
-        if any_near(surface, (x, y, z), none, on_units * unit):
-            on += 1
-        elif any_near(surface, (x, y, z), none, beside_units * unit):
-            beside += 1
-    return beside / max(on, 1)
+def _beside(moved: F64, xyz: F64, near: float, on: float) -> F64:
+    """Points (N, 3) less than ``near`` metres beside each surface (K, M, 3), for each ``on`` it."""
+    share, none = np.empty(len(moved)), (0.0, 0.0, 0.0)
+    for k in range(len(moved)):
+        surface, inside, beside = columns(moved[k], NONE, 0.0), 0, 0
+        lo, hi = bounds(surface.xyz)
+        for i in range(len(xyz)):
+            x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+            away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
+            if away >= near:
+                continue
+            if any_near(surface, (x, y, z), none, on):
+                inside += 1
+            elif any_near(surface, (x, y, z), none, near):
+                beside += 1
+        share[k] = beside / max(inside, 1)
+    return share

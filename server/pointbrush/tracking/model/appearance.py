@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import uniform_filter
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.options import AppearanceOptions
@@ -16,7 +17,7 @@ BIN = 0.028
 """Width of a bin, in the units of ``View.colour``."""
 LIKE = 3
 """Bins, each way, over which colours are alike."""
-LOW, SHAPE = np.array([-1.72, -2.04, 0.0]), (124, 146, 11)
+LOW, SHAPE = (-1.72, -2.04, 0.0), (124, 146, 11)
 """Least of each channel of ``View.colour``, and bins along each, the last of them brightness."""
 
 
@@ -105,13 +106,27 @@ class ColourHistogram:
         )
 
 
+@compiled
 def _at(colour: F32) -> I64:
-    return np.asarray(np.clip(((colour - LOW) / BIN).astype(np.int64), 0, np.array(SHAPE) - 1))
+    """(M, 3) bin of each of the colours along each channel."""
+    at = np.empty(colour.shape, np.int64)
+    for i in range(len(colour)):
+        for a in range(3):
+            number = int((colour[i, a] - LOW[a]) / BIN)
+            at[i, a] = min(max(number, 0), SHAPE[a] - 1)
+    return at
 
 
+@compiled
 def _bins(colour: F32) -> I64:
+    """(M,) number of the bin of each of the colours (M, 3)."""
     return _flat(_at(colour))
 
 
+@compiled
 def _flat(at: I64) -> I64:
-    return np.asarray((at[:, 0] * SHAPE[1] + at[:, 1]) * SHAPE[2] + at[:, 2], np.int64)
+    """(M,) number of each of the bins (M, 3)."""
+    number = np.empty(len(at), np.int64)
+    for i in range(len(at)):
+        number[i] = (at[i, 0] * SHAPE[1] + at[i, 1]) * SHAPE[2] + at[i, 2]
+    return number

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,20 +12,20 @@ from pointbrush.tracking.interface import F64
 from pointbrush.tracking.options import SearchOptions
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """Poses ``T_frame_start`` of the last frames; ``centre`` (3,) of the object in the start."""
 
     options: SearchOptions
     centre: F64
-    poses: list[F64] = field(default_factory=lambda: [np.eye(4)])
+    poses: tuple[F64, ...] = field(default_factory=lambda: (np.eye(4),))
     gap: int = 1
     """Frames since the last pose."""
     rested: F64 | None = None
     """The pose at which it rested when it was last well seen, unless it was seen elsewhere since:
     what hides it may seem to push it, or to have taken it along."""
 
-    def add(self, pose: F64, sure: bool = True) -> None:
+    def add(self, pose: F64, sure: bool = True) -> Motion:
         """The object was found; a gap is filled by even motion.
 
         An unsure pose moves the object, and leaves its motion as it was.
@@ -34,21 +35,24 @@ class Motion:
             velocity = self._at(-1) - self._at(-2)
             now = transform(pose, self.centre[None])[0]
             before = _orthogonal(spin.T @ pose[:3, :3])
-            self.poses = [self._pose(before, now - velocity), pose]
-            self.gap = 1
-            return
+            return replace(self, poses=(self._pose(before, now - velocity), pose), gap=1)
+        poses = self.poses
         if self.gap > 1:
-            self.poses = [_between(self.poses[-1], pose, self.centre, 1 - 1 / self.gap)]
-        self.poses = [*self.poses[-(self.options.remembered_poses - 1) :], pose]
-        self.gap = 1
+            poses = (_between(poses[-1], pose, self.centre, 1 - 1 / self.gap),)
+        kept = poses[-(self.options.remembered_poses - 1) :]
+        return replace(self, poses=(*kept, pose), gap=1)
 
-    def begin(self, pose: F64) -> None:
+    def begin(self, pose: F64) -> Motion:
         """The object was found where no motion led: what it was doing is unknown."""
-        self.poses, self.gap, self.rested = [pose], 1, None
+        return replace(self, poses=(pose,), gap=1, rested=None)
 
-    def seen(self, unit: float) -> None:
+    def seen(self, unit: float) -> Motion:
         """It was well seen at its last pose."""
-        self.rested = self.poses[-1] if self.rests(unit) else None
+        return replace(self, rested=self.poses[-1] if self.rests(unit) else None)
+
+    def unseen(self) -> Motion:
+        """It was not found in a frame."""
+        return replace(self, gap=self.gap + 1)
 
     @property
     def resting_pose(self) -> F64:
@@ -60,7 +64,7 @@ class Motion:
         """Whether its motion is not known yet."""
         return len(self.poses) < 3
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """Metres a frame, of the centre."""
         if len(self.poses) < 2:
@@ -79,15 +83,19 @@ class Motion:
 
     def rests(self, unit: float) -> bool:
         """Whether it has stayed where it is for all the frames that are remembered."""
-        if len(self.poses) < self.options.remembered_poses:
-            return False
+        return len(self.poses) >= self.options.remembered_poses and self._farthest < 2 * unit
+
+    @cached_property
+    def _farthest(self) -> float:
+        """Metres from where the centre is to the farthest place where it was."""
         path = np.vstack([transform(T, self.centre[None]) for T in self.poses])
-        return bool(np.linalg.norm(path - path[-1], axis=1).max() < 2 * unit)
+        return float(np.linalg.norm(path - path[-1], axis=1).max())
 
     def _at(self, which: int) -> F64:
         pose = self.poses[which]
         return np.asarray(pose[:3, :3] @ self.centre + pose[:3, 3])
 
+    @cached_property
     def predictions(self) -> F64:
         """(K, 4, 4) to try, the likeliest first: motion repeated, changing evenly, and at rest."""
         last, here = self.poses[-1], self._at(-1)
@@ -119,7 +127,7 @@ class Motion:
         """Turned about the point of the object that has moved the most evenly.
 
         In the air that is its centre of mass, in a hand it is near the grip.  Least squares over
-        the second differences of the last poses, leaning on the centre by PRIOR.
+        the second differences of the last poses, leaning on the centre.
         """
         poses = np.stack(self.poses)
         bend = poses[:-2] - 2 * poses[1:-1] + poses[2:]

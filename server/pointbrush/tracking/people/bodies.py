@@ -63,7 +63,7 @@ def _alike_bodies(
     """Yield the bodies within reach of a track, alike in colour: log likelihood, number, points."""
     options = view.options
     # Who left the picture may have turned there.
-    either = (track.motion.predictions()[0], track.motion.poses[-1])
+    either = (track.motion.predictions[0], track.motion.poses[-1])
     expected = np.vstack([transform(T, track.model.xyz) for T in either])
     away, _ = cKDTree(expected).query(foreground.middle)
     reach = track.span * (
@@ -261,7 +261,7 @@ def _by_clothes(
             options.clothes_radii
             + options.clothes_radii_per_frame * min(track.frames_unseen, options.clothes_max_frames)
         )
-        expected = transform(track.motion.predictions()[0], track.model.xyz)
+        expected = transform(track.motion.predictions[0], track.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)
         close[cells] = close_to(foreground.middle[cells], expected, reach)

@@ -4,44 +4,68 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.graph import agreed, parts
+from pointbrush.tracking.compute.grid import close_to
+from pointbrush.tracking.compute.rigid import carried
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options import StrideOptions
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person
-from pointbrush.tracking.sensors.camera import I32
+from pointbrush.tracking.sensors.camera import I32, Pixels, pixel
 
 GRID = (np.arange(13) - 6) / 2
 """Deviations that are tried each way."""
 
 
+class Picture(NamedTuple):
+    """Depth image of a frame for compiled loops: ``depth`` (cells + 1,), ``loose`` (cells + 1,)
+    pixels that some person may have, and ``point`` (cells + 1,) of the ``tints`` (M, 3), none where
+    there are no colours, that each of these shows."""
+
+    lens: Pixels
+    T_lens_world: F64
+    depth: F32
+    loose: Mask
+    point: I32
+    tints: F32
+
+
+class PixelCosts(NamedTuple):
+    """Costs of a pixel, and lengths and colours within which they hold: see ``StrideOptions``."""
+
+    same_depth_m: np.float32
+    hidden: float
+    unknown: float
+    depth_weight: float
+    colour_weight: np.float32
+    other_colour: np.float32
+
+
 def strides(observation: PersonObservation, people: Sequence[Person]) -> F64:
     """(K, 3) metres that each person has gone."""
-    at = observation.view.cells.cell
-    moving = observation.view.marked(observation.cells.indices)
-    taken = np.zeros_like(moving)
-    tints = np.zeros((len(observation.view.depth), 3), np.float32)
-    if observation.tints is not None:
-        tints[at[observation.cells.indices]] = observation.tints
-    away = [float(np.median(observation.view.project(f.xyz).depth)) for f in people]
+    view, cells = observation.view, observation.cells
+    point = np.full(len(view.depth), -1, np.int32)
+    point[view.cells.cell[cells.indices]] = np.arange(len(cells.indices), dtype=np.int32)
+    tints = np.empty((0, 3), np.float32) if observation.tints is None else observation.tints
+    lens, loose = view.camera.pixels, view.marked(cells.indices)
+    picture = Picture(lens, view.T_lens_world, view.depth, loose, point, tints)
+    away = [float(np.median(view.project(f.xyz).depth)) for f in people]
     found = np.zeros((len(people), 3))
     for k in sorted(range(len(people)), key=lambda k: (people[k].frames_unseen > 0, away[k])):
-        found[k] = _stride(observation, people[k], moving & ~taken, tints)
-        there = cKDTree(people[k].xyz + found[k])
-        gap = there.query(
-            observation.cells.middle,
-            distance_upper_bound=observation.options.step.own_cells * observation.cells.size,
-        )[0]
-        own = np.isfinite(gap)[observation.cells.cell]
-        taken |= observation.view.marked(observation.cells.indices[own])
+        found[k] = _stride(observation, people[k], picture)
+        reach = observation.options.step.own_cells * cells.size
+        own = close_to(cells.middle, people[k].xyz + found[k], reach)[cells.cell]
+        loose[view.cells.cell[cells.indices[own]]] = False
     return found
 
 
-def _stride(observation: PersonObservation, person: Person, loose: Mask, tints: F32) -> F64:
+def _stride(observation: PersonObservation, person: Person, picture: Picture) -> F64:
     options = observation.options.step
     varies = options.stride_m + options.stride_share * float(np.linalg.norm(person.step))
     varies += options.stride_m_per_frame * min(person.frames_unseen, options.max_unseen_frames)
@@ -50,36 +74,57 @@ def _stride(observation: PersonObservation, person: Person, loose: Mask, tints: 
         right[:, None] * observation.flat[:, 0] + ahead[:, None] * observation.flat[:, 1]
     )
     some = slice(None, None, max(1, len(person.xyz) // options.sampled_cells))
-    xyz, colour = person.xyz[some], person.colour[some]
-    world = (xyz[None] + tried[:, None]).reshape(-1, 3)
-    cell, depth = observation.view.project(world)
-    cost = _costs(observation, cell, depth, loose)
-    if observation.tints is not None:
-        same = np.abs(observation.view.depth[cell] - depth) <= options.same_depth_m
-        unlike = (
-            np.linalg.norm(tints[cell] - np.tile(colour, (len(tried), 1)), axis=1)
-            / options.other_colour
-        )
-        both = options.depth_weight * cost + options.colour_weight * np.minimum(1.0, unlike**2)
-        cost = np.where(same & loose[cell], both, cost)
-    total = (
-        options.evidence_weight * cost.reshape(len(tried), -1).mean(axis=1)
-        + (right**2 + ahead**2) / 2
+    costs = PixelCosts(
+        np.float32(options.same_depth_m),
+        options.hidden_cost,
+        options.unknown_cost,
+        options.depth_weight,
+        np.float32(options.colour_weight),
+        np.float32(options.other_colour),
     )
+    nearest_m = observation.options.lens.nearest_m
+    cost = _mean_costs(picture, person.xyz[some], person.colour[some], tried, costs, nearest_m)
+    total = options.evidence_weight * cost + (right**2 + ahead**2) / 2
     return np.asarray(tried[total.argmin()])
 
 
-def _costs(observation: PersonObservation, cell: I32, depth: F32, loose: Mask) -> F64:
-    """(M,) what surface costs at a ``depth`` (M,) of a ``cell`` (M,), by depth alone."""
-    options = observation.options.step
-    seen = observation.view.depth[cell]
-    behind = seen - depth
-    cost = np.where(behind > options.same_depth_m, 1.0, options.hidden_cost)
-    same = np.abs(behind) <= options.same_depth_m
-    cost[same] = np.where(loose[cell[same]], 0.5 * (behind[same] / options.same_depth_m) ** 2, 1.0)
-    cost[np.isnan(seen)] = options.unknown_cost
-    cost[cell < 0] = options.hidden_cost
-    return cost
+@compiled
+def _mean_costs(
+    picture: Picture, xyz: F64, colour: F32, tried: F64, costs: PixelCosts, nearest_m: float
+) -> F64:
+    """(T,) what the surface (M, 3) costs a pixel, moved by each of the steps ``tried`` (T, 3)."""
+    result = np.zeros(len(tried))
+    for t in range(len(tried)):
+        for i in range(len(xyz)):
+            x, y, z = xyz[i, 0] + tried[t, 0], xyz[i, 1] + tried[t, 1], xyz[i, 2] + tried[t, 2]
+            x, y, z = carried(picture.T_lens_world, x, y, z)
+            at = (float(np.float32(x)), float(np.float32(y)), float(np.float32(z)))
+            cell, depth = pixel(picture.lens, at, nearest_m)
+            result[t] += _cost(picture, cell, np.float32(depth), colour[i], costs)
+    return result / len(xyz)
+
+
+@compiled
+def _cost(picture: Picture, cell: int, depth: np.float32, colour: F32, costs: PixelCosts) -> float:
+    """Cost of surface of a ``colour`` (3,) at a ``depth`` of a ``cell``."""
+    if cell < 0:
+        return costs.hidden
+    if np.isnan(picture.depth[cell]):
+        return costs.unknown
+    behind = picture.depth[cell] - depth
+    if not abs(behind) <= costs.same_depth_m:
+        return 1.0 if behind > costs.same_depth_m else costs.hidden
+    if not picture.loose[cell]:
+        return 1.0
+    cost = 0.5 * float(behind / costs.same_depth_m) ** 2
+    if not len(picture.tints):
+        return cost
+    tint, square = picture.tints[picture.point[cell]], np.float32(0.0)
+    for a in range(3):
+        square += (tint[a] - colour[a]) ** 2
+    unlike = np.sqrt(square) / costs.other_colour
+    other = costs.colour_weight * min(np.float32(1.0), unlike * unlike)
+    return costs.depth_weight * cost + float(other)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -20,7 +20,9 @@ from pointbrush.tracking.scene.images import DepthNoise, continued, drawn_on, fa
 from pointbrush.tracking.scene.pixels import (
     Images,
     LastSeen,
+    again,
     before,
+    furniture,
     keep_up,
     least,
     scenery,
@@ -261,9 +263,8 @@ class ImageBackground:
 
     def furniture(self, view: View, indices: I64) -> Mask:
         """See ``PictureBackground``."""
-        cell, depth = view.cells.pick(indices)
-        limit, stood = self.options.background.near_sigmas * self.noise(depth), self.depth[cell]
-        return np.asarray((stood < self.scene[cell] - limit) & (depth > stood - limit))
+        sigmas = self.options.background.near_sigmas
+        return furniture(view.cells, indices, self.depth, self.scene, self.noise, sigmas)
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
         """See ``PictureBackground``.
@@ -322,8 +323,8 @@ class ImageBackground:
 
     def again(self, view: View, indices: I64) -> I64:
         """See ``Background``."""
-        cell, depth = view.cells.pick(indices)
-        return self.held.again(cell, depth, self.options.background.near_sigmas * self.noise(depth))
+        sigmas = self.options.background.near_sigmas
+        return again(view.cells, indices, self.held, self.noise, sigmas)
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""

@@ -39,11 +39,6 @@ class LastSeen(NamedTuple):
         """
         return _learnt(self, seen, owner, limit, known, options.stayed_share)
 
-    def again(self, cell: I32, depth: F32, limit: F32) -> I64:
-        """(M,) label that was as deep as that in the cells (M,), 0 for none."""
-        same = np.abs(depth - self.depth[cell]) < limit
-        return np.where(same, self.label[cell], 0).astype(np.int64)
-
 
 @compiled
 def _learnt(
@@ -120,6 +115,39 @@ def stood(
         far[i] = depth - known[cell] > -limit
         rest[i] = abs(depth - last[cell]) < limit
     return far, rest
+
+
+@compiled
+def again(
+    points: Projection, indices: I64, last: LastSeen, noise: DepthNoise, near_sigmas: float
+) -> I64:
+    """See ``Background.again``."""
+    cells, depths = points
+    label = np.zeros(len(indices), np.int64)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        if abs(depth - last.depth[cell]) < _limit(noise, depth, near_sigmas):
+            label[i] = last.label[cell]
+    return label
+
+
+@compiled
+def furniture(
+    points: Projection,
+    indices: I64,
+    known: F32,
+    scene: F32,
+    noise: DepthNoise,
+    near_sigmas: float,
+) -> Mask:
+    """See ``PictureBackground.furniture``: ``known`` depths, and those of the ``scene``."""
+    cells, depths = points
+    result = np.empty(len(indices), np.bool_)
+    for i in range(len(indices)):
+        cell, depth = cells[indices[i]], depths[indices[i]]
+        limit = _limit(noise, depth, near_sigmas)
+        result[i] = known[cell] < scene[cell] - limit and depth > known[cell] - limit
+    return result
 
 
 @compiled

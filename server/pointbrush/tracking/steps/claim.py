@@ -180,11 +180,17 @@ def claim(
     far = 1.001 * reach  # single precision must not decide what is at the border
     xyz = view.xyz.take(indices, axis=0)
     close = np.flatnonzero(within(xyz, lo - far, hi + far))
-    gap, near = nearest_three(columns(surface, NONE, 0.0), xyz[close].astype(np.float64), reach)
+    gap, near = _nearest(surface, xyz[close].astype(np.float64), reach)
     some = np.flatnonzero(near[:, 0] >= 0)
     indices, gap, near = indices[close[some]], gap[some], near[some]
     cost = _costs(gap, near, view.colour(indices), colour, weight)
     return Claim(indices, cost, gap[:, 0], near[:, 0])
+
+
+@compiled
+def _nearest(surface: F64, xyz: F64, reach: float) -> tuple[F64, I64]:
+    """See ``nearest_three``, of the ``surface`` (M, 3)."""
+    return nearest_three(columns(surface, NONE, 0.0), xyz, reach)
 
 
 @compiled

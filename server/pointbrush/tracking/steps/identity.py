@@ -117,7 +117,7 @@ def _middle(track: Track, fit: Registration) -> F64:
 
 def _predicted(track: Track) -> F64:
     """(K, 3) where the middle of an object may be, at rest in the end."""
-    poses = track.motion.predictions()
+    poses = track.motion.predictions
     poses = poses if len(poses) > 1 else np.repeat(poses, 2, axis=0)
     return np.asarray(poses[:, :3, :3] @ track.motion.centre + poses[:, :3, 3])
 

@@ -107,7 +107,7 @@ def crop(
     """
     options = track.options.search
     if hypotheses is None:
-        hypotheses = _distinct(track, track.motion.predictions())
+        hypotheses = _distinct(track, track.motion.predictions)
     at = transform_each(hypotheses, track.motion.centre[None])[:, 0]
     margin = _search_margin(track)
     lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
@@ -187,7 +187,7 @@ def search_among(track: Track, view: View, points: I64) -> Search:
     """Look for an object among ``points`` (M,) alone, that are known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
-    hypotheses = track.motion.predictions()
+    hypotheses = track.motion.predictions
     return Search(track, view, hypotheses, box, points, points, points, points[:0])
 
 

@@ -299,14 +299,13 @@ def _scores(search: Search, poses: F64) -> F64:
     options = search.options.register
     track = search.track
     at = look(track, search.view, search.few, poses, search.own)
-    beside = [excess(world, search.target, track.unit, options) for world in at.world]
     away = search.at.facing[0] - at.facing
     if search.view.lens is None:
         away = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
         costs_of(track, search.target, search.few, at, options.judged_units * track.unit)
         + _surprise(search, poses)
-        + beside
+        + excess(at.world, search.target, track.unit, options)
         + options.averted_cost * np.maximum(0.0, away)
     )
 

@@ -126,7 +126,7 @@ def _alone(
 
 def _expected(track: Track) -> F64:
     """(K, 3) where the middle of an object is predicted."""
-    return transform_each(track.motion.predictions(), track.motion.centre[None])[:, 0]
+    return transform_each(track.motion.predictions, track.motion.centre[None])[:, 0]
 
 
 def _lone_piece(track: Track, background: Background, view: View, nobodys: Mask) -> F64 | None:
@@ -183,7 +183,8 @@ def _best(
         : options.relocate.tries
     ]:
         fit = find(search)
-        cost = fit.cost + excess(fit.world, search.target, track.unit, options=options.register)
+        beside = excess(fit.world[None], search.target, track.unit, options=options.register)
+        cost = fit.cost + float(beside[0])
         if cost >= most:
             continue
         found = own_points(track, view, fit)

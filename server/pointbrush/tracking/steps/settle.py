@@ -142,7 +142,7 @@ def settle(
 def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOptions) -> TrackState:
     """An object was not seen in a frame, though it was looked for at a ``pose`` (4, 4)."""
     track.frames_unseen += 1
-    track.motion.gap += 1
+    track.motion = track.motion.unseen()
     lost = track.frames_unseen > track.options.update.lost_frames
     track.lost = lost and not asked.continue_lost
     track.confidence = max(0.0, track.confidence - track.options.confidence.regain)
@@ -181,7 +181,7 @@ def _strays(track: Track, view: View, found: Association) -> bool:
         return False
     centre = track.motion.centre[None]
     at = transform(found.registration.pose, centre)[0]
-    expected = transform_each(track.motion.predictions(), centre)[:, 0]
+    expected = transform_each(track.motion.predictions, centre)[:, 0]
     off = np.linalg.norm(expected - at, axis=1).min()
     return bool(off > options.astray_radii * track.model.radius)
 
@@ -194,11 +194,12 @@ def _move(track: Track, found: Association, verdict: Verdict) -> None:
         track.large and track.last.points < options.scrap_share * track.size and not track.scanned
     )
     if scrap or (found.restarts_motion and not track.motion.fresh):
-        track.motion.begin(fit.pose)
+        track.motion = track.motion.begin(fit.pose)
     else:
-        track.motion.add(fit.pose, sure=track.large or fit.cost < options.motion_cost)
+        sure = track.large or fit.cost < options.motion_cost
+        track.motion = track.motion.add(fit.pose, sure=sure)
     if track.hand_sized and well_seen(track, verdict, track.last.points):
-        track.motion.seen(track.unit)
+        track.motion = track.motion.seen(track.unit)
 
 
 def well_seen(track: Track, verdict: Verdict, count: int) -> bool:

@@ -97,7 +97,7 @@ class Smoother:
         again = replace(
             track,
             model=deepcopy(track.model),
-            motion=Motion(track.options.search, track.motion.centre, [track.motion.poses[-1]]),
+            motion=Motion(track.options.search, track.motion.centre, track.motion.poses[-1:]),
             carving_views=list(track.carving_views),
         )
         astray: dict[int, int] = {}

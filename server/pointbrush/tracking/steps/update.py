@@ -11,6 +11,7 @@ from pointbrush.tracking.compute.columns import NONE, columns, nearest
 from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
+from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.surface import Model
 from pointbrush.tracking.model.track import OtherMovers, Track, begin
@@ -303,7 +304,7 @@ def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, no
     tell_apart(tracks, view, [label])
     track = tracks[label]
     track.model.xyz = transform(inverse(pose), track.model.xyz)
-    track.motion.centre, track.motion.poses = track.model.centre, [pose]
+    track.motion = Motion(track.options.search, track.model.centre, (pose,))
     return pose
 
 
@@ -330,7 +331,7 @@ def corrected(track: Track, view: View, points: I64) -> F64 | None:
     found = claim(view, points, transform(fit.pose, model.xyz), model.colour, 0.0, reach)
     xyz = transform(back, view.xyz[found.indices].astype(np.float64))
     model.gather(xyz, view.colour(found.indices), found.gap, found.nearest, eye, sure=True)
-    track.motion.add(fit.pose)
+    track.motion = track.motion.add(fit.pose)
     track.last = replace(track.last, points=len(points))
     track.size = max(track.size, float(len(points)))
     track.confidence, track.astray = 1.0, False

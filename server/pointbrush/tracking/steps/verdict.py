@@ -107,11 +107,15 @@ def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, 
     """
     world, seen, through, _ = at
     total, count, room = np.zeros(len(world)), np.zeros(len(world)), spans(grid)
+    last = np.full(world.shape[1], -1)
     for k in range(len(world)):
         for i in range(world.shape[1]):
             if seen[k, i]:
                 point = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
-                square, near = nearest_one(grid, point, toned(grid, colour, i), most, room)
+                tint = toned(grid, colour, i)
+                # What was the nearest at the pose before is so again, or nearly.
+                square, near = nearest_one(grid, point, tint, most, room, last[i])
+                last[i] = near
                 total[k] += square / (most * most) if near >= 0 else 1.0
                 count[k] += 1.0
             elif through[k, i]:
