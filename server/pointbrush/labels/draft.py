@@ -6,7 +6,7 @@ Nothing here changes the state; a draft that is thrown away leaves no trace.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,25 +17,26 @@ from sqlalchemy import Connection
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.packing import (
     BLOCK,
+    CONFIDENCE_BITS,
     DELETED_BIT,
     DELETED_SHIFT,
     DELETION,
     LABEL_BITS,
     LABELS,
-    PROVENANCE_SHIFT,
+    PROVENANCE_BITS,
     VALUE_BITS,
     WRITER_SHIFT,
     Change,
     States,
     decode_change,
     encode_change,
+    provenance_of,
     written_by,
 )
 from pointbrush.labels.state import SequenceState, exists_table, visible
-from pointbrush.labels.types import PAINTED, Label, Write
+from pointbrush.labels.types import PAINTED, PREDICTED, Label, Write
 from pointbrush.labels.writes import BlockWrite, cut, locked_error
 
-PROVENANCE_BITS = np.uint64(0xFF << 16)
 OPEN_POINTS = 4_000_000
 """Points whose changes are kept unpacked, 24 bytes each."""
 
@@ -151,13 +152,7 @@ class Draft:
         words = self.words((frame, LABELS, piece.block), piece.indices)
         shown = visible(words, self.exists)
         label = (shown & LABEL_BITS).astype(np.intp)
-        free = ~spared[label]
-        if piece.only == "unlabeled":
-            free &= label == 0
-        elif piece.only == "labeled":
-            free &= label != 0
-        elif piece.only == "not_painted":
-            free &= (shown >> PROVENANCE_SHIFT) & np.uint64(0xFF) != PAINTED
+        free = ~spared[label] & _may_change(piece.only, shown)
         if piece.living is not None:
             deletion = self.words((frame, DELETION, piece.block), piece.indices)
             free &= ((deletion & DELETED_BIT) == 0) == piece.living
@@ -167,11 +162,11 @@ class Draft:
             if gains.any():
                 raise locked_error(self.palette, int(piece.label[gains][0]))
             values = (values & ~LABEL_BITS) | piece.label
-        if piece.provenance is not None:
-            values = (values & ~PROVENANCE_BITS) | (piece.provenance << PROVENANCE_SHIFT)
+        if piece.came is not None:
+            values = (values & ~(PROVENANCE_BITS | CONFIDENCE_BITS)) | piece.came
         stamp = written_by(self.revision)
         indices = piece.indices[free]
-        if piece.label is not None or piece.provenance is not None:
+        if piece.label is not None or piece.came is not None:
             self.put((frame, LABELS, piece.block), indices, words[free], values[free] | stamp)
         if piece.deleted is not None:
             place = (frame, DELETION, piece.block)
@@ -217,6 +212,19 @@ class Draft:
         found = [np.unique(change.before >> WRITER_SHIFT) for change in self.changes.values()]
         writers = np.unique(np.concatenate(found)) if found else np.empty(0, np.uint64)
         return writers[writers > 0]
+
+
+def _may_change(only: str, shown: States) -> NDArray[np.bool_]:
+    """Which words a Write's ``only`` lets change, as users see them."""
+    label, came = shown & LABEL_BITS, provenance_of(shown)
+    rules: dict[str, Callable[[], Any]] = {
+        "any": lambda: np.ones(len(shown), np.bool_),
+        "unlabeled": lambda: label == 0,
+        "labeled": lambda: label != 0,
+        "not_painted": lambda: came != PAINTED,
+        "predictable": lambda: (came == PREDICTED) | ((label == 0) & (came != PAINTED)),
+    }
+    return np.asarray(rules[only]())
 
 
 def holders(

@@ -1,8 +1,8 @@
 """A point's state in one 64-bit word, and its form on disk.
 
-Bits 0-15 label, 16-23 provenance, 24 deleted, 25-63 writer: the revision of the edit that the
-value comes from, 0 for a point that nothing ever wrote.  Labels (with provenance) and deletion
-are separate *layers* of words, so that undoing one never touches the other.
+Bits 0-15 label, 16-18 provenance, 19-23 confidence, 24 deleted, 25-63 writer: the revision of the
+edit that the value comes from, 0 for a point that nothing ever wrote.  Labels (with provenance)
+and deletion are separate *layers* of words, so that undoing one never touches the other.
 """
 
 from __future__ import annotations
@@ -21,6 +21,11 @@ BLOCK = 65_536
 LABELS, DELETION = 0, 1
 """Layers."""
 PROVENANCE_SHIFT = np.uint64(16)
+PROVENANCE_BITS = np.uint64(0x7 << 16)
+CONFIDENCE_SHIFT = np.uint64(19)
+CONFIDENCE_BITS = np.uint64(0x1F << 19)
+SUREST = 31
+"""Confidence of a point, 0 to 255, is kept in steps of which there are so many."""
 DELETED_SHIFT = np.uint64(24)
 WRITER_SHIFT = np.uint64(25)
 LABEL_BITS = np.uint64(0xFFFF)
@@ -28,8 +33,8 @@ VALUE_BITS = np.uint64((1 << 25) - 1)
 DELETED_BIT = np.uint64(1 << 24)
 
 _HEAD = struct.Struct("<II")
-_LOW_BITS = np.uint64(18)
-"""Label and the two bits of provenance in use: what differs within an edit's block, mostly."""
+_LOW_BITS = np.uint64(19)
+"""Label and provenance: what differs within an edit's block, mostly."""
 _LEVEL = 1  # zlib: the fastest; these bytes are written while somebody waits
 
 
@@ -52,7 +57,19 @@ def label_of(states: States) -> NDArray[np.uint16]:
 
 def provenance_of(states: States) -> NDArray[np.uint8]:
     """The provenance of each word."""
-    return (states >> PROVENANCE_SHIFT).astype(np.uint8)
+    return ((states & PROVENANCE_BITS) >> PROVENANCE_SHIFT).astype(np.uint8)
+
+
+def confidence_of(states: States) -> NDArray[np.uint8]:
+    """The confidence of each word, 0 to 255; 0 of what nobody predicted."""
+    steps = (states & CONFIDENCE_BITS) >> CONFIDENCE_SHIFT
+    return ((steps * np.uint64(255) + np.uint64(SUREST // 2)) // np.uint64(SUREST)).astype(np.uint8)
+
+
+def confidence_bits(confidence: NDArray[np.uint64]) -> States:
+    """The bits of confidences 0 to 255."""
+    steps = (confidence * np.uint64(SUREST) + np.uint64(127)) // np.uint64(255)
+    return steps << CONFIDENCE_SHIFT
 
 
 def deleted_of(states: States) -> NDArray[np.bool_]:

@@ -14,7 +14,15 @@ from sqlalchemy import Connection, Row, and_, distinct, func, select
 from pointbrush.errors import BadInputError
 from pointbrush.labels import journal, schema
 from pointbrush.labels.database import CHUNK
-from pointbrush.labels.packing import BLOCK, DELETION, LABELS, deleted_of, label_of, provenance_of
+from pointbrush.labels.packing import (
+    BLOCK,
+    DELETION,
+    LABELS,
+    confidence_of,
+    deleted_of,
+    label_of,
+    provenance_of,
+)
 from pointbrush.labels.schema import edits
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import NotInMemoryError, SequenceState, visible
@@ -51,6 +59,7 @@ def values(
         np.zeros(n, np.uint16),
         np.zeros(n, np.uint8),
         np.zeros(n, np.bool_),
+        np.zeros(n, np.uint8),
         state.revision,
         state.changed.get(frame, 0),
     )
@@ -71,6 +80,7 @@ def values(
                 shown = visible(part, state.exists)
                 result.label[into] = label_of(shown)
                 result.provenance[into] = provenance_of(shown)
+                result.confidence[into] = confidence_of(shown)
     return result
 
 
@@ -88,6 +98,7 @@ def at(
         label_of(shown),
         provenance_of(shown),
         deleted_of(words[DELETION]),
+        confidence_of(shown),
         state.revision,
         state.changed.get(frame, 0),
     )

@@ -31,7 +31,7 @@ from sqlalchemy import (
 from pointbrush.errors import BadInputError
 from pointbrush.labels.database import Database
 
-HEAD = "0012"
+HEAD = "0013"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.

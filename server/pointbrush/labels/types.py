@@ -14,11 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from pointbrush.errors import ConflictError
 
-Only = Literal["any", "labeled", "unlabeled", "not_painted"]
+Only = Literal["any", "labeled", "unlabeled", "not_painted", "predictable"]
 PAINTED = 1
-"""Provenance of a point that a person painted; 0 is none, 3 imported."""
+"""Provenance of a point that a person painted; 0 is none."""
 TRACKED = 2
 """Provenance of a point that tracking found."""
+IMPORTED = 3
+"""Provenance of a point whose label came in with it."""
+PREDICTED = 4
+"""Provenance of a point that a classifier taught by example has labelled."""
 
 
 class GapError(ConflictError):
@@ -52,10 +56,12 @@ class Write:
 
     ``indices``     (n,) strictly increasing point numbers.
     ``label``       a label id, (n,) uint16, or None: keep; 0 is unlabeled.
-    ``provenance``  0..3, (n,) uint8, or None: keep.
+    ``provenance``  0..4, (n,) uint8, or None: keep.
+    ``confidence``  0..255, (n,) uint8, kept in 32 steps, beside a provenance; None: 0.
     ``deleted``     bool, (n,) bool, or None: keep.
-    ``only``        which points may change: all, those with a label, without one, or those that no
-                    person painted.  Evaluated when the edit commits.
+    ``only``        which points may change: all, those with a label, without one, those that no
+                    person painted, or those that have no label, or a predicted one, and that no
+                    person erased.  Evaluated when the edit commits.
     ``living``      True: only points that are not deleted; False: only deleted ones; None: both.
                     Evaluated when the edit commits.
     ``hidden``      None: hiding does not matter.  Otherwise points of labels that the palette hides
@@ -66,6 +72,7 @@ class Write:
     indices: NDArray[Any]
     label: ArrayLike | None = None
     provenance: ArrayLike | None = None
+    confidence: ArrayLike | None = None
     deleted: ArrayLike | None = None
     only: Only = "any"
     living: bool | None = None
@@ -97,6 +104,7 @@ Deltas = Mapping[int, Delta | None]
 class FrameValues:
     """A run of a frame's annotation: label (n,) uint16, provenance (n,) uint8, deleted (n,) bool.
 
+    ``confidence`` (n,) uint8 of predicted points, 0 of others.
     ``revision`` is the sequence's at the moment of reading, ``changed`` that of the frame's last
     change until then (0: none).
     """
@@ -104,6 +112,7 @@ class FrameValues:
     label: NDArray[np.uint16]
     provenance: NDArray[np.uint8]
     deleted: NDArray[np.bool_]
+    confidence: NDArray[np.uint8]
     revision: int
     changed: int
 

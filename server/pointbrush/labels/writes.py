@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,12 @@ from pointbrush.errors import (
     LockedLabelError,
     NotFoundError,
 )
-from pointbrush.labels.packing import BLOCK
+from pointbrush.labels.packing import BLOCK, PROVENANCE_SHIFT, confidence_bits
 from pointbrush.labels.palette import HIGHEST
-from pointbrush.labels.types import Label, Write
+from pointbrush.labels.types import PREDICTED, Label, Only, Write
 from pointbrush.ranges import by_block
 
-RULES = ("any", "labeled", "unlabeled", "not_painted")
+RULES = get_args(Only)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +30,8 @@ class BlockWrite:
     block: int
     indices: NDArray[np.int64]
     label: NDArray[np.uint64] | None
-    provenance: NDArray[np.uint64] | None
+    came: NDArray[np.uint64] | None
+    """Bits of provenance and confidence."""
     deleted: NDArray[np.uint64] | None
     only: str
     living: bool | None
@@ -44,7 +45,11 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
     """
     indices = _indices(write.indices, points)
     label = _values("label", write.label, len(indices), HIGHEST)
-    provenance = _values("provenance", write.provenance, len(indices), 3)
+    provenance = _values("provenance", write.provenance, len(indices), PREDICTED)
+    confidence = _values("confidence", write.confidence, len(indices), 255)
+    came = None if provenance is None else provenance << PROVENANCE_SHIFT
+    if came is not None and confidence is not None:
+        came = came | confidence_bits(confidence)
     deleted = _values("deleted", write.deleted, len(indices), 1)
     if write.only not in RULES:
         raise BadInputError(f"only: expected one of {', '.join(RULES)}, got {write.only!r}")
@@ -54,7 +59,7 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
             first // BLOCK,
             indices[here] - first,
             None if label is None else label[here],
-            None if provenance is None else provenance[here],
+            None if came is None else came[here],
             None if deleted is None else deleted[here],
             write.only,
             write.living,

@@ -13,11 +13,16 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, LockedLabelError
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.packing import BLOCK
+from pointbrush.labels.types import IMPORTED, PREDICTED
 from pointbrush.sequences import Sequence as Recording
 
 _LEVEL = 1  # zlib: the fastest; neighbours in stored order have the same label mostly
-LAYERS: dict[str, type] = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
-IMPORTED = 3
+LAYERS: dict[str, type] = {
+    "label": np.uint16,
+    "provenance": np.uint8,
+    "deleted": np.bool_,
+    "confidence": np.uint8,
+}
 PIECE_POINTS = 16 * BLOCK
 """Points compared at once: whole blocks of the journal."""
 READ_POINTS = 1_000_000
@@ -66,8 +71,10 @@ def replacement(
         raise BadInputError(
             f"annotation: expected ({stored.count},) {dtype}, got {array.shape} {array.dtype}"
         )
-    if layer == "provenance" and array.size and array.max() > IMPORTED:
-        raise BadInputError(f"provenance: expected 0 to 3, got {int(array.max())}")
+    if layer == "confidence":
+        raise BadInputError("layer: expected one that can be written, confidence is predicted")
+    if layer == "provenance" and array.size and array.max() > PREDICTED:
+        raise BadInputError(f"provenance: expected 0 to {PREDICTED}, got {int(array.max())}")
     palette = {label.id: label for label in store.palette(recording.manifest.id)}
     found = [
         _difference(store, recording, frame, layer, array, first, palette)

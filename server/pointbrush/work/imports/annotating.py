@@ -12,10 +12,10 @@ from pointbrush.formats import Limits
 from pointbrush.jobs import Job, JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
+from pointbrush.labels.types import IMPORTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.choosing import Chosen
-from pointbrush.work.imports.importing import IMPORTED
 from pointbrush.work.imports.label_reading import (
     FrameLabels,
     LabelRequest,

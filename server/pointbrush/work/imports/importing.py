@@ -23,7 +23,6 @@ from pointbrush.sequences.manifest import note_meaning
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
-IMPORTED = 3
 PART_POINTS = 1_000_000
 """Points of a large scan that are in memory at once, per step."""
 SAMPLE = "sample recording"

@@ -12,10 +12,11 @@ from pointbrush.formats.datasets import DATASETS, ClassName
 from pointbrush.formats.palette import SourceLabel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
+from pointbrush.labels.types import IMPORTED
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.imports.choosing import Chosen
-from pointbrush.work.imports.importing import IMPORTED, PART_POINTS
+from pointbrush.work.imports.importing import PART_POINTS
 from pointbrush.work.imports.naming import Key, Naming, keys_of, learn_numbers
 
 INTERRUPTED = "their import was interrupted"
