@@ -39,7 +39,7 @@ from pointbrush.worker import (
 )
 
 logger = logging.getLogger(__name__)
-JobKind = Literal["import", "tracking", "export"]
+JobKind = Literal["import", "tracking", "export", "prediction"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60

@@ -28,6 +28,7 @@ from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
 from pointbrush.work.backup import note_made, require_here, require_labels, restore_one
+from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.events import Event, Listeners, SequencesChanged
 from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
@@ -41,6 +42,7 @@ from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:
+    from pointbrush.work.classifiers.front import ClassifierFront
     from pointbrush.work.reviewing import Reviewing
     from pointbrush.work.tracking.runs import Runs
 
@@ -82,6 +84,7 @@ class Workspace:
             SAMPLE: lambda job: self.imports.again(job),
             LABELS: lambda job: self.imports.labels_again(job),
             TRACK: lambda job: self.tracking.again(job),
+            PREDICT: lambda job: self.classifiers.again(job),
         }
         self.jobs = JobBook(
             self.labels,
@@ -155,6 +158,14 @@ class Workspace:
             self._listeners.tell,
             self.settings.database_url,
         )
+
+    @once
+    def classifiers(self) -> ClassifierFront:
+        """Classifiers taught by example: kept, asked, applied."""
+        from pointbrush.work.classifiers.front import ClassifierFront
+
+        folder = self.settings.workspace.absolute() / "classifiers"
+        return ClassifierFront(self.labels, self.library, self.runner, self.jobs, folder)
 
     @once
     def reviewing(self) -> Reviewing:

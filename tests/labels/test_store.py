@@ -165,7 +165,7 @@ def test_bad_input_changes_nothing(pins: LabelStore) -> None:
         Write(np.array([1]), label=70_000),
         Write(np.array([1]), label=1.5),
         Write(np.array([1]), label=np.array([1, 2])),
-        Write(np.array([1]), provenance=4),
+        Write(np.array([1]), provenance=5),
         Write(np.array([1]), label=1, only="some"),  # type: ignore[arg-type]
     ):
         with pytest.raises(BadInputError, match="expected"):

@@ -215,7 +215,7 @@ class Draft:
 
 
 def _may_change(only: str, shown: States) -> NDArray[np.bool_]:
-    """Which words a Write's ``only`` lets change, as users see them."""
+    """Mark the words that a Write's ``only`` lets change, as users see them."""
     label, came = shown & LABEL_BITS, provenance_of(shown)
     rules: dict[str, Callable[[], Any]] = {
         "any": lambda: np.ones(len(shown), np.bool_),

@@ -57,7 +57,6 @@ class Write:
     ``indices``     (n,) strictly increasing point numbers.
     ``label``       a label id, (n,) uint16, or None: keep; 0 is unlabeled.
     ``provenance``  0..4, (n,) uint8, or None: keep.
-    ``confidence``  0..255, (n,) uint8, kept in 32 steps, beside a provenance; None: 0.
     ``deleted``     bool, (n,) bool, or None: keep.
     ``only``        which points may change: all, those with a label, without one, those that no
                     person painted, or those that have no label, or a predicted one, and that no
@@ -67,16 +66,17 @@ class Write:
     ``hidden``      None: hiding does not matter.  Otherwise points of labels that the palette hides
                     when the edit commits keep, and of these that only its author hides (0: points
                     without a label).
+    ``confidence``  0..255, (n,) uint8, kept in 32 steps, beside a provenance; None: 0.
     """
 
     indices: NDArray[Any]
     label: ArrayLike | None = None
     provenance: ArrayLike | None = None
-    confidence: ArrayLike | None = None
     deleted: ArrayLike | None = None
     only: Only = "any"
     living: bool | None = None
     hidden: frozenset[int] | None = None
+    confidence: ArrayLike | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -47,9 +47,6 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
     label = _values("label", write.label, len(indices), HIGHEST)
     provenance = _values("provenance", write.provenance, len(indices), PREDICTED)
     confidence = _values("confidence", write.confidence, len(indices), 255)
-    came = None if provenance is None else provenance << PROVENANCE_SHIFT
-    if came is not None and confidence is not None:
-        came = came | confidence_bits(confidence)
     deleted = _values("deleted", write.deleted, len(indices), 1)
     if write.only not in RULES:
         raise BadInputError(f"only: expected one of {', '.join(RULES)}, got {write.only!r}")
@@ -59,11 +56,19 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
             first // BLOCK,
             indices[here] - first,
             None if label is None else label[here],
-            None if came is None else came[here],
+            None if provenance is None else _came(provenance, confidence, here),
             None if deleted is None else deleted[here],
             write.only,
             write.living,
         )
+
+
+def _came(
+    provenance: NDArray[np.uint64], confidence: NDArray[np.uint64] | None, here: slice
+) -> NDArray[np.uint64]:
+    """Bits of provenance and confidence of some points."""
+    bits = provenance[here] << PROVENANCE_SHIFT
+    return bits if confidence is None else bits | confidence_bits(confidence[here])
 
 
 def _indices(given: Any, points: int) -> NDArray[np.int64]:

@@ -88,7 +88,7 @@ class DrivenStreet(Street):
             car = Vehicle(lane, rng.uniform(-40, 40), -lane * rng.uniform(*SPEEDS))
             if all(car.clear_of(other) for other in (self.own, *self.driving.values())):
                 body = vehicle(rng)[1]
-                self._add(body, lane * LANE * self.road, car.z, math.pi * (lane > 0))
+                self._add("vehicle", body, lane * LANE * self.road, car.z, math.pi * (lane > 0))
                 self.driving[self.count] = car
 
 

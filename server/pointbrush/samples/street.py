@@ -30,11 +30,15 @@ Rng = np.random.Generator
 
 
 class Street:
-    """A street from a seed: ``solids``, labels from 1; ground, kerbs and houses have label 0."""
+    """A street from a seed: ``solids``, labels from 1; ground, kerbs and houses have label 0.
+
+    ``kinds`` are their classes, of ``CLASSES``, a solid each.
+    """
 
     def __init__(self, seed: int) -> None:
         rng = self._rng = np.random.default_rng([seed, 53])
         self.solids: list[Solid] = []
+        self.kinds: list[str] = []
         self.count = 0
         self.road = rng.uniform(3.5, 9.0)
         self._walk = self.road + rng.uniform(1.5, 6.0)
@@ -46,8 +50,11 @@ class Street:
         self._driving()
         self._crossing()
 
-    def _add(self, solids: list[Solid], x: float, z: float, turn: float, y: float = 0.0) -> None:
+    def _add(
+        self, kind: str, solids: list[Solid], x: float, z: float, turn: float, y: float = 0.0
+    ) -> None:
         self.count += 1
+        self.kinds += [kind] * len(solids)
         T = rigid(yaw(turn), vec(x, y, z))
         for s in solids:
             self.solids.append(
@@ -57,6 +64,7 @@ class Street:
     def _ground(self) -> None:
         asphalt, stone, grass = matte("#55565a"), matte("#8f8c84"), matte("#4c5f38")
         r, w, far = self.road, self._walk, 160.0
+        self.kinds += ["ground"] * 5
         self.solids += [
             block((-r, -1, -far), (r, 0, far), asphalt),
             block((r, -1, -far), (w, 0.13, far), stone),
@@ -93,6 +101,7 @@ class Street:
     ) -> None:
         x0, x1 = sorted((side * near, side * far))
         self.solids.append(block((x0, low, z0), (x1, low + height, z1), stuff))
+        self.kinds.append("building")
 
     def _parked(self, side: int) -> None:
         rng, z = self._rng, -LENGTH + self._rng.uniform(0, 8)
@@ -101,7 +110,7 @@ class Street:
             long, body = vehicle(rng)
             if rng.random() < full:
                 x = side * (self.road - rng.uniform(0.9, 1.3))
-                self._add(body, x, z, math.pi * rng.integers(2) + rng.normal(0, 0.03))
+                self._add("vehicle", body, x, z, math.pi * rng.integers(2) + rng.normal(0, 0.03))
             z += long + rng.uniform(0.5, 3.0)
 
     def _driving(self) -> None:
@@ -111,8 +120,9 @@ class Street:
             if abs(z) < 7:
                 continue
             side = 1 if rng.random() < 0.5 else -1
-            body = cyclist(rng) if rng.random() < 0.25 else vehicle(rng)[1]
-            self._add(body, side * rng.uniform(0.2, 0.5) * self.road, z, math.pi * (side > 0))
+            cycle = rng.random() < 0.25
+            body, kind = (cyclist(rng), "person") if cycle else (vehicle(rng)[1], "vehicle")
+            self._add(kind, body, side * rng.uniform(0.2, 0.5) * self.road, z, math.pi * (side > 0))
 
     def _crossing(self) -> None:
         """Put cars across the street, as at a junction or in a car park."""
@@ -121,7 +131,7 @@ class Street:
             z = rng.uniform(10, 30) * (1 if rng.random() < 0.5 else -1)
             for k in range(int(rng.integers(2, 7))):
                 x = (k - 3) * rng.uniform(2.3, 2.8)
-                self._add(vehicle(rng)[1], x, z, math.pi / 2 + rng.normal(0, 0.05))
+                self._add("vehicle", vehicle(rng)[1], x, z, math.pi / 2 + rng.normal(0, 0.05))
 
     def _pavement(self, side: int) -> None:
         rng = self._rng
@@ -131,20 +141,20 @@ class Street:
             if kind < 0.35:
                 group = int(rng.integers(1, 4))
                 for k in range(group):
-                    self._add(
-                        pedestrian(rng), x + 0.6 * k, z + rng.normal(0, 0.3), rng.uniform(0, 6), y
-                    )
+                    body, away = pedestrian(rng), z + rng.normal(0, 0.3)
+                    self._add("person", body, x + 0.6 * k, away, rng.uniform(0, 6), y)
             elif kind < 0.6:
-                self._add(tree(rng), x, z, 0.0, y)
+                self._add("vegetation", tree(rng), x, z, 0.0, y)
             elif kind < 0.75:
-                self._add(pole(rng), x, z, rng.uniform(0, 6), y)
+                self._add("fixture", pole(rng), x, z, rng.uniform(0, 6), y)
             elif kind < 0.85:
-                self._add(bush(rng), x, z, rng.uniform(0, 6), y)
+                self._add("vegetation", bush(rng), x, z, rng.uniform(0, 6), y)
             elif kind < 0.92:
-                self._add(cyclist(rng), x, z, rng.uniform(0, 6), y)
+                self._add("person", cyclist(rng), x, z, rng.uniform(0, 6), y)
             else:
                 w, h = rng.uniform(0.25, 0.7), rng.uniform(0.6, 1.4)
-                self._add([block((-w, 0, -w), (w, h, w), matte(colour(rng)))], x, z, 0.0, y)
+                box = [block((-w, 0, -w), (w, h, w), matte(colour(rng)))]
+                self._add("fixture", box, x, z, 0.0, y)
 
 
 def vehicle(rng: Rng) -> tuple[float, list[Solid]]:

@@ -28,6 +28,11 @@ class Cache(Generic[K, V]):
             self._entries.move_to_end(key)
             return self._entries[key][0]
 
+    def held(self) -> list[K]:
+        """The keys of now, the least recently used first."""
+        with self._lock:
+            return list(self._entries)
+
     def drop(self, key: K) -> None:
         """Forget the entry under ``key``, if there is one."""
         with self._lock:

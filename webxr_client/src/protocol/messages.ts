@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '2fcb4e840829';
+export const SCHEMA_HASH = 'e0dddc2c8c28';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -357,7 +357,7 @@ export interface Frame {
 export interface Job {
   type: 'job';
   id: string;
-  kind: 'import' | 'tracking' | 'export';
+  kind: 'import' | 'tracking' | 'export' | 'prediction';
   sequence: string | null;
   state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
   progress: number;

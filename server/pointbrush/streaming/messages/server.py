@@ -221,7 +221,7 @@ class Job(Message):
 
     type: Literal["job"] = "job"
     id: Id
-    kind: Literal["import", "tracking", "export"]
+    kind: Literal["import", "tracking", "export", "prediction"]
     sequence: str | None
     state: JobState
     progress: float

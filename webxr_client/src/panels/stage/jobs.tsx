@@ -5,7 +5,12 @@ import { isActive, state } from '../../store/state';
 import { Button, Progress } from '../parts/controls';
 import { bytes } from '../../common/format';
 
-const TITLE = { import: 'Importing', tracking: 'Tracking', export: 'Exporting' } as const;
+const TITLE = {
+  import: 'Importing',
+  tracking: 'Tracking',
+  export: 'Exporting',
+  prediction: 'Predicting',
+} as const;
 
 export function JobCards() {
   const jobs = state.jobs.value.filter(isActive);

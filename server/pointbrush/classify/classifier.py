@@ -1,0 +1,316 @@
+"""A classifier that was taught by example: what it knows, and its file.
+
+The file is an ``.npz`` of plain arrays; whatever comes from outside is checked before it is used.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy_format
+from numpy.typing import NDArray
+
+from pointbrush.classify.features import Described, feature_names
+from pointbrush.classify.forest import Trees, learn, probabilities
+from pointbrush.classify.options import FeatureOptions, ForestOptions
+from pointbrush.classify.smoothing import Chances, decided, smoothed
+from pointbrush.errors import BadInputError
+
+Floats = NDArray[np.float64]
+
+VERSION = 1
+"""Of the file, and of what the features mean."""
+MOST_BYTES = 64 * 2**20
+"""Of a classifier's file, unpacked."""
+MOST_CLASSES = 64
+NAME_LENGTH = 128
+HELD_OUT = 4
+"""One in so many places is held out to score."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Examples:
+    """Cells of one frame as examples: ``features`` (n, F), ``classes`` (n,), ``place`` (n,).
+
+    ``classes`` count from 0 in the classifier's; examples of one ``place`` lie together.
+    ``spread`` (F,) standard deviations of the features in the whole frame.  ``identity``: of the
+    import that the frame is of; ``revision``: of the frame's last change when they were taken.
+    """
+
+    features: NDArray[np.float32]
+    classes: NDArray[np.uint8]
+    place: NDArray[np.int64]
+    spread: Floats
+    identity: str = ""
+    revision: int = 0
+
+    def __len__(self) -> int:
+        return len(self.classes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Classifier:
+    """Classes, what taught them, and the trees that know them.
+
+    ``examples``: by recording and frame; ``size`` of a cell, metres, 0 before anything taught;
+    ``score``: of examples that were held out, None where there were too few.
+    """
+
+    name: str
+    classes: tuple[str, ...]
+    size: float = 0.0
+    examples: Mapping[tuple[str, int], Examples] = field(default_factory=dict)
+    trees: Trees | None = None
+    score: float | None = None
+
+    @property
+    def taught_by(self) -> dict[str, int]:
+        """Recordings that taught it, and how many examples each gave."""
+        found: dict[str, int] = {}
+        for (recording, _), some in self.examples.items():
+            found[recording] = found.get(recording, 0) + len(some)
+        return found
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Examples (K,) of each class."""
+        found = np.zeros(len(self.classes), np.int64)
+        for some in self.examples.values():
+            found += np.bincount(some.classes, minlength=len(found))
+        return found
+
+    @property
+    def spread(self) -> Floats:
+        """Standard deviations (F,) of the features in the frames that taught it."""
+        width = len(feature_names(FeatureOptions()))
+        every = [some.spread for some in self.examples.values()]
+        return np.mean(every, axis=0) if every else np.ones(width)
+
+    def taught(self, most: int) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.int64]]:
+        """Return features, classes and places of at most ``most`` examples, classes alike."""
+        width = len(feature_names(FeatureOptions()))
+        every = list(self.examples.values())
+        if not every:
+            return np.zeros((0, width), np.float32), np.zeros(0, np.int64), np.zeros(0, np.int64)
+        classes = np.concatenate([each.classes for each in every]).astype(np.int64)
+        features = np.concatenate([each.features for each in every])
+        place = np.concatenate([each.place * len(every) + k for k, each in enumerate(every)])
+        kept = balanced(classes, most)
+        return features[kept], classes[kept], place[kept]
+
+    def learnt(self, options: ForestOptions) -> Classifier:
+        """Return the same with trees that know all examples, and a score."""
+        features, classes, place = self.taught(options.most)
+        if not len(features):
+            return replace(self, trees=None, score=None)
+        count, spread = len(self.classes), self.spread
+        trees = learn(features, classes, count, spread, options)
+        score = _score(features, classes, place, count, spread, options)
+        return replace(self, trees=trees, score=score)
+
+    def chances(self, place: Described) -> Chances:
+        """Return the chance (C, K) of each class in each cell of a frame."""
+        if self.trees is None:
+            count = len(self.classes)
+            return np.full((len(place.center), count), 1 / count, np.float32)
+        return smoothed(probabilities(self.trees, place.features), place.near)
+
+    def answer(self, place: Described) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+        """Return the class (N,) of each point, from 1, and the confidence (N,) 0 to 255."""
+        best, margin = decided(self.chances(place))
+        at = place.of_point
+        sure = np.clip(margin * 255, 0, 255).astype(np.uint8)
+        return (best + 1).astype(np.uint8)[at], sure[at]
+
+
+def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+    """Choose at most ``most`` examples (n,), the same of each class as far as there are."""
+    if len(classes) <= most:
+        return np.arange(len(classes))
+    held = np.bincount(classes)
+    share, left = most, sorted(held[held > 0].tolist())
+    for k, count in enumerate(left):
+        share = most // (len(left) - k)
+        if count >= share:
+            break
+        most -= count
+    chosen = []
+    for kind in np.flatnonzero(held):
+        members = np.flatnonzero(classes == kind)
+        take = min(len(members), share)
+        chosen.append(members[np.linspace(0, len(members) - 1, take).astype(np.int64)])
+    return np.sort(np.concatenate(chosen))
+
+
+def _score(
+    features: NDArray[np.float32], classes: NDArray[np.int64], place: NDArray[np.int64], count: int,
+    spread: Floats, options: ForestOptions,
+) -> float | None:  # fmt: skip
+    """Share of held-out examples that are right, mean of the classes; None where there are few."""
+    order = np.unique(place, return_inverse=True)[1].ravel()
+    held = order % HELD_OUT == 0
+    known = np.intersect1d(classes[held], classes[~held])
+    held &= np.isin(classes, known)
+    if len(known) < min(2, count) or not held.any():
+        return None
+    fewer = replace(options, trees=max(1, options.trees // 3))
+    rest = order % HELD_OUT != 0
+    trees = learn(features[rest], classes[rest], count, spread, fewer)
+    right = probabilities(trees, features[held]).argmax(axis=1) == classes[held]
+    return float(np.mean([right[classes[held] == kind].mean() for kind in known]))
+
+
+# ── the file ─────────────────────────────────────────────────────────────────────────────────
+
+
+def to_file(classifier: Classifier) -> bytes:
+    """Return the bytes of a classifier's file."""
+    told = {
+        "version": VERSION,
+        "name": classifier.name,
+        "classes": classifier.classes,
+        "features": feature_names(FeatureOptions()),
+        "size": classifier.size,
+        "score": classifier.score,
+        "examples": [
+            [recording, frame, len(some), some.identity, some.revision]
+            for (recording, frame), some in classifier.examples.items()
+        ],
+    }  # fmt: skip
+    arrays: dict[str, NDArray[Any]] = {"about": np.frombuffer(json.dumps(told).encode(), np.uint8)}
+    if every := list(classifier.examples.values()):
+        arrays["example_features"] = np.concatenate([each.features for each in every])
+        arrays["example_classes"] = np.concatenate([each.classes for each in every])
+        arrays["example_places"] = np.concatenate([each.place for each in every])
+        arrays["example_spreads"] = np.stack([each.spread for each in every])
+    if classifier.trees is not None:
+        arrays |= classifier.trees._asdict()
+    out = io.BytesIO()
+    np.savez_compressed(out, **arrays)  # type: ignore[arg-type]  # numpy's stub takes no mapping
+    return out.getvalue()
+
+
+def from_file(data: bytes) -> Classifier:
+    """Return the classifier of a file.  Raises BadInputError for anything else."""
+    try:
+        arrays = _arrays(data)
+        told = json.loads(arrays["about"].tobytes())
+        return _checked(told, arrays)
+    except BadInputError:
+        raise
+    except (OSError, ValueError, EOFError, LookupError, TypeError, zipfile.BadZipFile) as error:
+        raise BadInputError(f"classifier: expected a file of one, got {error}"[:300]) from None
+
+
+def _arrays(data: bytes) -> dict[str, NDArray[Any]]:
+    """Read the arrays of a file; what they would take is looked at first."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        if sum(each.file_size for each in archive.infolist()) > MOST_BYTES:
+            raise BadInputError(f"classifier: expected at most {MOST_BYTES} bytes, got more")
+        found = {}
+        for each in archive.infolist():
+            with archive.open(each) as member:
+                array = npy_format.read_array(member, allow_pickle=False)
+                found[each.filename.removesuffix(".npy")] = array
+    return found
+
+
+def _checked(told: Any, arrays: Mapping[str, NDArray[Any]]) -> Classifier:
+    if told["version"] != VERSION:
+        raise BadInputError(f"classifier: expected version {VERSION}, got {told['version']}")
+    names = feature_names(FeatureOptions())
+    if tuple(told["features"]) != names:
+        raise BadInputError("classifier: expected the features of this version, got others")
+    classes = check_classes(told["classes"])
+    size = float(told["size"])
+    _require(0 <= size < 1e6, "a size in metres")
+    score = None if told["score"] is None else float(told["score"])
+    _require(score is None or 0 <= score <= 1, "a score from 0 to 1")
+    examples = _examples(told["examples"], arrays, len(names), len(classes))
+    trees = _trees(arrays, len(names), len(classes)) if "roots" in arrays else None
+    return Classifier(check_name(told["name"]), classes, size, examples, trees, score)
+
+
+def _examples(
+    told: Sequence[Any], arrays: Mapping[str, NDArray[Any]], width: int, kinds: int
+) -> dict[tuple[str, int], Examples]:
+    if not told:
+        return {}
+    lengths = [int(count) for _, _, count, _, _ in told]
+    total = sum(lengths)
+    _require(min(lengths) >= 0, "examples")
+    features = _array(arrays, "example_features", np.float32, (total, width))
+    classes = _array(arrays, "example_classes", np.uint8, (total,))
+    places = _array(arrays, "example_places", np.int64, (total,))
+    spreads = _array(arrays, "example_spreads", np.float64, (len(told), width))
+    _require(bool(np.isfinite(features).all() and np.isfinite(spreads).all()), "finite features")
+    _require(bool((classes < kinds).all()), "classes that there are")
+    ends = np.cumsum(lengths)
+    found = {}
+    for k, (recording, frame, n, identity, revision) in enumerate(told):
+        part = slice(ends[k] - n, ends[k])
+        found[str(recording)[:NAME_LENGTH], int(frame)] = Examples(
+            features[part], classes[part], places[part], spreads[k], str(identity), int(revision)
+        )
+    return found
+
+
+def _trees(arrays: Mapping[str, NDArray[Any]], width: int, kinds: int) -> Trees:
+    """Check trees: the loops that read them trust every number."""
+    n, leaves = len(arrays["feature"]), len(arrays["chance"])
+    feature = _array(arrays, "feature", np.int16, (n,))
+    threshold = _array(arrays, "threshold", np.float32, (n,))
+    left = _array(arrays, "left", np.int32, (n,))
+    roots = _array(arrays, "roots", np.int32, (len(arrays["roots"]),))
+    chance = _array(arrays, "chance", np.float32, (leaves, kinds))
+    inner = feature >= 0
+    number = np.arange(n)
+    good = (
+        len(roots) > 0
+        and bool((feature < width).all())
+        and bool(((roots >= 0) & (roots < n)).all())
+        # Children come after their node, so that every way ends.
+        and bool((left[inner] > number[inner]).all() and (left[inner] + 1 < n).all())
+        and bool(((left[~inner] >= 0) & (left[~inner] < leaves)).all())
+        and bool(np.isfinite(chance).all() and np.isfinite(threshold).all())
+    )
+    _require(good, "trees whose links lead somewhere")
+    return Trees(feature, threshold, left, roots, chance)
+
+
+def _array(
+    arrays: Mapping[str, NDArray[Any]], name: str, dtype: type, shape: tuple[int, ...]
+) -> NDArray[Any]:
+    found = arrays[name]
+    if found.dtype != dtype or found.shape != shape:
+        wanted, got = f"{np.dtype(dtype)} {shape}", f"{found.dtype} {found.shape}"
+        raise BadInputError(f"classifier: expected {name} {wanted}, got {got}")
+    return np.ascontiguousarray(found)
+
+
+def _require(good: bool, what: str) -> None:
+    if not good:
+        raise BadInputError(f"classifier: expected {what}")
+
+
+def check_name(name: Any) -> str:
+    """Return a name of 1 to 128 characters; raises BadInputError."""
+    if not isinstance(name, str) or not 1 <= len(name) <= NAME_LENGTH or not name.isprintable():
+        raise BadInputError(f"name: expected 1 to {NAME_LENGTH} printable characters")
+    return name
+
+
+def check_classes(classes: Any) -> tuple[str, ...]:
+    """Return names of 1 to 64 different classes; raises BadInputError."""
+    if not isinstance(classes, list | tuple) or not 1 <= len(classes) <= MOST_CLASSES:
+        raise BadInputError(f"classes: expected 1 to {MOST_CLASSES} names")
+    found = tuple(check_name(each) for each in classes)
+    if len(set(found)) < len(found):
+        raise BadInputError("classes: expected different names")
+    return found

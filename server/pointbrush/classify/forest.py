@@ -1,0 +1,227 @@
+"""Extremely randomised trees (Geurts, Ernst and Wehenkel, 2006) as plain arrays.
+
+A node tries some features, each at one threshold between its examples' least and greatest value,
+and takes the one that parts the classes best.  Classes weigh the same, however many examples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.options import ForestOptions
+from pointbrush.compiled import compiled, innermost
+
+Features = NDArray[np.float32]
+Floats = NDArray[np.float64]
+Grown = tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]
+"""One tree: features, thresholds, links and chances of its leaves."""
+LEAF = -1
+
+
+class Trees(NamedTuple):
+    """Trees that share their arrays; children come after their node.
+
+    ``feature`` (n,) int16, -1 for a leaf; ``threshold`` (n,) float32: left when a value is not
+    above it; ``left`` (n,) int32, its right child is the next, and of a leaf its row of
+    ``chance`` (leaves, classes) float32; ``roots`` (trees,) int32.
+    """
+
+    feature: NDArray[np.int16]
+    threshold: NDArray[np.float32]
+    left: NDArray[np.int32]
+    roots: NDArray[np.int32]
+    chance: NDArray[np.float32]
+
+
+def learn(
+    features: Features,
+    classes: NDArray[np.int64],
+    count: int,
+    spread: Floats,
+    options: ForestOptions,
+) -> Trees:
+    """Learn ``count`` classes from examples (n, F) and their classes (n,).
+
+    ``spread`` (F,) standard deviations of the features in whole frames.  Examples are learnt from
+    as somewhat different ones: what parts a few of them narrowly does not part others.
+    The same examples give the same trees.
+    """
+    options.check()
+    rng = np.random.default_rng(0)
+    times = max(1, options.copies // max(len(classes), 1))
+    features, classes = np.repeat(features, times, axis=0), np.repeat(classes, times)
+    shaken = rng.standard_normal(features.shape, np.float32)
+    features = features + shaken * (options.shake * spread).astype(np.float32)
+    held = np.bincount(classes, minlength=count)
+    weight = len(classes) / (np.maximum(held, 1) * max((held > 0).sum(), 1))
+    seeds = rng.integers(1, 2**31, options.trees)
+    made = [
+        _grow(
+            features, classes, weight, int(each), options.depth, options.fewest, options.tried,
+            options.smoothing,
+        )
+        for each in seeds
+    ]  # fmt: skip
+    return _joined(made)
+
+
+def _joined(made: Sequence[Grown]) -> Trees:
+    roots, starts, at, leaf = [], [], 0, 0
+    for feature, _, _, chance in made:
+        roots.append(at)
+        starts.append(leaf)
+        at, leaf = at + len(feature), leaf + len(chance)
+    left = [
+        np.where(feature < 0, links + start, links + root)
+        for (feature, _, links, _), root, start in zip(made, roots, starts, strict=True)
+    ]
+    return Trees(
+        np.concatenate([each[0] for each in made]).astype(np.int16),
+        np.concatenate([each[1] for each in made]).astype(np.float32),
+        np.concatenate(left).astype(np.int32),
+        np.array(roots, np.int32),
+        np.concatenate([each[3] for each in made]).astype(np.float32),
+    )
+
+
+@innermost
+def _random(state: NDArray[np.uint64]) -> float:
+    """Return the next number of a generator (xorshift), 0 to 1."""
+    x = state[0]
+    x ^= x << np.uint64(13)
+    x ^= x >> np.uint64(7)
+    x ^= x << np.uint64(17)
+    state[0] = x
+    return float(x >> np.uint64(11)) / 9007199254740992.0
+
+
+@compiled
+def _grow(
+    features: Features, classes: NDArray[np.int64], weight: Floats, seed: int, depth: int,
+    fewest: int, tried: int, smoothing: float,
+) -> tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]:  # fmt: skip
+    """Grow one tree; its links count from its own first node and leaf."""
+    count, kinds = len(features), len(weight)
+    state = np.array([seed], np.uint64)
+    for _ in range(8):
+        _random(state)
+    room = 2 * count + 1
+    feature = np.full(room, LEAF, np.int16)
+    threshold, left = np.zeros(room, np.float32), np.zeros(room, np.int32)
+    chance = np.zeros((count + 1, kinds))
+    order = np.arange(count)
+    # Nodes that wait: node, first and stop of its examples in ``order``, depth.
+    waiting = np.empty((2 * depth + 4, 4), np.int64)
+    waiting[0] = (0, 0, count, 0)
+    open_, nodes, leaves = 1, 1, 0
+    totals, parts = np.zeros(kinds), np.zeros(kinds)
+    while open_:
+        open_ -= 1
+        node, first, stop, down = waiting[open_]
+        totals[:] = 0.0
+        for i in range(first, stop):
+            totals[classes[order[i]]] += weight[classes[order[i]]]
+        best, cut = -1, np.float32(0.0)
+        if down < depth and stop - first >= 2 * fewest and (totals > 0).sum() > 1:
+            best, cut = _question(
+                features, classes, weight, order, first, stop, fewest, tried, totals, parts, state
+            )
+        if best < 0:
+            left[node] = leaves
+            whole = totals.sum() + smoothing * kinds
+            for k in range(kinds):
+                chance[leaves, k] = (totals[k] + smoothing) / whole
+            leaves += 1
+            continue
+        i, j = first, stop - 1
+        while i <= j:
+            if features[order[i], best] <= cut:
+                i += 1
+            else:
+                order[i], order[j] = order[j], order[i]
+                j -= 1
+        feature[node], threshold[node], left[node] = best, cut, nodes
+        waiting[open_] = (nodes + 1, i, stop, down + 1)
+        waiting[open_ + 1] = (nodes, first, i, down + 1)
+        open_ += 2
+        nodes += 2
+    grown = feature[:nodes].copy(), threshold[:nodes].copy(), left[:nodes].copy()
+    return grown[0], grown[1], grown[2], chance[:leaves].copy()
+
+
+@innermost
+def _question(
+    features: Features, classes: NDArray[np.int64], weight: Floats, order: NDArray[np.int64],
+    first: int, stop: int, fewest: int, tried: int, totals: Floats, parts: Floats,
+    state: NDArray[np.uint64],
+) -> tuple[int, np.float32]:  # fmt: skip
+    """Return the feature and threshold that part examples best, or -1 when none does."""
+    width = features.shape[1]
+    best, cut, most = -1, np.float32(0.0), -1.0
+    looked = 0
+    for _ in range(3 * tried):
+        if looked >= tried:
+            break
+        f = int(_random(state) * width)
+        low = high = features[order[first], f]
+        for i in range(first + 1, stop):
+            value = features[order[i], f]
+            low, high = min(low, value), max(high, value)
+        if not low < high:
+            continue
+        looked += 1
+        at = np.float32(low + _random(state) * (high - low))
+        if at >= high:
+            at = low
+        parts[:] = 0.0
+        held = 0
+        for i in range(first, stop):
+            if features[order[i], f] <= at:
+                parts[classes[order[i]]] += weight[classes[order[i]]]
+                held += 1
+        if min(held, stop - first - held) < fewest:
+            continue
+        gain = _purity(totals, parts)
+        if gain > most:
+            best, cut, most = f, at, gain
+    return best, cut
+
+
+@innermost
+def _purity(totals: Floats, parts: Floats) -> float:
+    """Rate a node's two parts: the more of one class each is, the higher."""
+    here = there = here_squares = there_squares = 0.0
+    for k in range(len(totals)):
+        rest = totals[k] - parts[k]
+        here += parts[k]
+        there += rest
+        here_squares += parts[k] * parts[k]
+        there_squares += rest * rest
+    return here_squares / here + there_squares / there
+
+
+ROWS = 512
+"""Rows that go through one tree after another, so that both stay near the processor."""
+
+
+@compiled
+def probabilities(trees: Trees, features: Features) -> NDArray[np.float32]:
+    """Return the chance (n, classes) of each class by the mean of all trees."""
+    feature, threshold, left, roots, chance = trees
+    kinds = chance.shape[1]
+    out = np.zeros((len(features), kinds), np.float32)
+    share = np.float32(1.0 / len(roots))
+    for start in range(0, len(features), ROWS):
+        stop = min(start + ROWS, len(features))
+        for root in roots:
+            for i in range(start, stop):
+                at = root
+                while feature[at] >= 0:
+                    at = left[at] + (features[i, feature[at]] > threshold[at])
+                for k in range(kinds):
+                    out[i, k] += share * chance[left[at], k]
+    return out

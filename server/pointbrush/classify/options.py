@@ -1,0 +1,85 @@
+"""Tunable numbers of the classifier taught by example."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+from pointbrush.errors import BadInputError
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureOptions:
+    """Sizes at which the surroundings of a cell are described; all above 0."""
+
+    points_per_cell: float = 1.6
+    """Points that a cell holds on average where the scale is found."""
+    most_cells: int = 400_000
+    """Cells of a frame; with more a larger size is taken."""
+    levels: int = 5
+    """Radii, each twice the one before."""
+    coloured: tuple[int, ...] = (1, 3)
+    """Levels at which the mean colour and intensity are described."""
+    columns: tuple[int, ...] = (4, 16, 48)
+    """Edges of columns of the plan, cells."""
+    slopes: tuple[float, ...] = (0.12, 0.5)
+    """Metres up per metre along that the ground may rise at most, one surface for each."""
+    ground_column: float = 8.0
+    """Edge of a column of the ground, cells."""
+    bodies: tuple[float, ...] = (2.0, 5.0)
+    """Edges of cubes, cells, that belong to one body where they are neighbours."""
+    floor: float = 2.5
+    """Height over the ground from which on something stands on it, cells."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class ForestOptions:
+    """Trees and their growth; all above 0."""
+
+    trees: int = 48
+    depth: int = 14
+    """Questions from root to leaf at most."""
+    fewest: int = 3
+    """Examples in a leaf at least."""
+    tried: int = 16
+    """Features that are tried at a node, each at one random threshold."""
+    most: int = 20_000
+    """Examples that are learnt from at most."""
+    smoothing: float = 0.1
+    """Examples of each class that a leaf has seen beside its own."""
+    copies: int = 8_000
+    """Examples up to which each is learnt from several times."""
+    shake: float = 0.2
+    """Standard deviation of what is added to a feature, of its own in a frame."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
+class DoubtOptions:
+    """Pieces that are offered to be answered; all above 0."""
+
+    edge: float = 16.0
+    """Edge of a piece, cells."""
+    fewest: int = 4
+    """Cells of a piece at least."""
+    considered: int = 64
+    """Pieces with the most doubt, of which those unlike what was taught come first."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+def _above_zero(options: Any) -> None:
+    for each in fields(options):
+        value = getattr(options, each.name)
+        numbers = value if isinstance(value, tuple) else (value,)
+        if not all(number > 0 for number in numbers):
+            raise BadInputError(f"{each.name}: expected numbers above 0, got {value!r}")

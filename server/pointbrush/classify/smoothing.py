@@ -1,0 +1,37 @@
+"""A vote of neighbouring cells on their classes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled
+
+Chances = NDArray[np.float32]
+
+
+@compiled
+def smoothed(chance: Chances, near: NDArray[np.int32]) -> Chances:
+    """Return the mean chance (C, K) of each cell and its neighbours ``near`` (C, 26)."""
+    out = chance.copy()
+    for c in range(len(chance)):
+        held = np.float32(1)
+        for other in near[c]:
+            if other >= 0:
+                held += np.float32(1)
+                for k in range(chance.shape[1]):
+                    out[c, k] += chance[other, k]
+        for k in range(chance.shape[1]):
+            out[c, k] /= held
+    return out
+
+
+def decided(chance: Chances) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Return the likeliest class (C,), and how much likelier (C,), 0 to 1, than the next one."""
+    if not len(chance):
+        return np.zeros(0, np.int64), np.zeros(0, np.float32)
+    best = chance.argmax(axis=1)
+    if chance.shape[1] == 1:
+        return best, np.ones(len(chance), np.float32)
+    two = np.partition(chance, -2, axis=1)[:, -2:]
+    return best, two[:, 1] - two[:, 0]

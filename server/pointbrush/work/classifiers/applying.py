@@ -1,0 +1,217 @@
+"""A classifier applied to frames, in a job: one edit at its end, or none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.classifier import Classifier, from_file, to_file
+from pointbrush.classify.features import describe, scale_of
+from pointbrush.errors import BadInputError
+from pointbrush.jobs import MESSAGE, Job, JobRunner
+from pointbrush.labels import Label, LabelStore, Write
+from pointbrush.labels.palette import Palette
+from pointbrush.labels.plans import Writes
+from pointbrush.labels.types import PREDICTED
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import open_sequence
+from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.annotate.layers import Packed
+from pointbrush.work.classifiers import PREDICT
+from pointbrush.work.classifiers.frames import example_frame, pieces
+from pointbrush.work.classifiers.naming import label_of
+from pointbrush.work.classifiers.options import ApplyOptions, ClassifierOptions
+from pointbrush.worker import Channel
+
+SUREST = 255
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """Classes, from 1, and confidences of points of a frame; ``numbers``: of a piece, or None."""
+
+    frame: int
+    numbers: NDArray[np.int64] | None
+    kind: Packed
+    confidence: Packed
+
+
+@dataclass(frozen=True)
+class PredictingWork:
+    """Picklable work: hands each piece's ``Found`` over as an item."""
+
+    files: RecordingFiles
+    classifier: bytes = field(repr=False)
+    frames: tuple[int, ...]
+    options: ClassifierOptions
+
+    def __call__(self, channel: Channel) -> None:
+        """Predict frame by frame, large ones piece by piece."""
+        recording, model = open_sequence(self.files), from_file(self.classifier)
+        total = sum(recording[frame].count for frame in self.frames) or 1
+        done = 0
+        for frame in self.frames:
+            for found, count in predicted(recording, frame, model, self.options):
+                channel.item(found)
+                done += count
+                channel.progress(min(done / total, 1.0), f"frame {frame}")
+
+
+def predicted(
+    recording: Recording, frame: int, model: Classifier, options: ClassifierOptions
+) -> Iterator[tuple[Found, int]]:
+    """Yield the classes of a frame by a classifier, and the number of points."""
+    count = recording[frame].count
+    if count == 0:
+        return
+    if count <= options.whole_points:
+        made = example_frame(recording, frame)
+        place = describe(made, model.size or scale_of(made.xyz, options.features), options.features)
+        kind, sure = model.answer(place)
+        yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
+        return
+    for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
+        made = example_frame(recording, frame, piece.members)
+        kind, sure = model.answer(describe(made, model.size, options.features))
+        own = piece.inside
+        yield (
+            Found(frame, piece.members[own], Packed.of(kind[own]), Packed.of(sure[own])),
+            int(own.sum()),
+        )
+
+
+@dataclass(frozen=True)
+class ApplyRequest:
+    """Apply a classifier to ``frames`` of a recording."""
+
+    frames: tuple[int, ...]
+    options: ApplyOptions
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record a job keeps, to be begun again."""
+        return {"call": PREDICT, "frames": list(self.frames), "options": asdict(self.options)}
+
+    @classmethod
+    def of_json(cls, fields: Mapping[str, Any]) -> ApplyRequest:
+        """Return the request that ``as_json`` made ``fields`` of."""
+        return cls(tuple(fields["frames"]), ApplyOptions(**fields["options"]))
+
+
+class Predictions:
+    """Starts jobs that apply classifiers, and takes in what they find."""
+
+    def __init__(
+        self,
+        store: LabelStore,
+        runner: JobRunner,
+        current: Callable[[str], Classifier],
+        options: ClassifierOptions,
+    ) -> None:
+        """``current`` gives a classifier as it is now by its id."""
+        self._store, self._runner = store, runner
+        self._current, self._options = current, options
+
+    def start(self, recording: Recording, request: ApplyRequest, author: str, job_id: str) -> Job:
+        """Begin a job; ``job_id`` is that of its edit too.
+
+        Raises NotFoundError (frame, classifier), BadInputError (nothing taught, no frame).
+        """
+        sequence, kept = recording.manifest.id, request.as_json()
+        job = Job("prediction", sequence, job_id, owner=author, edit=job_id, request=kept)
+        return self._begin(recording, request, job)
+
+    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
+        """Begin a job again that another server has left; return its result if it was done."""
+        made = self._store.find(recording.manifest.id, job.edit or job.id)
+        if made is not None:
+            return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}
+        self._begin(recording, ApplyRequest.of_json(job.request or {}), job)
+        return None
+
+    def _begin(self, recording: Recording, request: ApplyRequest, job: Job) -> Job:
+        self._store.require_writable()
+        if not request.frames:
+            raise BadInputError("frames: expected at least one, got none")
+        for frame in request.frames:
+            _ = recording[frame]
+        model = self._current(request.options.classifier)
+        if model.trees is None:
+            raise BadInputError("classifier: expected one that was taught, nothing is painted yet")
+        found: list[Found] = []
+        pending = _Pending(self._store, recording, model, request, found)
+        work = PredictingWork(recording.files, to_file(model), request.frames, self._options)
+        author, edit = job.owner or "", job.edit or job.id
+
+        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled:
+                return {"edit": None, "changed": 0, MESSAGE: "no label was changed"}
+            return pending.commit(edit, author)
+
+        return self._runner.submit(
+            job, work, finish, lambda _, item: found.append(item),
+            restart=lambda _: found.clear(),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Pending:
+    """Findings of a job, in the server's process; they become one edit."""
+
+    store: LabelStore
+    recording: Recording
+    model: Classifier
+    request: ApplyRequest
+    found: list[Found]
+
+    def commit(self, edit: str, author: str) -> dict[str, Any]:
+        """Write everything as one edit: where nobody painted, erased or tracked."""
+        name, frames = self.model.name, len(self.request.frames)
+        many = "1 frame" if frames == 1 else f"{frames} frames"
+        commit = self.store.apply(
+            self.recording.manifest.id,
+            edit_id=edit,
+            author=author,
+            kind="prediction",
+            writes=self._choose,
+            summary=f"predicted {many} by '{name}'"[:200],
+            identity=self.recording.identity,
+        )
+        return {
+            "edit": commit.edit_id,
+            "changed": commit.changed,
+            "revision": commit.revision,
+            "frames": frames,
+            MESSAGE: f"{commit.changed:,} points labelled",
+        }
+
+    def _choose(self, palette: Palette) -> tuple[Sequence[Label], Writes]:
+        """Choose the label of each class in the palette that the edit commits on."""
+        ids, added, new = palette.free_ids(), [], np.zeros(len(self.model.classes) + 1, np.uint16)
+        taught = self.model.counts > 0
+        for number, name in enumerate(self.model.classes, 1):
+            label = label_of(name, palette.labels)
+            if label is None and taught[number - 1]:
+                label = Label(ids.take((name, name)), name, name)
+                added.append(label)
+            # Nobody sees what is hidden, and a locked label is as it should be.
+            if label is not None and label.visible and not label.locked:
+                new[number] = label.id
+        return added, self._writes(new)
+
+    def _writes(self, ids: NDArray[np.uint16]) -> Iterator[tuple[int, Write]]:
+        least = self.request.options.above * SUREST
+        for each in self.found:
+            label, sure = ids[each.kind.values()], each.confidence.values()
+            kept = np.flatnonzero((label > 0) & (sure >= least))
+            numbers = kept if each.numbers is None else each.numbers[kept]
+            yield (
+                each.frame,
+                Write(
+                    numbers, label=label[kept], provenance=PREDICTED, confidence=sure[kept],
+                    only="predictable", living=True, hidden=frozenset(),
+                ),
+            )  # fmt: skip

@@ -1,0 +1,103 @@
+"""Described frames: made once, kept in memory while there is room."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.features import Described, describe, scale_of
+from pointbrush.errors import TooLargeError
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences.cache import Cache
+from pointbrush.work.annotate.painted_frame import frame_points
+from pointbrush.work.classifiers.frames import example_frame
+from pointbrush.work.classifiers.options import ClassifierOptions
+from pointbrush.work.objects.frames import near
+
+Numbers = NDArray[np.int64]
+Key = tuple[str, int, float, tuple[int, ...]]
+SAMPLED = 1_000_000
+"""Points of a piece by which the scale of a large frame is found."""
+
+
+class DescribedFrames:
+    """Cells and features of frames, or of parts of large ones; thread-safe."""
+
+    def __init__(self, options: ClassifierOptions) -> None:
+        self._options = options
+        self._kept: Cache[Key, tuple[Described, Numbers]] = Cache(options.memory_bytes)
+        self._busy = threading.Lock()
+
+    def scale(self, recording: Recording, frame: int) -> float:
+        """Return the size of a cell for frames like this one."""
+        stored, members = recording[frame], None
+        if stored.count > self._options.whole_points:
+            middle = np.asarray(stored.coordinates[np.arange(1)], np.float64)[0]
+            members = near(frame_points(stored), middle, 1e5, SAMPLED)
+        return scale_of(example_frame(recording, frame, members).xyz, self._options.features)
+
+    def whole(self, recording: Recording, frame: int, size: float) -> Described:
+        """Return a frame's description; raises TooLargeError for one that is read in pieces."""
+        count = recording[frame].count
+        if count > self._options.whole_points:
+            raise TooLargeError(
+                f"frame {frame}: expected at most {self._options.whole_points:,} points, or a "
+                f"place in it, got {count:,}"
+            )
+        return self._get(recording, frame, size, (), None)[0]
+
+    def round(
+        self, recording: Recording, frame: int, size: float, place: NDArray[np.float64]
+    ) -> tuple[Described, Numbers]:
+        """Return the description of what is near a place (3,), local metres, and its points."""
+        stored = recording[frame]
+        if stored.count <= self._options.whole_points:
+            return self.whole(recording, frame, size), np.arange(stored.count)
+        step = 64 * size
+        cube = np.floor(place / step)
+        middle = (cube + 0.5) * step
+        members = near(frame_points(stored), middle, 1e5, self._options.whole_points)
+        return self._get(recording, frame, size, tuple(cube.astype(int).tolist()), members)
+
+    def holding(
+        self, recording: Recording, frame: int, size: float, points: Numbers
+    ) -> Iterator[tuple[Described, Numbers]]:
+        """Yield descriptions in which ``points`` (n,) lie, each once, and their points."""
+        stored = recording[frame]
+        if stored.count <= self._options.whole_points:
+            yield self.whole(recording, frame, size), np.arange(stored.count)
+            return
+        left = points
+        while len(left):
+            place = np.asarray(stored.coordinates[left[:1]], np.float64)[0]
+            described, members = self.round(recording, frame, size, place)
+            yield described, members
+            left = left[1:][~np.isin(left[1:], members, kind="sort")]
+
+    def forget(self, identity: str) -> None:
+        """Drop what is kept of a recording, by its import's identity."""
+        for key in self._kept.held():
+            if key[0] == identity:
+                self._kept.drop(key)
+
+    def _get(
+        self, recording: Recording, frame: int, size: float, cube: tuple[int, ...],
+        members: Numbers | None,
+    ) -> tuple[Described, Numbers]:  # fmt: skip
+        key = (recording.identity, frame, size, cube)
+        known = self._kept.known(key)
+        if known is not None:
+            return known
+        with self._busy:  # one at a time: two would take the same frame's time twice
+            known = self._kept.known(key)
+            if known is None:
+                made = describe(
+                    example_frame(recording, frame, members), size, self._options.features
+                )
+                kept = np.empty(0, np.int64) if members is None else members
+                known = made, kept
+                self._kept.get(key, lambda: (made, kept), made.nbytes + kept.nbytes)
+        return known

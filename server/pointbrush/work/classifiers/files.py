@@ -1,0 +1,64 @@
+"""Classifiers as files in a folder of the workspace."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from pointbrush.classify.classifier import Classifier, from_file, to_file
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.sequences.files import replace_file
+from pointbrush.work.trash import ids_for
+
+_ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")
+_ENDING = ".npz"
+
+
+class ClassifierFiles:
+    """One file a classifier under ``folder``, which need not exist."""
+
+    def __init__(self, folder: Path, most: int) -> None:
+        """``most`` files at most."""
+        self._folder, self._most = folder, most
+
+    def ids(self) -> list[str]:
+        """List all, by id."""
+        found = (path.name.removesuffix(_ENDING) for path in self._folder.glob(f"*{_ENDING}"))
+        return sorted(name for name in found if _ID.fullmatch(name))
+
+    def read(self, identifier: str) -> Classifier:
+        """Return a classifier; raises NotFoundError, BadInputError for a damaged file."""
+        try:
+            return from_file(self._path(identifier).read_bytes())
+        except FileNotFoundError:
+            raise unknown(identifier) from None
+
+    def free_id(self, name: str) -> str:
+        """Return a readable id for a name that nothing has.  Raises BadInputError when full."""
+        taken = set(self.ids())
+        if len(taken) >= self._most:
+            raise BadInputError(f"classifiers: expected at most {self._most}, delete one first")
+        return next(each for each in ids_for(name) if each not in taken)
+
+    def write(self, identifier: str, classifier: Classifier) -> None:
+        """Write a classifier whole or not at all."""
+        path = self._path(identifier)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_file(path, to_file(classifier))
+
+    def delete(self, identifier: str) -> None:
+        """Remove a classifier; raises NotFoundError."""
+        try:
+            self._path(identifier).unlink()
+        except FileNotFoundError:
+            raise unknown(identifier) from None
+
+    def _path(self, identifier: str) -> Path:
+        if not _ID.fullmatch(identifier):
+            raise unknown(identifier)
+        return self._folder / f"{identifier}{_ENDING}"
+
+
+def unknown(identifier: str) -> NotFoundError:
+    """Return the error for an id that nothing has."""
+    return NotFoundError(f"classifier: expected a known id, got {identifier!r}")

@@ -1,0 +1,111 @@
+"""Stored frames as classifiers see them: whole, piece by piece, or what is near a place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.features import ExampleFrame
+from pointbrush.ranges import ranges
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import StoredFrame
+from pointbrush.sequences.manifest import Manifest
+
+Numbers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+RETURNS = ("return_number", "number_of_returns")
+LEVEL_FROM_ROOM = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+"""Rotation from room coordinates, y up, to level ones, z up."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """Points of a frame by their stored numbers: ``members`` (n,) ascending, with those round the
+    piece; ``inside`` (n,) says which are its own."""
+
+    members: Numbers
+    inside: NDArray[np.bool_]
+
+
+def level_rotation(manifest: Manifest) -> Floats:
+    """Return the rotation (3, 3) from local coordinates to level ones, z up."""
+    return np.asarray(LEVEL_FROM_ROOM @ manifest.T_room_local[:3, :3])
+
+
+def example_frame(recording: Recording, frame: int, members: Numbers | None = None) -> ExampleFrame:
+    """Return a frame, or its points ``members``, as features are made of it."""
+    stored = recording[frame]
+
+    def part(column: NDArray[np.generic] | None) -> NDArray[np.generic] | None:
+        if column is None:
+            return None
+        return np.ascontiguousarray(column if members is None else column[members])
+
+    xyz = np.asarray(stored.coordinates[slice(None) if members is None else members], np.float64)
+    return ExampleFrame(
+        np.ascontiguousarray(xyz @ level_rotation(recording.manifest).T),
+        part(stored.rgb),  # type: ignore[arg-type]
+        part(stored.intensity),  # type: ignore[arg-type]
+        _returns(recording, stored, members),
+    )
+
+
+def _returns(
+    recording: Recording, stored: StoredFrame, members: Numbers | None
+) -> NDArray[np.float32] | None:
+    """Number of the return and of its pulse's returns (n, 2), where the source has them."""
+    found = recording.other_of(stored.index, 0, stored.count)
+    if not all(name in found for name in RETURNS):
+        return None
+    wanted = stored.source_index if members is None else stored.source_index[members]
+    return np.stack([found[name][wanted] for name in RETURNS], axis=1).astype(np.float32)
+
+
+def pieces(recording: Recording, frame: int, most: int, margin: float) -> Iterator[Piece]:
+    """Yield pieces of a frame of about ``most`` points, ``margin`` metres of what is round each.
+
+    The frame is cut along the ground only: what stands on it stays whole.
+    """
+    stored = recording[frame]
+    blocks = stored.blocks
+    level = level_rotation(recording.manifest)
+    axes = np.argsort(np.abs(level[2]))[:2]
+    middle = (blocks.lo + blocks.hi)[:, axes].astype(np.float64) / 2
+    held = np.diff(blocks.first)
+    lo, hi = blocks.lo[:, axes], blocks.hi[:, axes]
+    for low, high in _boxes(middle, held, np.full(2, -np.inf), np.full(2, np.inf), most):
+        touched = np.flatnonzero(((hi >= low - margin) & (lo <= high + margin)).all(axis=1))
+        numbers = ranges(blocks.first[touched], blocks.first[touched + 1])
+        place = np.asarray(stored.coordinates[numbers], np.float64)[:, axes]
+        near = ((place >= low - margin) & (place < high + margin)).all(axis=1)
+        own = (place >= low) & (place < high)
+        inside = np.asarray(own.all(axis=1))[near]
+        if inside.any():
+            yield Piece(numbers[near], inside)
+        if stored.large:
+            stored.release()
+
+
+def _boxes(
+    middle: Floats, held: Numbers, low: Floats, high: Floats, most: int
+) -> Iterator[tuple[Floats, Floats]]:
+    """Halve the plan until each part holds at most ``most`` points, by its blocks' middles."""
+    inside = ((middle >= low) & (middle < high)).all(axis=1)
+    here, counts = middle[inside], held[inside]
+    if counts.sum() <= most or len(here) < 2:
+        yield low, high
+        return
+    axis = int(np.ptp(here, axis=0).argmax())
+    order = np.argsort(here[:, axis])
+    half = int(np.searchsorted(np.cumsum(counts[order]), counts.sum() / 2))
+    cut = float(here[order[min(half, len(order) - 1)], axis])
+    if not here[:, axis].min() < cut:
+        yield low, high
+        return
+    below, above = high.copy(), low.copy()
+    below[axis] = above[axis] = cut
+    yield from _boxes(middle, held, low, below, most)
+    yield from _boxes(middle, held, above, high, most)

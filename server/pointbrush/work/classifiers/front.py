@@ -1,0 +1,45 @@
+"""The part of a workspace that is about classifiers taught by example."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from pointbrush.jobs import Job, JobRunner
+from pointbrush.labels import LabelStore
+from pointbrush.work.classifiers.applying import ApplyRequest, Predictions
+from pointbrush.work.classifiers.options import ApplyOptions
+from pointbrush.work.classifiers.service import Classifiers
+from pointbrush.work.exporting import parse_frames
+from pointbrush.work.job_book import JobBook
+from pointbrush.work.library import Library
+
+
+class ClassifierFront(Classifiers):
+    """Classifiers of a workspace, and the jobs that apply them."""
+
+    def __init__(
+        self, store: LabelStore, library: Library, runner: JobRunner, jobs: JobBook, folder: Path
+    ) -> None:
+        """``folder``: where their files are."""
+        super().__init__(store, folder, library.recording, library.ids)
+        self._jobs = jobs
+        self._predictions = Predictions(store, runner, self.current, self.options)
+
+    def apply(self, sequence: str, *, author: str, edit: str | None = None, **chosen: Any) -> Job:
+        """Label what nobody has labelled in frames of a recording, in a job; it is one edit.
+
+        ``chosen``: fields of ``ApplyOptions``.  ``edit``: the id of its edit and of its job; of one
+        that ``author`` has begun before, that job is returned.
+        """
+        recording, options = self._recording(sequence), ApplyOptions(**chosen)
+        self.about(options.classifier)
+        frames = tuple(parse_frames(options.frames or None, len(recording)))
+        request = ApplyRequest(frames, options)
+        begin = partial(self._predictions.start, recording, request, author)
+        return self._jobs.begin_once(edit, author, begin)
+
+    def again(self, job: Job) -> dict[str, Any] | None:
+        """Begin a job again that another server has left; return its result if it was done."""
+        return self._predictions.again(self._recording(job.sequence or ""), job)

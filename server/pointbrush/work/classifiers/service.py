@@ -1,0 +1,335 @@
+"""Classifiers of a workspace: made, taught, asked, applied, deleted."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.classifier import (
+    Classifier,
+    check_classes,
+    check_name,
+    from_file,
+    to_file,
+)
+from pointbrush.classify.doubt import doubts
+from pointbrush.classify.smoothing import Chances, decided
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.labels import LabelStore
+from pointbrush.labels.types import PAINTED
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.classifiers.described import DescribedFrames
+from pointbrush.work.classifiers.files import ClassifierFiles
+from pointbrush.work.classifiers.frames import level_rotation
+from pointbrush.work.classifiers.naming import classes_of, label_of
+from pointbrush.work.classifiers.options import ClassifierOptions
+from pointbrush.work.classifiers.teaching import Teacher, cell_classes
+
+Numbers = NDArray[np.int64]
+REACH = 0.35
+"""Edges of a piece in doubt that a stroke is wide which answers it."""
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """A classifier in words: ``taught_by`` recordings with their numbers of examples."""
+
+    id: str
+    name: str
+    classes: tuple[str, ...]
+    taught_by: Mapping[str, int]
+    examples: Mapping[str, int]
+    score: float | None
+    cell: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction:
+    """Classes of points of a frame by a classifier, in stored order.
+
+    ``numbers`` (n,) of the points, or None: all; ``label`` (n,) uint16, 0 where the palette has
+    none of the class; ``kind`` (n,) uint8 class from 1, 0 where nothing taught it yet;
+    ``confidence`` (n,) uint8.
+    """
+
+    numbers: Numbers | None
+    label: NDArray[np.uint16]
+    kind: NDArray[np.uint8]
+    confidence: NDArray[np.uint8]
+    classes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place to answer: ``centre`` (3,) source metres, ``radius`` of a stroke,
+    ``points`` of the piece, the two ``classes`` that it may be, and the ``doubt``, 0 to 1."""
+
+    sequence: str
+    frame: int
+    centre: tuple[float, float, float]
+    radius: float
+    points: int
+    classes: tuple[str, str]
+    doubt: float
+    worth: float
+
+
+class Classifiers:
+    """The classifiers in ``folder``; thread-safe."""
+
+    def __init__(
+        self,
+        store: LabelStore,
+        folder: Path,
+        recording: Callable[[str], Recording],
+        recordings: Callable[[], Sequence[str]],
+        options: ClassifierOptions | None = None,
+    ) -> None:
+        """``recording`` opens one by its id; ``recordings`` lists their ids."""
+        self.options = options or ClassifierOptions()
+        self.options.check()
+        self._store, self._recording, self._recordings = store, recording, recordings
+        self._files = ClassifierFiles(folder, self.options.classifiers)
+        self._frames = DescribedFrames(self.options)
+        self._teacher = Teacher(store, self._frames, self.options)
+        self._known: dict[str, Classifier] = {}
+        self._locks: dict[str, threading.RLock] = {}
+        self._lock = threading.Lock()
+
+    # ── what there is ────────────────────────────────────────────────────────────────────
+
+    def listing(self) -> list[About]:
+        """Return all, by id; files that cannot be read are left out."""
+        found = []
+        for identifier in self._files.ids():
+            try:
+                found.append(self.about(identifier))
+            except (BadInputError, NotFoundError):
+                continue
+        return found
+
+    def about(self, identifier: str) -> About:
+        """Return one in words; raises NotFoundError."""
+        return _about(identifier, self._read(identifier))
+
+    def create(
+        self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None
+    ) -> About:
+        """Make a classifier, taught by what is painted in recordings.
+
+        ``classes``: all of the recordings' palettes unless given.  Raises BadInputError,
+        NotFoundError (a recording).
+        """
+        self._require_writable()
+        if not recordings:
+            raise BadInputError("recordings: expected at least one, got none")
+        if classes is None:
+            palettes = [self._store.palette(each) for each in map(self._checked, recordings)]
+            classes = list(dict.fromkeys(name for one in palettes for name in classes_of(one)))
+        made = Classifier(check_name(name), check_classes(list(classes)))
+        with self._lock:
+            identifier = self._files.free_id(name)
+            self._files.write(identifier, made)
+        return self.teach(identifier, recordings)
+
+    def teach(self, identifier: str, recordings: Sequence[str] = ()) -> About:
+        """Learn from what is painted now, also in ``recordings``; and write it down."""
+        self._require_writable()
+        for each in recordings:
+            self._checked(each)
+        with self._guard(identifier):
+            taught = self._fresh(identifier, recordings)
+            self._files.write(identifier, taught)
+        return _about(identifier, taught)
+
+    def delete(self, identifier: str) -> None:
+        """Delete a classifier; what it predicted stays.  Raises NotFoundError."""
+        self._require_writable()
+        with self._guard(identifier):
+            self._files.delete(identifier)
+            self._known.pop(identifier, None)
+        with self._lock:
+            self._locks.pop(identifier, None)
+
+    def file(self, identifier: str) -> bytes:
+        """Return the bytes of a classifier's file, as it is now."""
+        return to_file(self._read(identifier))
+
+    def bring(self, data: bytes, name: str | None = None) -> About:
+        """Take in a classifier's file; raises BadInputError for anything else."""
+        self._require_writable()
+        given = from_file(data)
+        if name is not None:
+            given = replace(given, name=check_name(name))
+        with self._lock:
+            identifier = self._files.free_id(given.name)
+            self._files.write(identifier, given)
+        return _about(identifier, given)
+
+    def forget_features(self, sequence: str) -> None:
+        """Drop what is kept in memory of a recording's frames."""
+        self._frames.forget(self._recording(sequence).identity)
+
+    # ── what it says ─────────────────────────────────────────────────────────────────────
+
+    def current(self, identifier: str, also: Sequence[str] = ()) -> Classifier:
+        """Return a classifier that knows all that is painted in the recordings that teach it."""
+        with self._guard(identifier):
+            return self._fresh(identifier, also)
+
+    def predict(
+        self, identifier: str, sequence: str, frame: int, *, labels: Sequence[int] | None = None,
+        place: Sequence[float] | None = None,
+    ) -> Prediction:  # fmt: skip
+        """Predict the classes of a frame's points; nothing is changed.
+
+        ``labels``: only these, by id; ``place``: only what is near it, (3,) source metres, which a
+        frame that is too large to be described whole needs.
+        Raises NotFoundError, BadInputError, TooLargeError.
+        """
+        recording = self._recording(sequence)
+        _ = recording[frame]
+        classifier = self.current(identifier)
+        numbers: Numbers | None = None
+        size = self._size(classifier, recording, frame)
+        if place is None:
+            described = self._frames.whole(recording, frame, size)
+        else:
+            at = np.asarray(place, np.float64) - np.asarray(recording.manifest.shift)
+            described, found = self._frames.round(recording, frame, size, at)
+            numbers = found if len(found) < recording[frame].count else None
+        chances = classifier.chances(described)
+        ids = self._label_ids(sequence, classifier)
+        if labels is not None:
+            chances = _only(chances, np.isin(ids[1:], list(labels)))
+        best, margin = decided(chances)
+        known = classifier.trees is not None
+        kind = ((best + 1) * known).astype(np.uint8)[described.of_point]
+        sure = np.clip(margin * 255 * known, 0, 255).astype(np.uint8)[described.of_point]
+        return Prediction(numbers, ids[kind], kind, sure, classifier.classes)
+
+    def _size(self, classifier: Classifier, recording: Recording, frame: int) -> float:
+        return classifier.size or self._frames.scale(recording, frame)
+
+    def _label_ids(self, sequence: str, classifier: Classifier) -> NDArray[np.uint16]:
+        """Label ids (K + 1,) of classes from 1; 0 where there is none."""
+        palette = self._store.palette(sequence)
+        found = [label_of(name, palette) for name in classifier.classes]
+        return np.array([0, *(0 if each is None else each.id for each in found)], np.uint16)
+
+    # ── doubt ────────────────────────────────────────────────────────────────────────────
+
+    def doubt(
+        self, identifier: str, sequence: str, *, frame: int | None = None, workspace: bool = False,
+        most: int = 5,
+    ) -> list[Place]:  # fmt: skip
+        """Return the places whose answer would teach most, the best first.
+
+        In one ``frame``, in some of the recording, or in some recordings of the workspace.
+        """
+        classifier = self.current(identifier)
+        names = [sequence]
+        if workspace:
+            others = [each for each in self._recordings() if each != sequence]
+            names += others[: self.options.looked_recordings - 1]
+        found: list[Place] = []
+        for name in names:
+            recording = self._recording(name)
+            count = len(recording)
+            frames = [frame] if frame is not None and name == sequence else _spread(
+                count, self.options.looked_frames if not workspace else 2
+            )  # fmt: skip
+            for each in frames:
+                _ = recording[each]
+                found += self._doubts(classifier, recording, each, most)
+        return sorted(found, key=lambda place: -place.worth)[:most]
+
+    def _doubts(
+        self, classifier: Classifier, recording: Recording, frame: int, most: int
+    ) -> list[Place]:
+        stored, sequence = recording[frame], recording.manifest.id
+        if stored.count == 0:
+            return []
+        size = self._size(classifier, recording, frame)
+        first = np.asarray(stored.coordinates[np.arange(1)], np.float64)[0]
+        place, members = self._frames.round(recording, frame, size, first)
+        values = self._store.values(sequence, frame)
+        painted = ((values.provenance == PAINTED) | values.deleted)[members]
+        answered = cell_classes(place, painted.astype(np.uint8)) > 0
+        taught = classifier.taught(self.options.forest.most)[0]
+        found = doubts(
+            place, classifier.chances(place), answered, taught, classifier.spread,
+            self.options.doubt, most,
+        )  # fmt: skip
+        level = level_rotation(recording.manifest)
+        shift = np.asarray(recording.manifest.shift, np.float64)
+        return [
+            Place(
+                sequence, frame, tuple((each.centre @ level + shift).tolist()),
+                REACH * self.options.doubt.edge * place.size, each.points,
+                (classifier.classes[each.classes[0]], classifier.classes[each.classes[1]]),
+                each.doubt, each.worth,
+            )
+            for each in found
+        ]  # fmt: skip
+
+    # ── keeping ──────────────────────────────────────────────────────────────────────────
+
+    def _require_writable(self) -> None:
+        self._store.require_writable()
+
+    def _checked(self, sequence: str) -> str:
+        return self._recording(sequence).manifest.id
+
+    def _guard(self, identifier: str) -> threading.RLock:
+        with self._lock:
+            return self._locks.setdefault(identifier, threading.RLock())
+
+    def _read(self, identifier: str) -> Classifier:
+        """Return a classifier as last taught here, or its file."""
+        known = self._known.get(identifier)
+        if known is None or identifier not in self._files.ids():
+            known = self._known[identifier] = self._files.read(identifier)
+        return known
+
+    def _fresh(self, identifier: str, also: Sequence[str]) -> Classifier:
+        """Bring a classifier up to date; its guard must be held."""
+        known = self._read(identifier)
+        names = dict.fromkeys([*known.taught_by, *also])
+        recordings: dict[str, Recording] = {}
+        for name in names:
+            try:
+                recordings[name] = self._recording(name)
+            except NotFoundError:  # taught elsewhere, or deleted since: its examples stay
+                continue
+        fresh = self._teacher.fresh(known, recordings)
+        if fresh is not known or (fresh.trees is None and fresh.examples):
+            fresh = fresh.learnt(self.options.forest)
+            self._known[identifier] = fresh
+        return fresh
+
+
+def _about(identifier: str, classifier: Classifier) -> About:
+    counts = dict(zip(classifier.classes, classifier.counts.tolist(), strict=True))
+    return About(
+        identifier, classifier.name, classifier.classes, classifier.taught_by, counts,
+        classifier.score, classifier.size,
+    )  # fmt: skip
+
+
+def _only(chances: Chances, wanted: NDArray[np.bool_]) -> Chances:
+    """Leave the chances (C, K) of the classes ``wanted`` (K,)."""
+    if not wanted.any():
+        raise BadInputError("labels: expected at least one of a class of the classifier")
+    kept = chances * wanted
+    return np.asarray(kept / np.maximum(kept.sum(axis=1, keepdims=True), 1e-9), np.float32)
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Choose at most ``most`` frames of ``count``, evenly."""
+    return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))

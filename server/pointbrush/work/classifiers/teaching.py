@@ -1,0 +1,119 @@
+"""Points that people painted in recordings → examples of a classifier."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.classifier import Classifier, Examples, balanced
+from pointbrush.classify.features import Described
+from pointbrush.labels import LabelStore
+from pointbrush.labels.types import PAINTED
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.classifiers.described import DescribedFrames
+from pointbrush.work.classifiers.naming import numbers_of
+from pointbrush.work.classifiers.options import ClassifierOptions
+
+PLACE = 8.0
+"""Edge, cells, of a cube whose examples are one place: held out together."""
+Key = tuple[str, int]
+
+
+class Teacher:
+    """Gathers examples of the recordings that teach a classifier."""
+
+    def __init__(
+        self, store: LabelStore, frames: DescribedFrames, options: ClassifierOptions
+    ) -> None:
+        self._store, self._frames, self._options = store, frames, options
+
+    def fresh(self, classifier: Classifier, recordings: Mapping[str, Recording]) -> Classifier:
+        """Return a classifier that knows what is painted now; itself where nothing changed.
+
+        ``recordings``: those that teach it, of this workspace; what others taught stays.
+        """
+        examples = {
+            key: some
+            for key, some in classifier.examples.items()
+            if not _is_of(some, recordings.get(key[0]))
+        }
+        size = classifier.size
+        for recording in recordings.values():
+            for frame in self._painted(recording, classifier):
+                size = size or self._frames.scale(recording, frame)
+                examples[recording.manifest.id, frame] = self._examples(
+                    replace(classifier, size=size), recording, frame
+                )
+        if size == classifier.size and _same(examples, classifier.examples):
+            return classifier
+        return replace(classifier, size=size, examples=examples)
+
+    def _painted(self, recording: Recording, classifier: Classifier) -> list[int]:
+        """Return the frames in which people painted its classes, evenly chosen where many."""
+        sequence = recording.manifest.id
+        table = numbers_of(self._store.palette(sequence), classifier.classes)
+        counts = self._store.counts(sequence).items()
+        found = sorted({f for (f, label), (_, by_hand) in counts if by_hand and table[label]})
+        most = self._options.taught_frames
+        if len(found) <= most:
+            return found
+        return [found[k] for k in np.linspace(0, len(found) - 1, most).astype(int)]
+
+    def _examples(self, classifier: Classifier, recording: Recording, frame: int) -> Examples:
+        sequence = recording.manifest.id
+        known = classifier.examples.get((sequence, frame))
+        changed = self._store.changed(sequence, frame)
+        if known is not None and (known.identity, known.revision) == (
+            recording.identity, changed,
+        ):  # fmt: skip
+            return known
+        # Read first: values newer than it are read again the next time.
+        table = numbers_of(self._store.palette(sequence), classifier.classes)
+        values = self._store.values(sequence, frame)
+        kind = np.where((values.provenance == PAINTED) & ~values.deleted, table[values.label], 0)
+        painted = np.flatnonzero(kind)
+        parts = [
+            _taken(place, kind[members], self._options.frame_examples)
+            for place, members in self._frames.holding(recording, frame, classifier.size, painted)
+        ]
+        spread = np.mean([part[3] for part in parts], axis=0)
+        features, classes, places = (np.concatenate([p[k] for p in parts]) for k in range(3))
+        return Examples(features, classes, places, spread, recording.identity, changed)
+
+
+def _is_of(some: Examples, recording: Recording | None) -> bool:
+    return recording is not None and some.identity == recording.identity
+
+
+def _same(one: Mapping[Key, Examples], other: Mapping[Key, Examples]) -> bool:
+    return one.keys() == other.keys() and all(one[key] is other[key] for key in one)
+
+
+def _taken(
+    place: Described, kind: NDArray[np.uint8], most: int
+) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64], NDArray[np.float64]]:
+    """Take a frame's taught cells: features, classes from 0, places, and the features' spread."""
+    of_cell = cell_classes(place, kind)
+    cells = np.flatnonzero(of_cell)
+    cells = cells[balanced(of_cell[cells].astype(np.int64), most)]
+    cube = np.floor(place.center[cells] / (PLACE * place.size)).astype(np.int64)
+    key = (cube[:, 0] * 73_856_093) ^ (cube[:, 1] * 19_349_663) ^ (cube[:, 2] * 83_492_791)
+    spread = place.features.std(axis=0, dtype=np.float64)
+    return place.features[cells], of_cell[cells] - 1, key, spread
+
+
+def cell_classes(place: Described, kind: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return the class (C,) that most of a cell's labelled points have, 0 where none."""
+    labelled = np.flatnonzero(kind)
+    if not len(labelled):
+        return np.zeros(len(place.center), np.uint8)
+    width = int(kind.max()) + 1
+    key = place.of_point[labelled].astype(np.int64) * width + kind[labelled]
+    keys, counts = np.unique(key, return_counts=True)
+    out = np.zeros(len(place.center), np.uint8)
+    order = np.argsort(counts, kind="stable")  # the last one written is the most frequent
+    out[keys[order] // width] = (keys[order] % width).astype(np.uint8)
+    return out

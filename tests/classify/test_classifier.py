@@ -1,0 +1,117 @@
+"""A classifier learns from examples, keeps in a file, and trusts no file."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pointbrush.classify.classifier import (
+    Classifier,
+    Examples,
+    balanced,
+    from_file,
+    to_file,
+)
+from pointbrush.classify.features import feature_names
+from pointbrush.classify.forest import probabilities
+from pointbrush.classify.options import FeatureOptions, ForestOptions
+from pointbrush.errors import BadInputError
+
+RNG = np.random.default_rng(1)
+WIDTH = len(feature_names(FeatureOptions()))
+COUNT = 300
+
+
+def examples() -> Examples:
+    """Three classes that lie apart along the first feature."""
+    classes = np.arange(COUNT) % 3
+    features = RNG.normal(0, 1, (COUNT, WIDTH)).astype(np.float32)
+    features[:, :8] += 4 * classes[:, None]
+    return Examples(
+        features, classes.astype(np.uint8), np.arange(COUNT) // 15, np.ones(WIDTH), "abc", 7
+    )
+
+
+TAUGHT = Classifier("trees", ("a", "b", "c"), 0.5, {("here", 0): examples()}).learnt(
+    ForestOptions(trees=12)
+)
+
+
+def test_what_was_taught_is_known() -> None:
+    assert TAUGHT.trees is not None
+    some = examples()
+    right = probabilities(TAUGHT.trees, some.features).argmax(axis=1) == some.classes
+    assert right.mean() > 0.95
+    assert TAUGHT.score is not None
+    assert TAUGHT.score > 0.9
+
+
+def test_the_same_examples_give_the_same_trees() -> None:
+    again = replace(TAUGHT, trees=None).learnt(ForestOptions(trees=12))
+    assert again.trees is not None
+    assert TAUGHT.trees is not None
+    assert all(np.array_equal(a, b) for a, b in zip(again.trees, TAUGHT.trees, strict=True))
+
+
+def test_a_rare_class_weighs_as_much() -> None:
+    some = examples()
+    kept = np.concatenate(
+        [np.flatnonzero(some.classes != 2), np.flatnonzero(some.classes == 2)[:6]]
+    )
+    few = Examples(some.features[kept], some.classes[kept], some.place[kept], some.spread)
+    taught = replace(TAUGHT, examples={("here", 0): few}).learnt(ForestOptions(trees=24))
+    assert taught.trees is not None
+    rare = some.features[some.classes == 2]
+    assert (probabilities(taught.trees, rare).argmax(axis=1) == 2).mean() > 0.9
+
+
+def test_classes_are_sampled_alike() -> None:
+    classes = np.repeat([0, 1, 2], [1000, 50, 5])
+    assert np.bincount(classes[balanced(classes, 90)]).tolist() == [43, 42, 5] or np.bincount(
+        classes[balanced(classes, 90)]
+    ).tolist() == [42, 42, 5]
+    assert len(balanced(classes, 5000)) == len(classes)
+
+
+def test_a_file_gives_the_classifier_back() -> None:
+    again = from_file(to_file(TAUGHT))
+    assert (again.name, again.classes, again.size, again.score) == (
+        TAUGHT.name, TAUGHT.classes, TAUGHT.size, TAUGHT.score,
+    )  # fmt: skip
+    assert again.taught_by == {"here": COUNT}
+    assert again.examples["here", 0].revision == 7
+    assert again.trees is not None
+    assert TAUGHT.trees is not None
+    assert all(np.array_equal(a, b) for a, b in zip(again.trees, TAUGHT.trees, strict=True))
+    assert from_file(to_file(Classifier("new", ("a",)))).trees is None
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("left", np.int32(-5)),
+        ("left", np.int32(10**6)),
+        ("feature", np.int16(30_000)),
+        ("roots", np.int32(10**6)),
+        ("chance", np.float32(np.nan)),
+    ],
+)
+def test_links_that_lead_nowhere_are_refused(name: str, value: np.generic) -> None:
+    with np.load(io.BytesIO(to_file(TAUGHT))) as stored:
+        arrays = {key: stored[key].copy() for key in stored}
+    arrays[name].flat[0] = value
+    out = io.BytesIO()
+    np.savez(out, **arrays)
+    with pytest.raises(BadInputError, match="classifier"):
+        from_file(out.getvalue())
+
+
+def test_no_pickle_and_no_rubbish_is_read() -> None:
+    out = io.BytesIO()
+    np.savez(out, about=np.array([{"version": 1}], object))
+    for data in (b"", b"PK\x03\x04rubbish", out.getvalue(), to_file(TAUGHT)[:-40]):
+        with pytest.raises(BadInputError, match="classifier"):
+            from_file(data)

@@ -1,0 +1,200 @@
+"""A classifier taught by what is painted labels the rest, and nothing that somebody labelled."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.frame import PointFrame
+from pointbrush.labels import Write
+from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
+from pointbrush.sequences import import_frames
+from pointbrush.workspace import Workspace
+from tests.serving import settings_in
+
+FLAT, TALL = 3000, 1500
+
+
+def scene(seed: int) -> PointFrame:
+    """A floor and a wall on it, z up, metres."""
+    rng = np.random.default_rng(seed)
+    floor = np.column_stack([rng.uniform(0, 3, (FLAT, 2)), rng.normal(0, 0.005, FLAT)])
+    wall = np.column_stack([rng.uniform(0, 3, TALL), np.full(TALL, 3.0), rng.uniform(0, 2, TALL)])
+    return PointFrame(np.concatenate([floor, wall]).astype(np.float32))
+
+
+IS_WALL = np.arange(FLAT + TALL) >= FLAT
+FLOOR, WALL = 1, 2
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Iterator[Workspace]:
+    """Two frames of a floor and a wall, of which a little is painted in the first."""
+    options = settings_in(tmp_path)
+    for name in ("room", "other"):
+        folder = Path(options.workspace) / "sequences" / name
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        frames = (scene(i) for i in range(2))
+        import_frames(frames, folder, sequence_id=name, name=name, fps=1.0)
+    with closing(Workspace(options)) as opened:
+        for name in ("floor", "wall"):
+            opened.labels.create_label("room", "me", name=name)
+        paint(opened, 0, np.r_[0:200], FLOOR)
+        paint(opened, 0, np.r_[FLAT : FLAT + 200], WALL)
+        yield opened
+
+
+def paint(
+    workspace: Workspace, frame: int, source: NDArray[np.int64], label: int, came: int = PAINTED
+) -> None:
+    """Give points, by their numbers in the source, a label."""
+    numbers = np.sort(workspace.recording("room")[frame].stored_numbers(source))
+    write = Write(numbers, label=label, provenance=came)
+    workspace.labels.apply(
+        "room", edit_id=None, author="me", kind="stroke", writes={frame: write}, summary="painted"
+    )
+
+
+def layer(workspace: Workspace, frame: int, name: str = "label") -> NDArray[np.generic]:
+    return workspace.annotations.read("room", frame, name)[0]
+
+
+def apply(workspace: Workspace, **chosen: object) -> dict[str, object]:
+    job = workspace.classifiers.apply("room", author="me", **chosen)
+    ended = workspace.runner.wait(job.id, 60)
+    assert ended.state == "done", ended.error
+    assert ended.result is not None
+    return ended.result
+
+
+def test_the_rest_follows_what_is_painted(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    assert made.classes == ("floor", "wall")
+    assert made.taught_by.keys() == {"room"}
+    for frame in (0, 1):
+        found = workspace.classifiers.predict(made.id, "room", frame)
+        stored = workspace.recording("room")[frame]
+        right = (stored.to_source(found.label) == WALL) == IS_WALL
+        assert right.mean() > 0.97
+    assert not layer(workspace, 1).any()
+    assert workspace.classifiers.predict(made.id, "room", 1, labels=[WALL]).label.min() == WALL
+
+
+def test_applying_is_one_edit_that_spares_what_people_did(workspace: Workspace) -> None:
+    workspace.labels.create_label("room", "me", name="mine")
+    workspace.labels.create_label("room", "me", name="kept", locked=True)
+    spared = {
+        PAINTED: np.r_[300:320], TRACKED: np.r_[400:420], IMPORTED: np.r_[500:520],
+    }  # fmt: skip
+    for came, points in spared.items():
+        paint(workspace, 1, points, 3, came)
+    paint(workspace, 1, np.r_[600:620], 0)  # erased
+    gone = np.zeros(FLAT + TALL, np.bool_)
+    gone[700:720] = True
+    workspace.annotations.put("room", 1, gone, author="me", layer="deleted")
+    before = layer(workspace, 1).copy()
+    made = workspace.classifiers.create("rooms", ["room"], ["floor", "wall"])
+    result = apply(workspace, classifier=made.id, frames="1")
+    after, came = layer(workspace, 1), layer(workspace, 1, "provenance")
+    held = np.concatenate([*spared.values(), np.r_[600:620], np.r_[700:720]])
+    assert np.array_equal(after[held], before[held])
+    free = np.setdiff1d(np.arange(len(after)), held)
+    assert ((after[free] == WALL) == IS_WALL[free]).mean() > 0.97
+    assert (came[free] == PREDICTED).all()
+    assert layer(workspace, 1, "confidence")[free].mean() > 128
+    assert result["changed"] == len(free)
+    assert (layer(workspace, 0, "provenance") != PREDICTED).all()
+    workspace.labels.undo("room", "me")
+    assert np.array_equal(layer(workspace, 1), before)
+    assert not layer(workspace, 1, "confidence").any()
+
+
+def test_strokes_win_over_predictions_and_may_be_applied_again(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    apply(workspace, classifier=made.id, frames="1")
+    paint(workspace, 1, np.r_[0:50], WALL)
+    apply(workspace, classifier=made.id, frames="1")
+    assert (layer(workspace, 1)[:50] == WALL).all()
+    assert (layer(workspace, 1, "provenance")[:50] == PAINTED).all()
+    assert not layer(workspace, 1, "confidence")[:50].any()
+
+
+def test_unsure_points_are_left_out(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    apply(workspace, classifier=made.id, frames="1", above=0.9)
+    some = layer(workspace, 1) > 0
+    assert 0 < some.mean() < 1
+    assert layer(workspace, 1, "confidence")[some].min() >= 0.85 * 255
+    with pytest.raises(BadInputError, match="above"):
+        workspace.classifiers.apply("room", author="me", classifier=made.id, above=2.0)
+
+
+def test_locked_and_hidden_classes_get_no_points(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    workspace.labels.update_label("room", "me", WALL, locked=True)
+    workspace.labels.update_label("room", "me", FLOOR, visible=False)
+    assert apply(workspace, classifier=made.id, frames="1")["changed"] == 0
+
+
+def test_a_recording_without_the_labels_gets_them(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    assert not workspace.classifiers.predict(made.id, "other", 0).label.any()
+    job = workspace.classifiers.apply("other", author="me", classifier=made.id, frames="0")
+    assert workspace.runner.wait(job.id, 60).state == "done"
+    assert [label.name for label in workspace.labels.palette("other")] == ["floor", "wall"]
+    workspace.labels.undo("other", "me")
+    assert not workspace.annotations.read("other", 0)[0].any()
+
+
+def test_two_people_teach_one_and_every_stroke_counts(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    before = workspace.classifiers.about(made.id).examples["wall"]
+    both = [
+        threading.Thread(
+            target=paint, args=(workspace, frame, np.r_[FLAT + 200 : FLAT + 400], WALL)
+        )
+        for frame in (0, 1)
+    ]
+    for each in both:
+        each.start()
+    for each in both:
+        each.join()
+    workspace.classifiers.predict(made.id, "room", 1)
+    assert workspace.classifiers.about(made.id).examples["wall"] > 1.5 * before
+
+
+def test_doubt_leads_to_what_is_not_painted(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    places = workspace.classifiers.doubt(made.id, "room", most=3)
+    assert 1 <= len(places) <= 3
+    assert set(places[0].classes) <= {"floor", "wall"}
+    xyz = workspace.recording("room")[places[0].frame].source_xyz()
+    assert np.linalg.norm(xyz - places[0].centre, axis=1).min() < 0.2
+    assert {p.sequence for p in workspace.classifiers.doubt(made.id, "room", workspace=True)}
+
+
+def test_a_classifier_goes_and_comes_as_a_file(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    data = workspace.classifiers.file(made.id)
+    workspace.classifiers.delete(made.id)
+    assert not workspace.classifiers.listing()
+    with pytest.raises(NotFoundError, match="classifier"):
+        workspace.classifiers.predict(made.id, "room", 0)
+    brought = workspace.classifiers.bring(data, "again")
+    found = workspace.classifiers.predict(brought.id, "room", 0).label
+    assert set(found.tolist()) == {FLOOR, WALL}
+
+
+def test_what_was_taught_outlives_the_server(workspace: Workspace) -> None:
+    made = workspace.classifiers.create("rooms", ["room"])
+    workspace.close()
+    with closing(Workspace(workspace.settings)) as again:
+        assert again.classifiers.about(made.id) == made
+        assert again.classifiers.predict(made.id, "room", 0).label.any()
