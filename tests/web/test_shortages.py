@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 
+from pointbrush.sequences import Sequence as Recording
 from pointbrush.system import NO_THREAD
+from pointbrush.web.routes import frames
+from pointbrush.work.exporting import SENT, source_columns
 from tests.serving import Served, add_sequence, serving, settings_in
 
 
@@ -42,7 +45,7 @@ def test_the_answer_says_what_is_short(
     def short(_: str) -> None:
         raise error
 
-    monkeypatch.setattr(served.workspace, "palette", short)
+    monkeypatch.setattr(served.workspace.labels, "palette", short)
     answer = httpx.get(f"{served.url}/api/v1/sequences/wall/labels", headers=served.headers)
     assert (answer.status_code, words in answer.json()["detail"]) == (status, True)
 
@@ -50,14 +53,12 @@ def test_the_answer_says_what_is_short(
 def test_an_answer_that_runs_out_of_memory_breaks_off_with_a_line_in_the_log(
     served: Served, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    points = served.workspace.points
-
-    def short(sequence: str, frame: int, names: tuple[str, ...] | None = None) -> Iterator[Any]:
+    def short(recording: Recording, frame: int, names: Collection[str] = SENT) -> Iterator[Any]:
         if names == ("rgb",):
             raise MemoryError
-        yield from points(sequence, frame, names)
+        yield from source_columns(recording, frame, names)
 
-    monkeypatch.setattr(served.workspace, "points", short)
+    monkeypatch.setattr(frames, "source_columns", short)
     url = f"{served.url}/api/v1/sequences/wall/frames/0/points?format=npz"
     with pytest.raises(httpx.RemoteProtocolError):
         httpx.get(url, headers=served.headers)

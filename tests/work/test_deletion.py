@@ -135,7 +135,7 @@ def test_after_30_days_nothing_is_left(workspace: Workspace, settings: Settings)
         workspace.deletion.restore("ball")
     age(workspace, SURE_SECONDS)
     with closing(Workspace(settings)) as reopened:
-        assert reopened.deleted_sequences() == []
+        assert reopened.deletion.deleted() == []
     kept = [path for path in (workspace.library.folder / ".deleted").iterdir() if path.is_dir()]
     assert kept == []
 
@@ -175,15 +175,15 @@ def test_labels_whose_recording_was_replaced_are_kept_aside(
     folder.rename(tmp_path / "ball")
     again(settings)
     with closing(Workspace(settings)) as reopened:
-        assert reopened.palette("ball") == []
-        aside = next(entry for entry in reopened.listing() if entry.id not in ("ball", "wall"))
+        assert reopened.labels.palette("ball") == []
+        aside = next(entry for entry in reopened.listing.all() if entry.id not in ("ball", "wall"))
         assert aside.damaged is not None
         assert "labels without their recording" in aside.damaged
-        reopened.delete_sequence("ball")
+        reopened.deletion.delete("ball")
     (tmp_path / "ball").rename(folder)
     with closing(Workspace(settings)) as reopened:
         assert painted(reopened) == before
-        assert [entry.damaged for entry in reopened.listing()] == [None, None]
+        assert [entry.damaged for entry in reopened.listing.all()] == [None, None]
 
 
 KILLED = """

@@ -109,8 +109,8 @@ def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: P
     workspace.labels.create_label("room", "ada", name="wall")
     workspace.annotations.put("room", 0, np.ones(POINTS, np.uint16), author="ada")
     with closing(Workspace(settings)) as other:
-        assert [one.name for one in other.listing()] == ["Hall"]
-        assert other.annotation("room", 0)[0].all()
+        assert [one.name for one in other.listing.all()] == ["Hall"]
+        assert other.annotations.read("room", 0)[0].all()
         # Others open it too: a worker process has no more than this.
         again = open_sequence(other.recording("room").files)
         assert np.array_equal(again[1].xyz, first[1].xyz)
@@ -128,9 +128,9 @@ def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_pa
     workspace.labels.create_label("room", "ada", name="wall")
     workspace.annotations.put("room", 0, np.ones(POINTS, np.uint16), author="ada")
     with closing(Workspace(settings)) as other:
-        assert [one.id for one in other.listing()] == ["room"]
+        assert [one.id for one in other.listing.all()] == ["room"]
         workspace.deletion.delete("room")
-        assert other.listing() == workspace.listing.all() == []
+        assert other.listing.all() == workspace.listing.all() == []
     with pytest.raises(NotFoundError):
         workspace.recording("room")
     again = imported(workspace, tmp_path / "again")

@@ -112,7 +112,7 @@ def test_by_default_some_recordings_are_for_validation_whole(
     assert {(len(each["train"]), len(each["val"])) for each in told} == {(4, 0), (0, 4)}
     chosen = next(i for i, each in enumerate(told) if each["val"])
     for number in set(range(12)) - {chosen}:
-        drives.delete_sequence(f"scan-{number}")
+        drives.deletion.delete(f"scan-{number}")
     alone = told_split(drives, tmp_path / "alone", f"scan-{chosen}", None)
     assert (len(alone["train"]), alone["val"]) == (4, [])
     assert "default" in alone["by"]

@@ -63,7 +63,7 @@ _BOXES = "the points of a label, only boxes round them"
 
 _ALL = (
     Export("ply", "PLY", "points and labels", points.write_plys, (_PROVENANCE,), (".ply",)),
-    Export("npz", "NPZ", "NumPy arrays", points.write_npzs, (_FIELDS,), (".npz",), masks=False),
+    Export("npz", "NPZ", "NumPy arrays", points.write_npzs, (_FIELDS,), (".npz",)),
     Export(
         "semantickitti",
         "SemanticKITTI",
