@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import httpx
 import pytest
 from httpx._config import DEFAULT_TIMEOUT_CONFIG
 from hypothesis import HealthCheck, settings
@@ -11,6 +14,9 @@ from hypothesis import HealthCheck, settings
 from pointbrush import worker
 from tests.forked import FORKSERVER
 from tests.waiting import PATIENCE
+
+if TYPE_CHECKING:
+    from tests.serving import Served
 
 # A busy machine must fail no test: how long something takes is the benchmarks' concern.
 anywhere = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -49,6 +55,13 @@ SLOW = frozenset(
     }
 )
 """Folders and files that `make quick` leaves out: each takes about ten seconds or more."""
+
+
+@pytest.fixture
+def api(served: Served) -> Iterator[httpx.Client]:
+    """A client with the owner's token of the server that a module's tests are about."""
+    with httpx.Client(base_url=f"{served.url}/api/v1", headers=served.headers) as client:
+        yield client
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

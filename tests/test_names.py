@@ -30,12 +30,6 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield running
 
 
-@pytest.fixture
-def api(served: Served) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=f"{served.url}/api/v1", headers=served.headers) as client:
-        yield client
-
-
 def test_what_is_hidden_is_refused_and_spelled_out() -> None:
     for sign in HIDDEN:
         with pytest.raises(BadInputError, match=r"got 'a.*b'"):

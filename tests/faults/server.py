@@ -14,6 +14,7 @@ from pathlib import Path
 import httpx
 
 from tests.forked import ForkedCommand, first_line
+from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE
 
 TOKEN = "test-token-of-the-owner"
@@ -111,3 +112,17 @@ def running(
         yield server
     finally:
         server.kill()
+
+
+@contextmanager
+def two_servers(
+    folder: Path, url: str, *, frames: int, points: int
+) -> Iterator[tuple[ServerProcess, ServerProcess]]:
+    """Two servers of one workspace with a recording ``ball``, on the database at ``url``."""
+    settings = settings_in(folder)
+    add_sequence(settings, "ball", frames=frames, points=points)
+    with (
+        running(settings.workspace, POINTBRUSH_DATABASE=url) as here,
+        running(settings.workspace, POINTBRUSH_DATABASE=url) as there,
+    ):
+        yield here, there

@@ -11,9 +11,8 @@ import pytest
 from waiting import eventually
 
 from tests.faults.clients import RefusedError, SocketTalk
-from tests.faults.server import TOKEN, ServerProcess, running
+from tests.faults.server import TOKEN, ServerProcess, two_servers
 from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
-from tests.serving import add_sequence, settings_in
 
 ROOT = "/sequences/ball"
 LONG = 40
@@ -25,13 +24,8 @@ def servers(
     tmp_path: Path,
     postgres_server: PostgresServer,  # noqa: F811
 ) -> Iterator[tuple[ServerProcess, ServerProcess]]:
-    settings = settings_in(tmp_path)
-    add_sequence(settings, "ball", frames=LONG, points=4_000)
     url = postgres_server.new_database()
-    with (
-        running(settings.workspace, POINTBRUSH_DATABASE=url) as here,
-        running(settings.workspace, POINTBRUSH_DATABASE=url) as there,
-    ):
+    with two_servers(tmp_path, url, frames=LONG, points=4_000) as (here, there):
         with here.api() as api:
             api.post(f"{ROOT}/labels", json={"name": "pin"}).raise_for_status()
             stroke = {"label": 1, "radius": 0.4, "samples": [{"origin": [0.2, 0.1, 3.0]}]}

@@ -13,9 +13,8 @@ import pytest
 from waiting import eventually
 
 from tests.faults.clients import SocketTalk
-from tests.faults.server import TOKEN, ServerProcess, running
+from tests.faults.server import TOKEN, ServerProcess, two_servers
 from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
-from tests.serving import add_sequence, settings_in
 
 ROOT = "/sequences/ball"
 
@@ -25,14 +24,8 @@ def servers(
     tmp_path: Path,
     postgres_server: PostgresServer,  # noqa: F811
 ) -> Iterator[tuple[ServerProcess, ServerProcess]]:
-    settings = settings_in(tmp_path)
-    add_sequence(settings, "ball", frames=2, points=5_000)
-    url = postgres_server.new_database()
-    with (
-        running(settings.workspace, POINTBRUSH_DATABASE=url) as here,
-        running(settings.workspace, POINTBRUSH_DATABASE=url) as there,
-    ):
-        yield here, there
+    with two_servers(tmp_path, postgres_server.new_database(), frames=2, points=5_000) as both:
+        yield both
 
 
 def stroke(x: float) -> dict[str, Any]:

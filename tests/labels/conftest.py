@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
-from pointbrush.labels import LabelStore
+from pointbrush.labels import LabelStore, Write, writer
 
 POINTS = [150_000, 70_000, 10, 0]
 SEQUENCE = "juggling"
@@ -29,3 +30,25 @@ def store(url: str) -> Iterator[LabelStore]:
     opened.register(SEQUENCE, POINTS)
     yield opened
     opened.close()
+
+
+@pytest.fixture
+def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
+    """Six edits with tracks, one undone, and snapshots of their blocks."""
+    monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 2)
+    for name in ("one", "two"):
+        store.create_label(SEQUENCE, "ann", name=name)
+    for number in range(6):
+        write = Write(np.arange(number, 70_000, 7), label=1 + number % 2, provenance=1)
+        store.apply(
+            SEQUENCE,
+            edit_id=f"e{number}",
+            author="ann",
+            kind="paint",
+            writes={0: write},
+            summary="",
+            tracks=[{"frame": 0, "label": 1, "n": number}],
+        )
+    store.undo(SEQUENCE, "ann")
+    store._sessions.upkeep.close()  # its snapshots are written
+    return store

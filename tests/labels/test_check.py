@@ -6,33 +6,10 @@ import numpy as np
 import pytest
 from sqlalchemy import text
 
-from pointbrush.labels import LabelStore, Write, writer
+from pointbrush.labels import LabelStore
 from pointbrush.labels.packing import encode_states
 
 SEQ = "juggling"
-
-
-@pytest.fixture
-def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
-    monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 2)
-    for name in ("one", "two"):
-        store.create_label(SEQ, "ann", name=name)
-    for number in range(6):
-        write = Write(np.arange(number, 70_000, 7), label=1 + number % 2, provenance=1)
-        tracks = [{"frame": 0, "label": 1, "n": number}]
-        store.apply(
-            SEQ,
-            edit_id=f"e{number}",
-            author="ann",
-            kind="paint",
-            writes={0: write},
-            summary="",
-            tracks=tracks,
-        )
-    store.undo(SEQ, "ann")
-    store._sessions.upkeep.close()  # its snapshots are written
-    assert store.check(SEQ) == []
-    return store
 
 
 @pytest.mark.parametrize(

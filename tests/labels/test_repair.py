@@ -11,33 +11,11 @@ import pytest
 from postgres import PostgresServer
 from sqlalchemy import text
 
-from pointbrush.labels import LabelStore, Write, check_database, writer
+from pointbrush.labels import LabelStore, check_database
 from pointbrush.labels.packing import encode_states
 
 SEQ = "juggling"
 PAGE = 8192
-
-
-@pytest.fixture
-def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
-    """Six edits with tracks, one undone, and snapshots of their blocks."""
-    monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 2)
-    for name in ("one", "two"):
-        store.create_label(SEQ, "ann", name=name)
-    for number in range(6):
-        write = Write(np.arange(number, 70_000, 7), label=1 + number % 2, provenance=1)
-        store.apply(
-            SEQ,
-            edit_id=f"e{number}",
-            author="ann",
-            kind="paint",
-            writes={0: write},
-            summary="",
-            tracks=[{"frame": 0, "label": 1, "n": number}],
-        )
-    store.undo(SEQ, "ann")
-    store._sessions.upkeep.close()  # its snapshots are written
-    return store
 
 
 def shown(store: LabelStore) -> tuple[object, ...]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 
 from pointbrush.streaming.schema import subprotocol
+from tests.serving import Served
 from tests.waiting import PATIENCE
 
 Message = dict[str, Any]
@@ -161,3 +162,13 @@ async def viewer(
         close_timeout=1,
     ) as socket:
         yield Viewer(socket, **fields)
+
+
+@asynccontextmanager
+async def two_viewers(served: Served) -> AsyncIterator[tuple[Viewer, Viewer]]:
+    """Two viewers of one server."""
+    async with (
+        viewer(served.url, served.token) as anna,
+        viewer(served.url, served.token) as ben,
+    ):
+        yield anna, ben

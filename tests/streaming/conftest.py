@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import httpx
 import pytest
 
 from tests.serving import Served, add_sequence, serving, settings_in
@@ -20,9 +19,3 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         for name in ("wall", "other"):
             running.workspace.labels.create_label(name, "somebody", name="pin")
         yield running
-
-
-@pytest.fixture
-def api(served: Served) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=f"{served.url}/api/v1", headers=served.headers) as client:
-        yield client

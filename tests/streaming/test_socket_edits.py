@@ -10,15 +10,12 @@ import numpy as np
 
 from tests.serving import Served
 from tests.streaming.acting import paint, run, settled, stored_values
-from tests.streaming.client import Viewer, viewer
+from tests.streaming.client import Viewer, two_viewers, viewer
 
 
 def test_a_stroke_reaches_every_viewer_of_the_frame(served: Served) -> None:
     async def scenario() -> None:
-        async with (
-            viewer(served.url, served.token) as anna,
-            viewer(served.url, served.token) as ben,
-        ):
+        async with two_viewers(served) as (anna, ben):
             for client in (anna, ben):
                 await client.open("wall", frame=1)
                 await client.until("frame", frame=1, final=True)
@@ -35,10 +32,7 @@ def test_a_stroke_reaches_every_viewer_of_the_frame(served: Served) -> None:
 
 def test_a_stroke_on_several_frames_is_one_edit_that_all_of_them_hear_of(served: Served) -> None:
     async def scenario() -> None:
-        async with (
-            viewer(served.url, served.token) as anna,
-            viewer(served.url, served.token) as ben,
-        ):
+        async with two_viewers(served) as (anna, ben):
             await anna.open("wall", frame=4)
             await ben.open("wall", frame=9)
             await ben.until("frame", frame=9, final=True)
@@ -154,10 +148,7 @@ def test_a_live_stroke_counts_while_it_is_drawn_and_a_resent_one_applies_once(
 
 def test_labels_of_cached_frames_stay_fresh_while_another_is_shown(served: Served) -> None:
     async def scenario() -> None:
-        async with (
-            viewer(served.url, served.token) as anna,
-            viewer(served.url, served.token) as ben,
-        ):
+        async with two_viewers(served) as (anna, ben):
             await ben.open("wall", frame=5)
             await ben.until("frame", frame=5, final=True)
             await ben.send(type="seek", frame=9)

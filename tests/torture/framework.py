@@ -19,6 +19,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.faults.server import ServerProcess, running
 from tests.postgres import PostgresServer, postgres
 
 NOTE = 3000
@@ -102,6 +103,11 @@ class Arena:
     def rest(self) -> float:
         """Return the seconds that are left, at least one."""
         return max(1.0, self._end - time.monotonic())
+
+    def serve(self, workspace: Path, url: str, servers: int) -> list[ServerProcess]:
+        """Start servers of one workspace, whose labels are at a database URL unless it is empty."""
+        environment = {"POINTBRUSH_DATABASE": url} if url else {}
+        return [self.stack.enter_context(running(workspace, **environment)) for _ in range(servers)]
 
     def postgres(self) -> PostgresServer:
         """Start a PostgreSQL server of the scenario's own."""

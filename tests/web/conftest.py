@@ -20,13 +20,6 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 
 @pytest.fixture
-def api(served: Served) -> Iterator[httpx.Client]:
-    """A client with the owner's token."""
-    with httpx.Client(base_url=f"{served.url}/api/v1", headers=served.headers) as client:
-        yield client
-
-
-@pytest.fixture
 def anyone(served: Served) -> Iterator[httpx.Client]:
     """A client without a token."""
     with httpx.Client(base_url=served.url) as client:

@@ -24,13 +24,6 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield running
 
 
-@pytest.fixture
-def api(served: Served) -> Iterator[httpx.Client]:
-    base = f"{served.url}/api/v1"
-    with httpx.Client(base_url=base, headers=served.headers) as client:
-        yield client
-
-
 def npy(count: int) -> bytes:
     out = io.BytesIO()
     np.save(out, np.random.default_rng(0).uniform(-1, 1, (count, 3)).astype(np.float32))

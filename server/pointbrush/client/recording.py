@@ -168,14 +168,11 @@ class Recording(Part[L]):
         start: int,
         stop: int,
         *,
-        method: str = "auto",
-        overwrite: Literal["never", "tracked", "all"] = "tracked",
         patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Job]:
         """Start what ``track`` waits for; returns the job."""
-        chosen = {"method": method, "overwrite": overwrite, **options}
-        return (yield from self._tracking(labels, start, stop, chosen, patience))
+        return (yield from self._tracking(labels, start, stop, options, patience))
 
     @steps
     def track(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pointbrush.labels import LabelStore
 from tests.faults.clients import FRAMES, SEQUENCE
-from tests.faults.server import ServerProcess, running
+from tests.faults.server import ServerProcess
 from tests.faults.torture import make_workspace
 from tests.torture.authors import quiet
 from tests.torture.framework import Arena, Tally, scenario
@@ -117,8 +117,7 @@ def _send(
 def _imported(arena: Arena, url: str, servers: int) -> None:
     workspace = arena.folder / "workspace"
     make_workspace(workspace)
-    environment = {"POINTBRUSH_DATABASE": url} if url else {}
-    served = [arena.stack.enter_context(running(workspace, **environment)) for _ in range(servers)]
+    served = arena.serve(workspace, url, servers)
     importers = list(_people(arena, served, url or f"sqlite:///{workspace / 'labels.sqlite'}"))
     pool = arena.stack.enter_context(ThreadPoolExecutor(len(importers)))
     both = arena.stack.enter_context(ThreadPoolExecutor(2 * len(importers)))

@@ -13,7 +13,7 @@ import httpx
 
 from pointbrush.labels import LabelStore
 from tests.faults.clients import FRAMES, SEQUENCE
-from tests.faults.server import ServerProcess, running
+from tests.faults.server import ServerProcess
 from tests.faults.torture import make_workspace
 from tests.torture.authors import quiet
 from tests.torture.framework import Arena, Tally, scenario
@@ -55,8 +55,7 @@ class Judge:
 def _judged(arena: Arena, url: str, servers: int) -> None:
     workspace = arena.folder / "workspace"
     make_workspace(workspace)
-    environment = {"POINTBRUSH_DATABASE": url} if url else {}
-    served = [arena.stack.enter_context(running(workspace, **environment)) for _ in range(servers)]
+    served = arena.serve(workspace, url, servers)
     store = LabelStore(url or f"sqlite:///{workspace / 'labels.sqlite'}")
     judges = [
         Judge(

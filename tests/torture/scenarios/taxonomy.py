@@ -14,7 +14,6 @@ from sqlalchemy import delete
 from pointbrush.formats.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import categories, dataset_numbers
-from tests.faults.server import running
 from tests.serving import add_sequence, settings_in
 from tests.torture.authors import quiet
 from tests.torture.framework import Arena, scenario
@@ -53,11 +52,7 @@ def _learned(arena: Arena, url: str, servers: int) -> None:
     settings = settings_in(arena.folder)
     for name in RECORDINGS:
         add_sequence(settings, name, frames=1, points=POINTS)
-    environment = {"POINTBRUSH_DATABASE": url} if url else {}
-    served = [
-        arena.stack.enter_context(running(settings.workspace, **environment))
-        for _ in range(servers)
-    ]
+    served = arena.serve(settings.workspace, url, servers)
     apis = [arena.stack.enter_context(server.api()) for server in (served[0], served[-1])]
     url = url or f"sqlite:///{settings.workspace / 'labels.sqlite'}"
     database = arena.stack.enter_context(closing(Database(url)))

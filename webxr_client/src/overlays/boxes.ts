@@ -1,4 +1,5 @@
 /** An upright box round each labelled object of the frame on screen. */
+import { free } from '../common/free';
 import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Matrix4, type Object3D } from 'three'; // prettier-ignore
 import { reaches } from '../cloud/points/clipping';
 import { colorOf, isShown } from './shown';
@@ -93,9 +94,7 @@ export class Boxes {
   }
 
   dispose(): void {
-    this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
+    free(this.mesh);
     this.mesh.dispose();
   }
 }

@@ -1,4 +1,5 @@
 /** Ghost of the labelled objects a frame before: their points, faint, while one steps and paints. */
+import { free } from '../common/free';
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { type CloudFrame } from '../cloud/points/frame';
 import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
@@ -73,9 +74,7 @@ export class Ghost {
   }
 
   dispose(): void {
-    this.points.removeFromParent();
-    this.points.geometry.dispose();
-    this.points.material.dispose();
+    free(this.points);
   }
 }
 

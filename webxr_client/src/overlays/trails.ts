@@ -1,4 +1,5 @@
 /** The ways of the labelled objects through the frames near the playhead. */
+import { free } from '../common/free';
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, type Color, type Matrix4, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { shows } from '../cloud/points/clipping';
 import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
@@ -146,10 +147,6 @@ export class Trails {
   }
 
   dispose(): void {
-    for (const object of [this.lines, this.points]) {
-      object.removeFromParent();
-      object.geometry.dispose();
-      object.material.dispose();
-    }
+    for (const object of [this.lines, this.points]) free(object);
   }
 }

@@ -1,4 +1,5 @@
 /** A frame too large for memory: its chunks live in pages of the GPU, under a budget of points. */
+import { free } from '../../common/free';
 import { Group, Points, Vector3 } from 'three';
 import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../points/frame';
@@ -77,9 +78,7 @@ class Page {
   }
 
   dispose(): void {
-    this.points.removeFromParent();
-    this.points.material.dispose();
-    this.points.geometry.dispose();
+    free(this.points);
     this.buffers.dispose();
   }
 }

@@ -1,4 +1,5 @@
 /** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
+import { free } from '../../common/free';
 import { Points } from 'three';
 import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
 import { ALL_POINTS, pointsWithin, type CloudFrame } from '../points/frame';
@@ -115,10 +116,8 @@ export class Slot {
   }
 
   dispose(): void {
-    this.points.removeFromParent();
-    this.points.material.dispose();
+    free(this.points);
     this.table.dispose();
-    this.points.geometry.dispose();
     this.buffers.dispose();
   }
 }

@@ -1,4 +1,5 @@
 /** Hints beside the controller for each button, until it has been used a few times. */
+import { free } from '../../common/free';
 import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector3, type BufferGeometry } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { faceEyes } from '../drawing/facing';
@@ -112,10 +113,8 @@ export class Tips {
     this.mesh = null;
     this.tips = [];
     if (!mesh) return;
-    mesh.removeFromParent();
-    mesh.geometry.dispose();
     mesh.material.map!.dispose();
-    mesh.material.dispose();
+    free(mesh);
   }
 }
 

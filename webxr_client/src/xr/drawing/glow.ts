@@ -1,4 +1,5 @@
 /** Rows of a panel that pulse, without drawing the panel anew. */
+import { free } from '../../common/free';
 import { AdditiveBlending, BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Mesh, MeshBasicMaterial } from 'three'; // prettier-ignore
 import { tint } from './tint';
 
@@ -65,8 +66,6 @@ export class Glow {
   }
 
   dispose(): void {
-    this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
+    free(this.mesh);
   }
 }

@@ -1,4 +1,5 @@
 /** Lines in the room, as wide in the picture as they are to be: WebGL's own are one pixel wide. */
+import { free } from '../../common/free';
 import {
   Color,
   DoubleSide,
@@ -120,8 +121,6 @@ export class Ribbon {
   }
 
   dispose(): void {
-    this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
+    free(this.mesh);
   }
 }

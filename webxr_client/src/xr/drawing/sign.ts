@@ -1,4 +1,5 @@
 /** A line of text in the room. */
+import { free } from '../../common/free';
 import { CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace } from 'three';
 import { FONT, INK } from './ui';
 
@@ -69,9 +70,7 @@ export class Sign {
   }
 
   dispose(): void {
-    this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
+    free(this.mesh);
     this.texture?.dispose();
   }
 }

@@ -1,4 +1,5 @@
 /** Moving oneself: teleport by an arc, turn in steps, glide if one likes that better. */
+import { free } from '../../common/free';
 import { peek } from '../../store/watch';
 import { DoubleSide, GLSL3, Mesh, MeshBasicMaterial, PlaneGeometry, RawShaderMaterial, RingGeometry, Vector3, type Object3D } from 'three'; // prettier-ignore
 import { Switch } from '../input/pad';
@@ -93,11 +94,7 @@ export class Locomotion {
 
   dispose(): void {
     this.arc.dispose();
-    for (const object of [this.ring, this.vignette]) {
-      object.removeFromParent();
-      object.geometry.dispose();
-      object.material.dispose();
-    }
+    for (const object of [this.ring, this.vignette]) free(object);
   }
 
   /** Let the next press go where it points: for what has no stick. */

@@ -1,4 +1,5 @@
 /** Look of the brush: the sphere at the tip, the ray's length, and the points that light up. */
+import { free } from '../../common/free';
 import { Color, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
 import { clipMatrix } from '../../tools/clip';
 import { firstHit, type Hit } from '../../cloud/points/pick';
@@ -135,9 +136,7 @@ export class BrushLook {
   }
 
   dispose(): void {
-    this.sphere.removeFromParent();
-    this.sphere.geometry.dispose();
-    this.sphere.material.dispose();
+    free(this.sphere);
     this.engine.viewer.uniforms.lightNothing();
   }
 }

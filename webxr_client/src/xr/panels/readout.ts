@@ -2,6 +2,7 @@
  * The number of the frame and its time.  They change all the time: each sign is a quad that shows its
  * place of a canvas drawn once, so that another number moves some corners and draws nothing.
  */
+import { free } from '../../common/free';
 import { BufferGeometry, CanvasTexture, DynamicDrawUsage, Float32BufferAttribute, Mesh, MeshBasicMaterial, SRGBColorSpace, type Object3D } from 'three'; // prettier-ignore
 import { state } from '../../store/state';
 import type { SequenceInfo } from '../../protocol/messages';
@@ -143,10 +144,8 @@ export class Readout {
   }
 
   dispose(): void {
-    this.mesh.removeFromParent();
-    this.mesh.geometry.dispose();
     this.mesh.material.map!.dispose();
-    this.mesh.material.dispose();
+    free(this.mesh);
   }
 }
 

@@ -5,8 +5,8 @@ import { unsure } from '../../../engine/review';
 import { shortCount } from '../../../common/format';
 import { activeLabel, state } from '../../../store/state';
 import { INK, type Ui } from '../../drawing/ui';
+import { ROWS, Rows } from './rows';
 
-export const ROWS = 7;
 /** Ems: an icon that answers is as wide as a finger needs. */
 const ICON_EMS = 1.7;
 
@@ -14,20 +14,22 @@ export class LabelsPage {
   /** Pixels from the top of the first row, and from one row to the next; for the glow. */
   top = 0;
   row = 0;
-  private first = 0;
+  private readonly rows: Rows;
   /** The active label when this was drawn last: another one is brought into sight. */
   private active = 0;
 
   constructor(
-    private readonly touch: () => void,
+    touch: () => void,
     private readonly makeNew: () => void,
     /** Change the active label. */
     private readonly edit: () => void,
-  ) {}
+  ) {
+    this.rows = new Rows(touch);
+  }
 
   /** The row that a label is drawn in, or −1. */
   rowOf(label: number): number {
-    const place = state.palette.peek().findIndex((entry) => entry.id === label) - this.first;
+    const place = state.palette.peek().findIndex((entry) => entry.id === label) - this.rows.first;
     return place >= 0 && place < ROWS ? place : -1;
   }
 
@@ -35,11 +37,10 @@ export class LabelsPage {
     const { em } = ui;
     const palette = state.palette.peek();
     this.follow(palette);
-    this.first = Math.min(this.first, Math.max(0, palette.length - ROWS));
     const row = em * 2.35;
     this.top = top;
     this.row = row;
-    palette.slice(this.first, this.first + ROWS).forEach((label, i) => {
+    this.rows.of(palette).forEach((label, i) => {
       drawLabel(ui, label, x, top + i * row, inner, row - em * 0.15);
     });
     if (palette.length === 0) {
@@ -55,7 +56,7 @@ export class LabelsPage {
     const place = palette.findIndex(({ id }) => id === active);
     if (active === this.active || place < 0) return;
     this.active = active;
-    this.first = Math.min(place, Math.max(this.first, place - ROWS + 1));
+    this.rows.first = Math.min(place, Math.max(this.rows.first, place - ROWS + 1));
   }
 
   private drawBelow(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
@@ -69,14 +70,7 @@ export class LabelsPage {
     ui.button(x + w * 1.92, y, w * 0.92, h, { icon: 'picker', text: 'Pick', on: picking }, () => {
       actions.setTool(picking ? 'paint' : 'pick');
     });
-    const turn = { disabled: !more };
-    ui.button(x + w * 2.9, y, w * 0.52, h, { icon: 'previous', ...turn }, () => this.scroll(-ROWS));
-    ui.button(x + w * 3.45, y, w * 0.52, h, { icon: 'next', ...turn }, () => this.scroll(ROWS));
-  }
-
-  private scroll(by: number): void {
-    this.first = Math.max(0, this.first + by);
-    this.touch();
+    this.rows.drawTurning(ui, x, y, inner, more);
   }
 }
 

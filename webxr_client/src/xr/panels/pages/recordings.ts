@@ -3,25 +3,26 @@ import { actions } from '../../../store/actions';
 import { plural } from '../../../common/format';
 import { state } from '../../../store/state';
 import { INK, type Ui } from '../../drawing/ui';
+import { ROWS, Rows } from './rows';
 
-const ROWS = 7;
 /** Ems from one row to the next. */
 const PITCH = 2.35;
 
 export class RecordingsPage {
-  private first = 0;
+  private readonly rows: Rows;
 
   constructor(
-    private readonly touch: () => void,
+    touch: () => void,
     private readonly back: () => void,
-  ) {}
+  ) {
+    this.rows = new Rows(touch);
+  }
 
   draw(ui: Ui, x: number, top: number, inner: number): void {
     const { em } = ui;
     const sound = (state.sequences.peek() ?? []).filter(({ damaged }) => damaged === null);
     const open = state.sequence.peek()?.id;
-    this.first = Math.min(this.first, Math.max(0, sound.length - ROWS));
-    sound.slice(this.first, this.first + ROWS).forEach(({ id, name, frames }, i) => {
+    this.rows.of(sound).forEach(({ id, name, frames }, i) => {
       const look = { text: name, note: plural(frames, 'frame'), on: id === open } as const;
       const place = [x, top + em * PITCH * i, inner - em * 0.2, em * 2.2] as const;
       ui.button(...place, { ...look, strong: true, align: 'left' }, () => actions.openSequence(id));
@@ -36,13 +37,6 @@ export class RecordingsPage {
     const w = inner / 4;
     const h = ui.em * 2.2;
     ui.button(x, y, w * 1.4, h, { text: 'Back', icon: 'back' }, this.back);
-    const turn = { disabled: !more };
-    ui.button(x + w * 2.9, y, w * 0.52, h, { icon: 'previous', ...turn }, () => this.scroll(-ROWS));
-    ui.button(x + w * 3.45, y, w * 0.52, h, { icon: 'next', ...turn }, () => this.scroll(ROWS));
-  }
-
-  private scroll(by: number): void {
-    this.first = Math.max(0, this.first + by);
-    this.touch();
+    this.rows.drawTurning(ui, x, y, inner, more);
   }
 }
