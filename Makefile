@@ -96,12 +96,13 @@ quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the fast
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
 
-lint: $(STAMPS)/dev
-	@echo "== ruff, import-linter, wire types"
+lint: $(STAMPS)/dev $(STAMPS)/node
+	@echo "== ruff, import-linter, wire types, duplicates"
 	@$(BIN)/ruff check server tests benchmarks docs
 	@$(BIN)/ruff format --check --quiet server tests benchmarks docs
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m pointbrush.streaming.typescript --check
+	@$(NPM) run --silent duplicates
 
 types: $(STAMPS)/dev
 	@echo "== mypy"
