@@ -12,7 +12,6 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,6 @@ from serving import TOKEN
 from pointbrush.client import Client, Recording
 from pointbrush.errors import PointbrushError
 from pointbrush.samples import generate
-from tests.waiting import eventually
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = ROOT / "docs" / "examples"
@@ -143,39 +141,16 @@ def test_a_model_labels_and_people_are_asked_where_it_is_unsure(sample: Sample) 
         assert f"{asked} frames to correct" in told
 
 
-def test_active_learning_learns_from_corrections(sample: Sample) -> None:
+def test_a_classifier_is_taught_where_it_doubts(sample: Sample, tmp_path: Path) -> None:
     with Client(sample.url, TOKEN) as client:
-        recording = sample.imported(client, "active")
+        recording = sample.imported(client, "example")
         palette = [recording.create_label(name).id for name in ("pins", "people", "room")]
         classes = np.array([palette[2], *[palette[0]] * 6, *[palette[1]] * 2], np.uint16)
-        right = [classes[truth] for truth in sample.truth]
-        first = recording.frames[0]
-        few = np.arange(len(right[0])) % 20 == 0
-        first.annotate(np.where(few, right[0], 0).astype(np.uint16))
-        first.annotate(few.astype(np.uint8), "provenance")
-
-        def person() -> None:
-            """Correct and accept what is proposed, twice."""
-            for _ in range(2):
-                number = eventually(
-                    lambda: [
-                        each.first
-                        for each in recording.review.standings()
-                        if each.state == "review"
-                    ],
-                    seconds=90,
-                    every=0.1,
-                )[0]
-                recording.frames[number].annotate(right[number])
-                recording.review.put(number, state="accepted")
-
-        with ThreadPoolExecutor(1) as threads:
-            corrected = threads.submit(person)
-            told = run("active_learning.py", sample.url, TOKEN, recording.id, "--rounds", 2)
-            corrected.result()
-    shares = [float(share) for share in re.findall(r"([\d.]+)% of the proposal", told)]
-    assert len(shares) == 2
-    assert min(shares) > 90
+        truth = tmp_path / "truth.npy"
+        np.save(truth, classes[sample.truth[0]])
+        told = run("by_example.py", sample.url, TOKEN, recording.id, truth, "--strokes", 6)
+        assert float(re.findall(r"([\d.]+)% right", told)[0]) > 50
+        assert (recording.frames[1].annotation("provenance") == 4).any()
 
 
 def test_frames_are_a_dataset(sample: Sample, tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from pointbrush.options import UNBOUNDED, Option, hide_password, options_of
 from pointbrush.permissions import private_files
 from pointbrush.roles import ROLES
 from pointbrush.settings import REMOTE, Settings, options
-from pointbrush.work.imports.options import LabelOptions
+from pointbrush.work.imports.options import SAMPLES, LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 
 Command = Callable[[argparse.Namespace, Settings], None]
@@ -70,6 +70,9 @@ def parser() -> argparse.ArgumentParser:
         default=90,
         help="frames of the sample",
     )
+    demo_.add_argument(
+        "--sample", choices=SAMPLES, default="juggling", help="what is made (default: juggling)"
+    )
 
     import__ = _command(commands, "import", "import files as one recording")
     import__.add_argument(
@@ -116,11 +119,32 @@ def parser() -> argparse.ArgumentParser:
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
     _choices(track_, RunOptions)
 
+    example_ = _command(
+        commands, "example", "teach a classifier by what is painted, and have it label the rest"
+    )
+    example_.add_argument("sequence", nargs="?", metavar="SEQ", help=f"{SEQUENCE}; it teaches")
+    example_.add_argument("--classifier", metavar="ID", help="one that there is, not a new one")
+    example_.add_argument("--name", help="of a new one (default: the recording's id)")
+    example_.add_argument("--classes", help="with commas (default: all of the palette)")
+    example_.add_argument(
+        "--apply", metavar="I:J", help="label frames I to J - 1, or all, where nobody did"
+    )
+    example_.add_argument(
+        "--above", type=_share, default=0.0, help="least confidence of what is labelled, 0 to 1"
+    )
+    example_.add_argument("--save", type=Path, metavar="FILE", help="write the classifier there")
+    example_.add_argument("--load", type=Path, metavar="FILE", help="take in what --save wrote")
+    example_.add_argument("--delete", action="store_true", help="delete the classifier")
+
     export_ = _command(commands, "export", "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     export_.add_argument("--format", required=True, help="see docs/formats.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
+    export_.add_argument(
+        "--above", type=_share, default=0.0,
+        help="leave out predicted labels of a confidence, 0 to 1, below it",
+    )  # fmt: skip
     export_.add_argument(
         "--val",
         metavar="I:J|SEQ,…|none",
@@ -261,6 +285,16 @@ def _positive(text: str) -> float:
         value = math.nan
     if not 0 < value < 1e6:
         raise argparse.ArgumentTypeError(f"expected a number above 0, got {text!r}")
+    return value
+
+
+def _share(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value <= 1:
+        raise argparse.ArgumentTypeError(f"expected a number from 0 to 1, got {text!r}")
     return value
 
 

@@ -10,6 +10,7 @@ import time
 from contextlib import closing, suppress
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pointbrush import printing
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
@@ -23,6 +24,9 @@ from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
 
+if TYPE_CHECKING:
+    from pointbrush.work.classifiers.service import About
+
 AUTHOR = "command line"
 
 
@@ -34,7 +38,7 @@ def demo(given: argparse.Namespace, settings: Settings) -> None:
         if not any(
             manifest.source.startswith("sample") for manifest in workspace.library.manifests()
         ):
-            job = workspace.imports.begin_sample(frames=given.sample_frames)
+            job = workspace.imports.begin_sample(frames=given.sample_frames, kind=given.sample)
             follow(workspace.jobs.get, job)
         # Ctrl+C is how a server ends; it drains first, and that is no failure.
         with suppress(KeyboardInterrupt):
@@ -110,6 +114,43 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
         printing.tracked(result)
 
 
+def example(given: argparse.Namespace, settings: Settings) -> None:
+    """Teach a classifier by what is painted, apply it, or list what there is."""
+    with closing(Workspace(settings)) as workspace:
+        known = workspace.classifiers
+        if given.load is not None:
+            printing.classifier(known.bring(given.load.read_bytes(), given.name))
+            return
+        if given.sequence is None and given.classifier is None:
+            for each in known.listing():
+                printing.classifier(each)
+            return
+        if given.delete:
+            known.delete(printing.required("--classifier", given.classifier))
+            print(f"deleted {given.classifier}")
+            return
+        taught = _taught(workspace, given)
+        printing.classifier(taught)
+        if given.save is not None:
+            given.save.write_bytes(known.file(taught.id))
+        if given.apply is not None:
+            sequence = printing.required("SEQ", given.sequence)
+            frames = "" if given.apply == "all" else given.apply
+            job = known.apply(
+                sequence, author=AUTHOR, classifier=taught.id, frames=frames, above=given.above
+            )
+            printing.predicted(follow(workspace.jobs.get, job))
+
+
+def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
+    """Teach a classifier that there is, or a new one."""
+    names = [] if given.sequence is None else [given.sequence]
+    if given.classifier is not None:
+        return workspace.classifiers.teach(given.classifier, names)
+    classes = None if given.classes is None else printing.listed(given.classes)
+    return workspace.classifiers.create(given.name or given.sequence, names, classes)
+
+
 def export(given: argparse.Namespace, settings: Settings) -> None:
     """Export a sequence to a folder or file."""
     with closing(Workspace(settings)) as workspace:
@@ -118,7 +159,9 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
 
         if given.format in EXPORTS:
             printing.not_held(EXPORTS[given.format])
-        workspace.export(given.sequence, given.format, given.out, given.frames, given.val)
+        workspace.export(
+            given.sequence, given.format, given.out, given.frames, given.val, given.above
+        )
         print(f"exported {given.sequence} to {given.out}")
 
 

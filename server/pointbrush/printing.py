@@ -280,3 +280,43 @@ def not_held(entry: ExportFormat) -> None:
     """Print what an export in this format leaves out, before it is written."""
     if entry.cannot_hold:
         print(f"{entry.title} does not hold: {', '.join(entry.cannot_hold)}")
+
+
+# ── labels by example ────────────────────────────────────────────────────────────────────────
+
+
+class Taught(Protocol):
+    """A classifier as the workspace and the client have it."""
+
+    @property
+    def id(self) -> str: ...  # noqa: D102
+    @property
+    def examples(self) -> Mapping[str, int]: ...  # noqa: D102
+    @property
+    def taught_by(self) -> Mapping[str, int]: ...  # noqa: D102
+    @property
+    def score(self) -> float | None: ...  # noqa: D102
+
+
+def classifier(found: Taught) -> None:
+    """Print a classifier: what taught it, and how it scores."""
+    examples = ", ".join(f"{name} {count}" for name, count in found.examples.items())
+    score = "" if found.score is None else f"\tscore {found.score:.2f}"
+    print(f"{found.id}\t{examples}\tby {', '.join(found.taught_by) or 'nobody'}{score}")
+
+
+def predicted(result: Mapping[str, Any]) -> None:
+    """Print what a job that applied a classifier did."""
+    print(f"labelled {result['changed']:,} points in {result.get('frames', 0)} frames")
+
+
+def listed(text: str) -> list[str]:
+    """Return the parts of a text with commas."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def required(name: str, value: str | None) -> str:
+    """Return an argument that a command cannot do without; raises BadInputError."""
+    if not value:
+        raise BadInputError(f"{name}: expected it to be given")
+    return value

@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit, urlunsplit
 
 from pointbrush import printing
-from pointbrush.client import PATIENCE, Client, Job, Recording
+from pointbrush.client import PATIENCE, Classifier, Client, Job, Recording
 from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.options import chosen
@@ -90,6 +90,41 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
         printing.tracked(_followed(client, job))
 
 
+def example(given: argparse.Namespace, settings: Settings) -> None:
+    """Teach a classifier by what is painted, apply it, or list what there is."""
+    with client_of(settings) as client:
+        known = client.classifiers
+        if given.load is not None:
+            printing.classifier(known.load(given.load, given.name))
+            return
+        if given.sequence is None and given.classifier is None:
+            for each in known.all():
+                printing.classifier(each)
+            return
+        if given.delete:
+            known.delete(printing.required("--classifier", given.classifier))
+            print(f"deleted {given.classifier}")
+            return
+        taught = _taught(client, given)
+        printing.classifier(taught)
+        if given.save is not None:
+            known.save(taught.id, given.save)
+        if given.apply is not None:
+            recording = client[printing.required("SEQ", given.sequence)]
+            frames = "" if given.apply == "all" else given.apply
+            job = recording.by_example.start(taught.id, frames, given.above)
+            printing.predicted(_followed(client, job))
+
+
+def _taught(client: Client, given: argparse.Namespace) -> Classifier:
+    """Teach a classifier that there is, or a new one."""
+    names = [] if given.sequence is None else [given.sequence]
+    if given.classifier is not None:
+        return client.classifiers.teach(given.classifier, names)
+    classes = None if given.classes is None else printing.listed(given.classes)
+    return client.classifiers.create(given.name or given.sequence, names, classes)
+
+
 def export(given: argparse.Namespace, settings: Settings) -> None:
     """Export a recording to a .zip, or a new folder."""
     out: Path = given.out
@@ -103,7 +138,7 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
             if entry.format == given.format:
                 printing.not_held(entry)
         if zipped:
-            recording.export(given.format, out, given.frames, given.val)
+            recording.export(given.format, out, given.frames, given.val, given.above)
         else:
             _export_folder(recording, given, out)
     print(f"exported {given.sequence} to {out}")
@@ -112,7 +147,8 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
 def _export_folder(recording: Recording, given: argparse.Namespace, out: Path) -> None:
     """Unpack an export beside ``out`` and move it there whole."""
     with tempfile.TemporaryDirectory(prefix=f".{out.name}-", dir=out.parent) as name:
-        archive = recording.export(given.format, Path(name) / "export.zip", given.frames, given.val)
+        target = Path(name) / "export.zip"
+        archive = recording.export(given.format, target, given.frames, given.val, given.above)
         folder = Path(name) / "unpacked"
         with zipfile.ZipFile(archive) as packed:
             packed.extractall(folder)

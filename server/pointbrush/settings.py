@@ -21,9 +21,11 @@ EVERYWHERE: tuple[str, ...] = ()
 SERVERS = ("demo", "serve")
 READERS = ("import", "import-labels", *SERVERS)
 """Commands that read points of files."""
-RUNNERS = ("track", *SERVERS)
+RUNNERS = ("track", "example", *SERVERS)
 """Commands that run jobs."""
-REMOTE = ("import", "import-labels", "track", "export", "info", "check-labels", "report")
+REMOTE = (
+    "import", "import-labels", "track", "example", "export", "info", "check-labels", "report",
+)  # fmt: skip
 """Commands that work on the workspace of a server as well."""
 
 DOCS = Path(__file__).parents[2] / "docs" / "options.md"

@@ -215,10 +215,12 @@ class Workspace:
         out: Path | BinaryIO,
         frames: str | None = None,
         val: str | None = None,
+        above: float = 0.0,
     ) -> None:
         """Write frames ``I:J`` with their labels; a folder or file at a Path, zip to a stream.
 
-        ``val``: frames for validation in a format for training, as ``exporting.choose_split``.
+        ``val``: frames for validation in a format for training, as ``exporting.choose_split``;
+        ``above``: predicted labels of a confidence, 0 to 1, below it are left out.
         Raises BadInputError for an unknown format or range, DamagedError for a damaged frame: at a
         Path nothing is left then, a stream has not begun, or goes on and names the gap.
         """
@@ -230,7 +232,7 @@ class Workspace:
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
         gaps: list[str] | None = None if isinstance(out, Path) else []
-        labeled = exporting.labeled_frames(self.labels, recording, chosen, gaps)
+        labeled = exporting.labeled_frames(self.labels, recording, chosen, gaps, above)
         labeled = exporting.split_frames(labeled, split)
         palette = self.labels.palette(sequence)
         names = formats.category_names(palette)

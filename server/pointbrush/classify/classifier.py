@@ -18,7 +18,13 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.features import Described, feature_names
 from pointbrush.classify.forest import Trees, learn, probabilities
-from pointbrush.classify.options import FeatureOptions, ForestOptions
+from pointbrush.classify.options import (
+    MOST_BYTES,
+    MOST_CLASSES,
+    NAME_LENGTH,
+    FeatureOptions,
+    ForestOptions,
+)
 from pointbrush.classify.smoothing import Chances, decided, smoothed
 from pointbrush.errors import BadInputError
 
@@ -26,10 +32,6 @@ Floats = NDArray[np.float64]
 
 VERSION = 1
 """Of the file, and of what the features mean."""
-MOST_BYTES = 64 * 2**20
-"""Of a classifier's file, unpacked."""
-MOST_CLASSES = 64
-NAME_LENGTH = 128
 HELD_OUT = 4
 """One in so many places is held out to score."""
 

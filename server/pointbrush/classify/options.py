@@ -7,6 +7,12 @@ from typing import Any
 
 from pointbrush.errors import BadInputError
 
+MOST_BYTES = 64 * 2**20
+"""Of a classifier's file, unpacked."""
+MOST_CLASSES = 64
+NAME_LENGTH = 128
+"""Characters in a name of a classifier or class."""
+
 
 @dataclass(frozen=True, slots=True)
 class FeatureOptions:

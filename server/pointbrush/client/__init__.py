@@ -15,6 +15,7 @@ Arrays are NumPy's, in the order of the source's points.  What the server refuse
 of ``pointbrush.errors``.
 """
 
+from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
 from pointbrush.client.recording import Recording
@@ -50,10 +51,13 @@ __all__ = [
     "Annotation",
     "AsyncClient",
     "Bounds",
+    "ByExample",
     "Camera",
     "Candidate",
     "Category",
     "Checked",
+    "Classifier",
+    "Classifiers",
     "Client",
     "Edit",
     "ExportFormat",
@@ -66,6 +70,8 @@ __all__ = [
     "LabelAgreement",
     "Manifest",
     "PastEdit",
+    "Place",
+    "Prediction",
     "Recording",
     "Review",
     "Run",

@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import httpx
 
+from pointbrush.client.classifiers import Classifiers
 from pointbrush.client.recording import Recording
 from pointbrush.client.steps import (
     PATIENCE,
@@ -149,6 +150,13 @@ class Server(Part[L]):
         asked = upload("/imports/preview", files, options)
         found: dict[str, Any] = (yield from send(asked)).json()
         return found
+
+    # ── labels by example ────────────────────────────────────────────────────────────────
+
+    @property
+    def classifiers(self) -> Classifiers[L]:
+        """The classifiers of the workspace."""
+        return Classifiers(self._link)
 
     # ── the workspace ────────────────────────────────────────────────────────────────────
 

@@ -77,7 +77,7 @@ class Frame(Part[L]):
 
     @steps
     def annotation(self, layer: str = "label") -> Steps[Annotation]:
-        """Return a layer (N,): ``label``, ``provenance`` or ``deleted``, with its ``etag``."""
+        """Return a layer (N,), label, provenance, deleted or confidence, with its ``etag``."""
         answer = yield from self._call("GET", "/annotation", params={"layer": layer})
         return Annotation(array_of(answer), answer.headers["ETag"])
 

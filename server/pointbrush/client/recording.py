@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import httpx
 
+from pointbrush.client.classifiers import ByExample
 from pointbrush.client.frame import Frames
 from pointbrush.client.review import Review
 from pointbrush.client.steps import (
@@ -46,6 +47,7 @@ class Recording(Part[L]):
         self.id, self.name = manifest.id, manifest.name
         self.frames: Frames[L] = Frames(link, self.id, manifest.frames)
         self.review: Review[L] = Review(link, self.id)
+        self.by_example: ByExample[L] = ByExample(link, self.id)
 
     def __repr__(self) -> str:
         return f"Recording({self.id!r}, {len(self.frames)} frames)"
@@ -265,14 +267,20 @@ class Recording(Part[L]):
 
     @steps
     def export(
-        self, format: str, out: AnyPath, frames: str | None = None, val: str | None = None
+        self,
+        format: str,
+        out: AnyPath,
+        frames: str | None = None,
+        val: str | None = None,
+        above: float = 0.0,
     ) -> Steps[Path]:
         """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path.
 
         ``val`` are the frames for validation of a format that splits: ``I:J``, ids of recordings
-        with commas, or ``none``; by default those of one recording in five.
+        with commas, or ``none``; by default those of one recording in five.  ``above``: predicted
+        labels of a confidence, 0 to 1, below it are left out.
         """
-        asked = {"format": format, "frames": frames, "val": val}
+        asked = {"format": format, "frames": frames, "val": val, "above": above or None}
         query = {key: value for key, value in asked.items() if value is not None}
         target = Path(out)
         partial = target.with_name(f".{target.name}-{uuid.uuid4().hex}")

@@ -73,12 +73,16 @@ def require_whole(recording: Sequence, frames: range) -> None:
 
 
 def labeled_frames(
-    store: LabelStore, recording: Sequence, frames: range, gaps: list[str] | None = None
+    store: LabelStore,
+    recording: Sequence,
+    frames: range,
+    gaps: list[str] | None = None,
+    above: float = 0.0,
 ) -> Iterator[formats.ExportFrame]:
     """Each frame of ``frames`` with its annotation and tracks, one at a time.
 
     A frame that is an octree comes in blocks.  A damaged frame is left out and told in ``gaps``,
-    where there is such a list; elsewhere it raises DamagedError.
+    where there is such a list; elsewhere it raises DamagedError.  ``above``: as of KeptAnnotation.
     """
     sequence, up = recording.manifest.id, recording.manifest.T_room_local[1, :3]
     tracks: dict[int, list[dict[str, Any]]] = {}
@@ -92,7 +96,7 @@ def labeled_frames(
                 raise
             gaps.append(str(error))
             continue
-        kept = KeptAnnotation(store, sequence, index)
+        kept = KeptAnnotation(store, sequence, index, above=above)
         read = partial(_blocks, recording, index, kept, tracks.get(index, []), up)
         if not large:
             yield from read()

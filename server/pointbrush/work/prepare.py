@@ -14,6 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from pointbrush.classify.features import ExampleFrame, describe, scale_of
+from pointbrush.classify.forest import learn, probabilities
+from pointbrush.classify.options import FeatureOptions, ForestOptions
+from pointbrush.classify.smoothing import smoothed
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
 from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
@@ -97,6 +101,18 @@ def select_object() -> None:
         candidates(state, at[:1], at[1:], taken)
 
 
+def label_by_example() -> None:
+    """Describe a frame, teach two classes of it, and look for doubt."""
+    made = generate("tabletop", 1, 1).frame(0)
+    few = made.xyz[::8].astype(np.float32)
+    options = FeatureOptions()
+    place = describe(ExampleFrame(few), scale_of(few, options), options)
+    chosen = np.arange(len(place.center), step=20)
+    classes, spread = chosen % 2, np.ones(place.features.shape[1])
+    trees = learn(place.features[chosen], classes, 2, spread, ForestOptions(trees=2))
+    smoothed(probabilities(trees, place.features), place.near)
+
+
 def _part(made: PointFrame, seen: NDArray[np.bool_]) -> PointFrame:
     rgb = None if made.rgb is None else made.rgb[seen]
     return PointFrame(made.xyz[seen], rgb, viewpoint=made.viewpoint)
@@ -148,6 +164,7 @@ def track_by_paper() -> None:
 STEPS = (
     ("import", encode),
     ("object selection", select_object),
+    ("labels by example", label_by_example),
     ("tracking of people", track_people),
     ("tracking of things", track_things),
     ("tracking by ICP", track_by_paper),

@@ -3,6 +3,7 @@
 from pointbrush.web.routes import (
     annotations,
     checks,
+    classifiers,
     edits,
     export,
     frames,
@@ -19,5 +20,5 @@ from pointbrush.web.routes import (
 
 RESOURCES = (
     meta, sequences, imports, frames, labels, taxonomy, edits, objects, annotations, tracking,
-    export, jobs, review, checks,
+    classifiers, export, jobs, review, checks,
 )  # fmt: skip

@@ -249,12 +249,15 @@ async def export_sequence(
     format: Annotated[str, Query(pattern=one_of(EXPORTS))],
     frames: FrameRange = None,
     val: Validation = None,
+    above: Annotated[
+        float, Query(ge=0, le=1, description="least confidence of predicted labels")
+    ] = 0.0,
 ) -> Response:
     """Frames with their labels in the source's order, as a zip."""
     return await respond(
         request.app.state.exports,
         person_of(request, who),
-        lambda file: workspace.export(seq, format, file, frames, val),
+        lambda file: workspace.export(seq, format, file, frames, val, above),
         {"Content-Disposition": f'attachment; filename="{seq}-{format}.zip"'},
     )
 

@@ -33,7 +33,10 @@ from pointbrush.work.exporting import source_columns
 from pointbrush.workspace import Workspace
 
 router = resource("frames")
-Layer = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
+Layer = Annotated[
+    Literal["label", "provenance", "deleted", "confidence"], Query(description="which values")
+]
+Written = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
 HEADER_ROOM = 4096
 WIDEST = 8
 """Bytes a value of the widest type that is read, to say that the type is wrong."""
@@ -97,6 +100,7 @@ def get_annotation(
 ) -> Response:
     """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted.
 
+    Or uint8 confidence of what was predicted, 0 elsewhere.
     The ``ETag`` is the revision of the frame's last change, in any layer.
     """
     blocks, revision = workspace.annotations.blocks(seq, i, layer)
@@ -132,7 +136,7 @@ def put_annotation(
     response: Response,
     workspace: Ws,
     who: Caller,
-    layer: Layer = "label",
+    layer: Written = "label",
     id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
     if_match_: Annotated[
         str | None, Header(alias="If-Match", pattern=r'^(\*|"?[0-9]{1,18}"?)$')

@@ -26,6 +26,8 @@ LAYERS: dict[str, type] = {
 PIECE_POINTS = 16 * BLOCK
 """Points compared at once: whole blocks of the journal."""
 READ_POINTS = 1_000_000
+SUREST = 255
+"""Greatest confidence of a point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,15 +139,26 @@ class KeptAnnotation:
     """A frame's layers in stored order, compressed; ``revision`` is that of its last change."""
 
     def __init__(
-        self, store: LabelStore, sequence: str, frame: int, layers: Collection[str] = tuple(LAYERS)
+        self,
+        store: LabelStore,
+        sequence: str,
+        frame: int,
+        layers: Collection[str] = tuple(LAYERS),
+        above: float = 0.0,
     ) -> None:
-        """Read ``layers`` piece by piece; nothing is committed meanwhile."""
+        """Read ``layers`` piece by piece; nothing is committed meanwhile.
+
+        ``above``: predicted points of a confidence, 0 to 1, below it count as without a label.
+        """
         self.revision = 0
         self.sizes = np.zeros(1, np.int64)
         """Points of each label that are not deleted, by label id."""
         self._pieces: list[dict[str, Packed]] = []
         for values in store.runs(sequence, frame, READ_POINTS):
             self.revision = values.changed
+            if above > 0:
+                unsure = (values.provenance == PREDICTED) & (values.confidence < above * SUREST)
+                values.label[unsure] = values.provenance[unsure] = 0
             self._pieces.append({name: Packed.of(getattr(values, name)) for name in layers})
             counts = np.bincount(values.label[~values.deleted], minlength=len(self.sizes))
             counts[: len(self.sizes)] += self.sizes

@@ -62,6 +62,8 @@ class Prediction:
     kind: NDArray[np.uint8]
     confidence: NDArray[np.uint8]
     classes: tuple[str, ...]
+    labels: tuple[int, ...]
+    """Label ids of the classes, 0 for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +213,8 @@ class Classifiers:
         known = classifier.trees is not None
         kind = ((best + 1) * known).astype(np.uint8)[described.of_point]
         sure = np.clip(margin * 255 * known, 0, 255).astype(np.uint8)[described.of_point]
-        return Prediction(numbers, ids[kind], kind, sure, classifier.classes)
+        named = tuple(ids[1:].tolist())
+        return Prediction(numbers, ids[kind], kind, sure, classifier.classes, named)
 
     def _size(self, classifier: Classifier, recording: Recording, frame: int) -> float:
         return classifier.size or self._frames.scale(recording, frame)

@@ -107,12 +107,13 @@ class SampleWork:
     sequence_id: str
     frames: int
     seed: int = 0
+    kind: str = "juggling"
 
     def __call__(self, channel: Channel) -> None:
         """Generate frame by frame and store each as it comes."""
-        from pointbrush.samples import generate
+        from pointbrush.samples.kinds import sample
 
-        recording = generate("juggling", seed=self.seed, frames=self.frames)
+        recording = sample(self.kind, self.seed, self.frames)
         with self.target.building(channel.progress) as folder:
             import_frames(
                 recording.frames,
@@ -120,9 +121,9 @@ class SampleWork:
                 sequence_id=self.sequence_id,
                 name=recording.name,
                 fps=recording.fps,
-                total=self.frames,
+                total=len(recording.frames),
                 progress=channel.progress,
-                source=f"{SAMPLE}, seed {self.seed}",
+                source=f"{SAMPLE}, {self.kind}, seed {self.seed}",
             )
 
 
@@ -138,11 +139,11 @@ def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
     return paths[0] if read_header(paths[0], limits).count > LARGE_POINTS else None
 
 
-def create_sample_labels(store: LabelStore, recording: Sequence) -> None:
+def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> None:
     """A palette for the objects of the sample; painting them is left to the person."""
-    from pointbrush.samples import generate
+    from pointbrush.samples.kinds import sample
 
-    for label_id, name, category, color in generate("juggling", frames=1).labels:
+    for label_id, name, category, color in sample(kind, 0, 1).labels:
         store.create_label(
             recording.manifest.id, "import", id=label_id, name=name, category=category, color=color
         )

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.options import choice
 
+SAMPLES = ("juggling", "aerial")
+"""Recordings that `pointbrush demo` makes."""
+
 
 @dataclass(frozen=True)
 class LabelOptions:

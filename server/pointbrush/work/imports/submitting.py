@@ -116,10 +116,13 @@ class Imports:
         limits = formats.Limits(self._max_points, roots=wanted.roots)
         return self._previews.of(wanted, limits)
 
-    def begin_sample(self, *, frames: int = 90, seed: int = 0) -> Job:
-        """Make the sample recording and import it in a job, with a palette for its objects."""
-        request = {"call": SAMPLE, "frames": frames, "seed": seed}
-        return self._begin_sample(frames, seed, Job("import", None, request=request))
+    def begin_sample(self, *, frames: int = 90, seed: int = 0, kind: str = "juggling") -> Job:
+        """Make a sample recording and import it in a job, with a palette for its objects.
+
+        ``kind``: ``juggling`` or ``aerial``.
+        """
+        request = {"call": SAMPLE, "frames": frames, "seed": seed, "kind": kind}
+        return self._begin_sample(frames, seed, kind, Job("import", None, request=request))
 
     def begin_labels(
         self,
@@ -192,7 +195,7 @@ class Imports:
             if recording.manifest.source.startswith(source):
                 return importing.result(recording, [])
         if request is None:
-            self._begin_sample(kept["frames"], kept["seed"], job)
+            self._begin_sample(kept["frames"], kept["seed"], kept.get("kind", "juggling"), job)
         else:
             self._begin(request, job)
         return None
@@ -213,12 +216,12 @@ class Imports:
         )
         return self._submit(guard, work, self.source_labels.bring, job, request.upload)
 
-    def _begin_sample(self, frames: int, seed: int, job: Job) -> Job:
-        guard = self._reserve("juggling")
+    def _begin_sample(self, frames: int, seed: int, kind: str, job: Job) -> Job:
+        guard = self._reserve(kind)
         sequence = guard.sequence
         target = self._library.store.target(sequence)
-        work = importing.SampleWork(target, sequence, frames, seed)
-        label = partial(importing.create_sample_labels, self._store)
+        work = importing.SampleWork(target, sequence, frames, seed, kind)
+        label = partial(importing.create_sample_labels, self._store, kind=kind)
         return self._submit(guard, work, label, job)
 
     def _reserve(self, name: str) -> Guard:

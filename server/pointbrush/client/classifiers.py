@@ -1,0 +1,221 @@
+"""Labels by example: classifiers of a workspace, taught by what is painted in recordings."""
+
+from __future__ import annotations
+
+import io
+import uuid
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.client.steps import (
+    PATIENCE,
+    L,
+    Part,
+    Request,
+    Steps,
+    finished,
+    send,
+    started,
+    steps,
+)
+from pointbrush.client.uploads import AnyPath
+from pointbrush.client.values import Job, Vector, read
+
+
+@dataclass(frozen=True, slots=True)
+class Classifier:
+    """A classifier: ``taught_by`` recordings with their examples, ``examples`` of each class.
+
+    ``score``: share of held-out examples that are right, mean of the classes; ``cell``: metres.
+    """
+
+    id: str
+    name: str
+    classes: tuple[str, ...]
+    taught_by: Mapping[str, int]
+    examples: Mapping[str, int]
+    score: float | None
+    cell: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Prediction:
+    """Points of a frame as a classifier sees them, in source order.
+
+    ``label`` (n,) uint16, 0 where the palette has none of the class; ``kind`` (n,) uint8 number of
+    the class in ``classes`` from 1, 0 while nothing is taught; ``confidence`` (n,) uint8;
+    ``index`` (n,) the points' numbers, None: all.
+    """
+
+    label: NDArray[np.uint16]
+    kind: NDArray[np.uint8]
+    confidence: NDArray[np.uint8]
+    classes: tuple[str, ...]
+    index: NDArray[np.uint32] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place in doubt: ``centre`` on a surface, source metres, ``radius`` of a stroke there.
+
+    ``points`` of the piece; the two ``classes`` that it may be, the likelier first.
+    """
+
+    sequence: str
+    frame: int
+    centre: Vector
+    radius: float
+    points: int
+    classes: tuple[str, str]
+    doubt: float
+
+
+class Classifiers(Part[L]):
+    """The classifiers of a workspace."""
+
+    @steps
+    def all(self) -> Steps[list[Classifier]]:
+        """Return all, by id."""
+        answer = yield from send(Request("GET", "/classifiers", again=True))
+        return [read(Classifier, entry) for entry in answer.json()]
+
+    @steps
+    def __getitem__(self, classifier: str) -> Steps[Classifier]:
+        """Return the classifier of an id; raises NotFoundError."""
+        answer = yield from send(Request("GET", f"/classifiers/{classifier}", again=True))
+        return read(Classifier, answer.json())
+
+    @steps
+    def create(
+        self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None
+    ) -> Steps[Classifier]:
+        """Make one, taught by what is painted in recordings, now and later.
+
+        ``classes`` None: all of the recordings' palettes.
+        """
+        body: dict[str, Any] = {"name": name, "recordings": list(recordings)}
+        if classes is not None:
+            body["classes"] = list(classes)
+        answer = yield from send(Request("POST", "/classifiers", {"json": body}))
+        return read(Classifier, answer.json())
+
+    @steps
+    def teach(self, classifier: str, recordings: Sequence[str] = ()) -> Steps[Classifier]:
+        """Teach what is painted now, also in further recordings, and have it written down."""
+        body = {"recordings": list(recordings)}
+        place = f"/classifiers/{classifier}/teach"
+        answer = yield from send(Request("POST", place, {"json": body}, again=True))
+        return read(Classifier, answer.json())
+
+    @steps
+    def delete(self, classifier: str) -> Steps[None]:
+        """Delete one; what it labelled stays."""
+        yield from send(Request("DELETE", f"/classifiers/{classifier}"))
+
+    @steps
+    def save(self, classifier: str, out: AnyPath) -> Steps[Path]:
+        """Write one to a file, to be taken elsewhere; returns its path."""
+        target = Path(out)
+        place = f"/classifiers/{classifier}/file"
+        answer = yield from send(Request("GET", place, again=True))
+        target.write_bytes(answer.content)
+        return target
+
+    @steps
+    def load(self, file: AnyPath, name: str | None = None) -> Steps[Classifier]:
+        """Take in a file that ``save`` wrote; returns what it is called here."""
+        query = {} if name is None else {"name": name}
+        options = {"content": Path(file).read_bytes(), "params": query}
+        answer = yield from send(Request("POST", "/classifiers/file", options))
+        return read(Classifier, answer.json())
+
+
+class ByExample(Part[L]):
+    """Predictions of a recording by classifiers, and labels that they give it."""
+
+    def __init__(self, link: L, sequence: str) -> None:
+        super().__init__(link)
+        self._sequence = sequence
+
+    @steps
+    def predict(
+        self,
+        classifier: str,
+        frame: int,
+        *,
+        labels: Sequence[int] | None = None,
+        place: Sequence[float] | None = None,
+    ) -> Steps[Prediction]:
+        """Predict the points of a frame, from all that is painted by now; nothing is changed.
+
+        ``labels``: as these alone, by id; ``place``: only near it (3,), source metres, which a
+        frame of many millions of points needs.
+        """
+        given = {"classifier": classifier, "labels": labels, "place": place}
+        body = {key: value for key, value in given.items() if value is not None}
+        path = f"/sequences/{self._sequence}/frames/{frame}/prediction"
+        return _prediction((yield from send(Request("POST", path, {"json": body}, again=True))))
+
+    @steps
+    def doubt(
+        self,
+        classifier: str,
+        *,
+        frame: int | None = None,
+        workspace: bool = False,
+        most: int = 5,
+    ) -> Steps[list[Place]]:
+        """Return the places whose answer would teach most, the best first.
+
+        In one ``frame``; in some frames; in some recordings of the ``workspace``.
+        """
+        query: dict[str, Any] = {"classifier": classifier, "most": most}
+        query |= {} if frame is None else {"frame": frame}
+        query |= {"workspace": "true"} if workspace else {}
+        path = f"/sequences/{self._sequence}/doubt"
+        answer = yield from send(Request("GET", path, {"params": query}, again=True))
+        return [read(Place, entry) for entry in answer.json()]
+
+    @steps
+    def start(
+        self, /, classifier: str, frames: str = "", above: float = 0.0, *,
+        patience: float = PATIENCE,
+    ) -> Steps[Job]:  # fmt: skip
+        """Start what ``apply`` waits for; returns the job."""
+        return (yield from self._start(classifier, frames, above, patience))
+
+    @steps
+    def apply(
+        self, /, classifier: str, frames: str = "", above: float = 0.0, *, progress: bool = False,
+        patience: float = PATIENCE,
+    ) -> Steps[dict[str, Any]]:  # fmt: skip
+        """Label what nobody has labelled in frames ``I:J``, and wait; returns the job's result.
+
+        One edit of provenance 4.  ``above``: points whose confidence, 0 to 1, is below stay as
+        they are.  ``patience``: as of ``Recording.track``.
+        """
+        job = yield from self._start(classifier, frames, above, patience)
+        return (yield from finished(job, progress=progress, patience=patience))
+
+    def _start(self, classifier: str, frames: str, above: float, patience: float) -> Steps[Job]:
+        job = str(uuid.uuid4())
+        body = {"id": job, "classifier": classifier, "frames": frames, "above": above}
+        place = f"/sequences/{self._sequence}/predictions"
+        return started(job, Request("POST", place, {"json": body}, patience=patience))
+
+
+def _prediction(answer: httpx.Response) -> Prediction:
+    with np.load(io.BytesIO(answer.content), allow_pickle=False) as found:
+        return Prediction(
+            found["label"],
+            found["class"],
+            found["confidence"],
+            tuple(found["classes"].tolist()),
+            found.get("index"),
+        )

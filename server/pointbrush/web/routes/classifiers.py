@@ -1,0 +1,249 @@
+"""Labels by example: classifiers, what they predict, and where they doubt."""
+
+from __future__ import annotations
+
+import io
+import json
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from fastapi import Path, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from pydantic import Field
+
+from pointbrush.classify.options import MOST_BYTES, MOST_CLASSES, NAME_LENGTH
+from pointbrush.streaming.messages import FrameIndex, Uuid
+from pointbrush.web.auth import Caller, resource
+from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Body, Out, PaintId
+from pointbrush.web.schemas_work import JobOut
+from pointbrush.work.classifiers.options import ApplyOptions
+
+if TYPE_CHECKING:
+    from pointbrush.work.classifiers.service import Prediction
+
+router = resource("classifiers")
+BINARY = {"schema": {"type": "string", "format": "binary"}}
+MEDIA_TYPE = "application/octet-stream"
+ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
+ClassifierPath = Annotated[str, Path(pattern=ID, max_length=64, description="classifier id")]
+ClassifierId = Annotated[str, Field(pattern=ID, max_length=64, description="classifier id")]
+ClassName = Annotated[str, Field(min_length=1, max_length=NAME_LENGTH)]
+RecordingId = Annotated[str, Field(pattern=ID, max_length=64)]
+Recordings = Annotated[list[RecordingId], Field(max_length=1000)]
+Coordinate = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class ClassifierBody(Body):
+    """A new classifier; ``classes`` None: all of the palettes of the recordings that teach it."""
+
+    name: ClassName
+    recordings: Annotated[Recordings, Field(min_length=1)]
+    classes: Annotated[list[ClassName], Field(min_length=1, max_length=MOST_CLASSES)] | None = None
+
+
+class TeachBody(Body):
+    """Recordings that teach from now on too."""
+
+    recordings: Recordings = Field(default_factory=list)
+
+
+class ClassifierOut(Out):
+    """A classifier: ``taught_by`` recordings with their examples, ``examples`` of each class.
+
+    ``score``: share of held-out examples that are right, mean of the classes; ``cell``: metres.
+    """
+
+    id: str
+    name: str
+    classes: list[str]
+    taught_by: dict[str, int]
+    examples: dict[str, int]
+    score: float | None
+    cell: float
+
+
+class PredictionBody(Body):
+    """Points to predict: ``labels``: as these alone; ``place``: near it alone, source metres."""
+
+    classifier: ClassifierId
+    labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
+    place: tuple[Coordinate, Coordinate, Coordinate] | None = None
+
+
+class ApplyBody(Body, ApplyOptions):
+    """A classifier to apply to frames ``I:J``, all unless given."""
+
+    classifier: ClassifierId
+    frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] = ""
+    above: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 0.0
+    id: Uuid | None = None
+
+
+class PlaceOut(Out):
+    """A place in doubt: ``centre`` on a surface, source metres, ``radius`` of a stroke there.
+
+    ``points`` of the piece; the two ``classes`` that it may be, the likelier first.
+    """
+
+    sequence: str
+    frame: int
+    centre: tuple[float, float, float]
+    radius: float
+    points: int
+    classes: tuple[str, str]
+    doubt: float
+
+
+@router.get("/classifiers")
+def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
+    """The classifiers of the workspace, by id."""
+    return [ClassifierOut.of(each) for each in workspace.classifiers.listing()]
+
+
+@router.post("/classifiers", status_code=201, responses=responses(404))
+def create_classifier(body: ClassifierBody, workspace: Ws) -> ClassifierOut:
+    """Make a classifier; what is painted in ``recordings`` teaches it at once, and later too."""
+    made = workspace.classifiers.create(body.name, body.recordings, body.classes)
+    return ClassifierOut.of(made)
+
+
+@router.post(
+    "/classifiers/file",
+    status_code=201,
+    responses=responses(413),
+    openapi_extra={"requestBody": {"required": True, "content": {MEDIA_TYPE: BINARY}}},
+)
+async def bring_classifier(
+    request: Request,
+    workspace: Ws,
+    name: Annotated[str | None, Query(min_length=1, max_length=NAME_LENGTH)] = None,
+) -> ClassifierOut:
+    """Take in a classifier's file, from another workspace say."""
+    data = bytes(await body_within(request, MOST_BYTES, "classifier"))
+    return ClassifierOut.of(await run_in_threadpool(workspace.classifiers.bring, data, name))
+
+
+@router.get("/classifiers/{id}", responses=responses(404))
+def get_classifier(id: ClassifierPath, workspace: Ws) -> ClassifierOut:
+    """One classifier."""
+    return ClassifierOut.of(workspace.classifiers.about(id))
+
+
+@router.delete("/classifiers/{id}", status_code=204, responses=responses(404))
+def delete_classifier(id: ClassifierPath, workspace: Ws) -> None:
+    """Delete a classifier; what it labelled stays."""
+    workspace.classifiers.delete(id)
+
+
+@router.get(
+    "/classifiers/{id}/file",
+    response_class=Response,
+    responses={200: {"description": "The file", "content": {MEDIA_TYPE: BINARY}}, **responses(404)},
+)
+def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
+    """A classifier as a file, to be taken elsewhere."""
+    headers = {"Content-Disposition": f'attachment; filename="{id}.npz"'}
+    data = workspace.classifiers.file(id)
+    return Response(data, media_type=MEDIA_TYPE, headers=headers)
+
+
+@router.post("/classifiers/{id}/teach", responses=responses(404))
+def teach_classifier(id: ClassifierPath, body: TeachBody, workspace: Ws) -> ClassifierOut:
+    """Teach what is painted now, also in further recordings, and write it down."""
+    return ClassifierOut.of(workspace.classifiers.teach(id, body.recordings))
+
+
+@router.post(
+    "/sequences/{seq}/frames/{i}/prediction",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Classes and confidences",
+            "content": {"application/zip": BINARY, MEDIA_TYPE: BINARY},
+        },
+        **responses(404, 413),
+    },
+)
+def predict(
+    seq: SequenceId,
+    i: FramePath,
+    body: PredictionBody,
+    workspace: Ws,
+    format: Annotated[Literal["npz", "stored"], Query()] = "npz",
+) -> Response:
+    """The classes of a frame's points, from all that is painted by now; nothing is changed.
+
+    ``npz``, source order: ``label`` uint16, 0 where the palette has none of the class; ``class``
+    uint8 from 1, 0 while nothing is taught; ``confidence`` uint8; ``classes`` their names; of a
+    part of the frame also ``index`` uint32, the points' numbers.  ``stored``: for pages, see
+    docs/howto/by-example.md.
+    """
+    found = workspace.classifiers.predict(
+        body.classifier, seq, i, labels=body.labels, place=body.place
+    )
+    if format == "stored":
+        return Response(stored_bytes(found), media_type=MEDIA_TYPE)
+    arrays = _in_source_order(found, workspace.recording(seq)[i].source_index)
+    file = io.BytesIO()
+    np.savez(file, classes=np.array(found.classes), **arrays)
+    return Response(file.getvalue(), media_type="application/zip")
+
+
+def _in_source_order(found: Prediction, source: np.ndarray[Any, Any]) -> dict[str, Any]:
+    """Arrays of a prediction, which is in stored order."""
+    numbers = source if found.numbers is None else source[found.numbers]
+    order = np.argsort(numbers)
+    arrays = {
+        "label": found.label[order],
+        "class": found.kind[order],
+        "confidence": found.confidence[order],
+    }
+    return arrays if found.numbers is None else arrays | {"index": numbers[order].astype(np.uint32)}
+
+
+def stored_bytes(found: Prediction) -> bytes:
+    """Return a prediction in stored order: a length uint32, JSON, then the arrays one by one."""
+    about = {
+        "points": len(found.kind),
+        "part": found.numbers is not None,
+        "classes": found.classes,
+        "labels": found.labels,
+    }
+    head = json.dumps(about).encode()
+    head += b" " * (-(4 + len(head)) % 4)  # so that numbers of points can be looked at in place
+    parts = [len(head).to_bytes(4, "little"), head]
+    if found.numbers is not None:
+        parts.append(found.numbers.astype("<u4").tobytes())
+    return b"".join([*parts, found.kind.tobytes(), found.confidence.tobytes()])
+
+
+@router.get("/sequences/{seq}/doubt", responses=responses(404))
+def get_doubt(
+    seq: SequenceId,
+    workspace: Ws,
+    classifier: Annotated[str, Query(pattern=ID, max_length=64)],
+    frame: Annotated[FrameIndex | None, Query()] = None,
+    all: Annotated[bool, Query(alias="workspace", description="other recordings too")] = False,
+    most: Annotated[int, Query(ge=1, le=100)] = 5,
+) -> list[PlaceOut]:
+    """Places whose answer would teach most, the best first: in a frame, or in some of all."""
+    found = workspace.classifiers.doubt(classifier, seq, frame=frame, workspace=all, most=most)
+    return [PlaceOut.of(each) for each in found]
+
+
+@router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))
+def apply_classifier(
+    seq: SequenceId, body: ApplyBody, response: Response, workspace: Ws, who: Caller
+) -> JobOut:
+    """Label what nobody has labelled in frames, in a job; it is one edit, provenance 4."""
+    job = workspace.classifiers.apply(seq, author=who.author, edit=body.id, **ApplyOptions.of(body))
+    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
+    return JobOut.of(job)
+
+
+@router.delete("/sequences/{seq}/features", status_code=204, responses=responses(404))
+def drop_features(seq: SequenceId, workspace: Ws) -> None:
+    """Drop what is kept in memory about the surroundings of a recording's points."""
+    workspace.classifiers.forget_features(seq)
