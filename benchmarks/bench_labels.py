@@ -40,7 +40,7 @@ def fill(store: LabelStore, sequence: str, edits: int) -> None:
     with sessions.knowing(sequence) as state:
         pass
     for start in range(0, edits, BATCH):
-        with state.lock, store._database.write() as connection:
+        with state.lock, store.database.write() as connection:
             for number in range(start, min(start + BATCH, edits)):
                 draft = Draft(connection, state)
                 frame = 0 if number % 2 else int(rng.integers(1, FRAMES))
@@ -157,7 +157,7 @@ def main() -> None:
         store = LabelStore(url)
         for sequence in ("empty", "long"):
             store.forget(sequence)
-            store.register(sequence, [POINTS] * FRAMES)
+            store.recordings.register(sequence, [POINTS] * FRAMES)
             for name in ("one", "two", "three"):
                 store.create_label(sequence, "setup", name=name)
         filling = timed(lambda: fill(store, "long", given.edits))[0] / 1e3
@@ -166,8 +166,8 @@ def main() -> None:
         commit = None if given.database else bare_commit(Path(folder) / "bare.sqlite")
         strokes(store, given.strokes, commit)
         others(store, url)
-        if store._database.path is not None:
-            size = store._database.path.stat().st_size / 2**20
+        if store.database.path is not None:
+            size = store.database.path.stat().st_size / 2**20
             print(f"\ndatabase: {size:.0f} MiB")
         for sequence in ("empty", "long"):
             store.forget(sequence)

@@ -120,7 +120,7 @@ def test_it_can_be_deleted_and_comes_back_as_it_was(tmp_path: Path) -> None:
 def test_labels_of_the_first_version_with_other_frames_are_set_aside(tmp_path: Path) -> None:
     settings = settings_in(tmp_path)
     with closing(Workspace(settings)) as workspace:
-        workspace.labels.register("ball", [7, 7])
+        workspace.labels.recordings.register("ball", [7, 7])
         workspace.labels.create_label("ball", "ada", name="old")
     add_sequence(settings, "ball", frames=1, points=300)
     with closing(Workspace(settings)) as workspace:

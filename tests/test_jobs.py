@@ -22,7 +22,8 @@ from distributed import LocalCluster
 
 from pointbrush import worker
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.job import Job
+from pointbrush.jobs import JobRunner
 from pointbrush.worker import Channel, DaskExecutor, brief_logs
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
@@ -217,7 +218,7 @@ def test_a_worker_that_dies_fails_its_job_and_the_next_one_runs(
 
 def test_unknown_jobs_are_not_found(runner: JobRunner) -> None:
     with pytest.raises(NotFoundError):
-        runner.job("nothing")
+        runner.known.get("nothing")
 
 
 def test_workers_end_when_the_server_is_killed() -> None:
@@ -240,7 +241,7 @@ def test_close_cancels_what_runs(seen: Seen, scheduler: str) -> None:
     job = submit(runner, seen, Count(10_000, pause=0.01))
     eventually(lambda: seen.items)
     runner.close()
-    assert runner.job(job.id).state == "cancelled"
+    assert runner.known.get(job.id).state == "cancelled"
 
 
 @pytest.mark.parametrize("address", ["", "localhost", "http://localhost:1", "tcp://localhost"])

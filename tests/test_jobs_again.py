@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.job import Job
+from pointbrush.jobs import JobRunner
 from pointbrush.worker import Channel
 from tests.dask_cluster import DaskCluster
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
@@ -59,13 +60,13 @@ def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
         runner = JobRunner(seen.jobs.append, scheduler=dask.address)
         with closing(runner):
             first = submit(runner, seen)
-            eventually(lambda: "expected workers" in runner.job(first.id).message)
+            eventually(lambda: "expected workers" in runner.known.get(first.id).message)
             dask.start("worker")
             assert runner.wait(first.id, PATIENCE).state == "done"
             dask.kill("worker")
             dask.kill("scheduler")
             second = submit(runner, seen)
-            eventually(lambda: "scheduler" in runner.job(second.id).message)
+            eventually(lambda: "scheduler" in runner.known.get(second.id).message)
             dask.start("scheduler")
             dask.start("worker")
             job = runner.wait(second.id, PATIENCE)

@@ -12,20 +12,15 @@ import multiprocessing
 import secrets
 import threading
 import time
-import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Listener
-from typing import Any, Literal, Protocol
+from typing import Any
 
-from pointbrush.errors import (
-    CancelledError,
-    ConflictError,
-    NotFoundError,
-    UnavailableError,
-)
+from pointbrush.errors import CancelledError, ConflictError, NotFoundError, UnavailableError
+from pointbrush.job import ENDED, MESSAGE, Job, JobState, KnownJobs
 from pointbrush.system import shortage, shortages_in_words
 from pointbrush.worker import (
     DisconnectedError,
@@ -39,9 +34,6 @@ from pointbrush.worker import (
 )
 
 logger = logging.getLogger(__name__)
-JobKind = Literal["import", "tracking", "export", "prediction"]
-JobState = Literal["queued", "running", "done", "failed", "cancelled"]
-ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 DRAIN_SECONDS = 60
 END_SECONDS = 2.0
 """Time that the work of a server that is stopped may take to heed it."""
@@ -55,44 +47,6 @@ LOOK_SECONDS = 1.0
 """Interval of looks at what a job waits for that no worker has begun."""
 SCHEDULER_AWAY = "waiting for the Dask scheduler, which is away"
 SHORTAGE = "waiting for files and memory that a worker needs"
-MESSAGE = "message"
-"""Key of a result that becomes the ended job's message."""
-KEPT_JOBS = 1000
-"""Ended jobs that are remembered; older ones are forgotten first."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """State of one job; a new value at every change."""
-
-    kind: JobKind
-    sequence: str | None
-    id: str = field(default_factory=lambda: str(uuid.uuid4()))
-    state: JobState = "queued"
-    progress: float = 0.0
-    message: str = ""
-    result: dict[str, Any] | None = None
-    error: str | None = None
-    created: float = field(default_factory=time.time)
-    owner: str | None = None
-    """The person who started it."""
-    edit: str | None = None
-    """The edit that it makes, if any."""
-    request: Mapping[str, Any] | None = None
-    """Request that begins it again when its server has ended, as JSON; None when nothing does."""
-
-
-class Book(Protocol):
-    """Record of jobs, for whoever comes after this process."""
-
-    def begun(self, job: Job) -> None:
-        """Note a job before it is handed out; what this raises keeps it from being so."""
-
-    def dropped(self, job: Job) -> None:
-        """Forget a job that could not be begun."""
-
-    def changed(self, job: Job) -> None:
-        """Note that a job has changed."""
 
 
 @dataclass
@@ -135,15 +89,14 @@ class JobRunner:
         ``public`` takes from an error's text what clients should not read.
         Raises BadInputError or UnavailableError when there is no such scheduler.
         """
-        self._notify, self._public = notify, public
+        self._public = public
+        self.known = KnownJobs(notify)
         self._workers = Workers(workers, scheduler)
         self._key = secrets.token_bytes(32)
         self._listener = Listener((self._workers.host, 0), backlog=64, authkey=self._key)
         self._lock = threading.Lock()
-        self._jobs: dict[str, Job] = {}
         self._running: dict[str, _Running] = {}
         self._closed = False
-        self.book: Book | None = None
         threading.Thread(target=self._accept, name="pointbrush-jobs", daemon=True).start()
 
     def submit(
@@ -164,22 +117,22 @@ class JobRunner:
         ``work`` must be safe to begin again.  Raises UnavailableError once the runner is closed.
         """
         self._require_open()
-        if self.book is not None:
-            self.book.begun(job)
+        if (book := self.known.book) is not None:
+            book.begun(job)
         running = _Running(work, None, finish, on_item, done, restart)
         supervisor = threading.Thread(target=self._supervise, args=(job.id, running), daemon=True)
         try:
             with self._lock:
                 self._require_open()
-                self._jobs[job.id], self._running[job.id] = job, running
+                self._running[job.id] = running
+                self.known.add(job)
                 running.future = self._hand_out(job.id, running)
-                self._forget_old()
             with shortages_in_words():
                 supervisor.start()
         except BaseException:
             self._forget(job.id)
-            if self.book is not None:
-                self.book.dropped(job)
+            if book is not None:
+                book.dropped(job)
             raise
         return job
 
@@ -196,21 +149,9 @@ class JobRunner:
         """Raise UnavailableError when jobs run on a cluster that does not answer."""
         self._workers.require_answer()
 
-    def jobs(self) -> list[Job]:
-        """All remembered jobs, newest first."""
-        with self._lock:
-            return sorted(self._jobs.values(), key=lambda job: job.created, reverse=True)
-
-    def job(self, job_id: str) -> Job:
-        """One job; raises NotFoundError."""
-        with self._lock:
-            if job_id not in self._jobs:
-                raise NotFoundError(f"job: expected the id of a known job, got {job_id!r}")
-            return self._jobs[job_id]
-
     def cancel(self, job_id: str) -> Job:
         """Ask a job to stop; raises ConflictError when it has already ended."""
-        job = self.job(job_id)
+        job = self.known.get(job_id)
         with self._lock:
             running = self._running.get(job_id)
             if running is None:
@@ -225,7 +166,7 @@ class JobRunner:
     def wait(self, job_id: str, timeout: float | None = None) -> Job:
         """Block until the job has ended (or ``timeout`` seconds passed) and return it."""
         deadline = None if timeout is None else time.monotonic() + timeout
-        while (job := self.job(job_id)).state not in ENDED:
+        while (job := self.known.get(job_id)).state not in ENDED:
             if deadline is not None and time.monotonic() > deadline:
                 break
             time.sleep(0.02)
@@ -248,14 +189,16 @@ class JobRunner:
         """
         with self._lock:
             self._closed = True
-        for job in self.jobs():
+        for job in self.known.all():
             if job.state in ENDED:
                 continue
-            if self.book is not None and job.request is not None:
+            if self.known.book is not None and job.request is not None:
                 self.leave(job.id)
                 continue
-            if self.book is not None:
-                self._change(job.id, state="failed", error="its server was stopped; begin it again")
+            if self.known.book is not None:
+                self.known.change(
+                    job.id, state="failed", error="its server was stopped; begin it again"
+                )
             with suppress(ConflictError):  # it ended by itself meanwhile
                 self.cancel(job.id)
         with self._lock:
@@ -272,11 +215,6 @@ class JobRunner:
     def _require_open(self) -> None:
         if self._closed:
             raise UnavailableError("jobs: expected a server that runs, it is being stopped")
-
-    def _forget_old(self) -> None:
-        ended = [job_id for job_id, job in self._jobs.items() if job.state in ENDED]
-        for job_id in ended[: max(0, len(self._jobs) - KEPT_JOBS)]:
-            del self._jobs[job_id]
 
     def _accept(self) -> None:
         while not self._closed:
@@ -316,12 +254,12 @@ class JobRunner:
             running.drained.wait(DRAIN_SECONDS)
             running.drained.clear()
             if running.restart is not None:
-                running.restart(self.job(job_id))
+                running.restart(self.known.get(job_id))
         with self._lock:
             tell(connection, "start")
             if running.cancelled:
                 tell(connection, "cancel")
-        self._change(job_id, state="running", progress=0.0, message="")
+        self.known.change(job_id, state="running", progress=0.0, message="")
         self._hear_out(connection, job_id, running)
         running.drained.set()
 
@@ -331,9 +269,9 @@ class JobRunner:
             while True:
                 kind, *values = connection.recv()
                 if kind == "progress":
-                    self._change(job_id, progress=float(values[0]), message=str(values[1]))
+                    self.known.change(job_id, progress=float(values[0]), message=str(values[1]))
                 elif kind == "item" and running.on_item is not None:
-                    running.on_item(self.job(job_id), values[0])
+                    running.on_item(self.known.get(job_id), values[0])
         except (EOFError, OSError):
             pass
         except Exception as error:  # such as no memory for what came
@@ -341,14 +279,14 @@ class JobRunner:
             cut_off(connection)
 
     def _supervise(self, job_id: str, running: _Running) -> None:
-        job = self.job(job_id)
+        job = self.known.get(job_id)
         try:
             self._see_through(job_id, running)
         except Exception as error:  # nobody else would end it
-            self._change(job_id, state="failed", error=self._public(sentence(error)))
+            self.known.change(job_id, state="failed", error=self._public(sentence(error)))
         finally:
-            with self._lock:
-                job = self._jobs.get(job_id, job)
+            with suppress(NotFoundError):  # another server goes on with it
+                job = self.known.get(job_id)
             if running.done is not None:
                 running.done(job)
             with self._lock:
@@ -371,7 +309,7 @@ class JobRunner:
         elif running.cancelled or isinstance(error, CancelledError):
             self._end(job_id, running, cancelled=True)
         else:
-            self._change(job_id, state="failed", error=self._public(sentence(error)))
+            self.known.change(job_id, state="failed", error=self._public(sentence(error)))
 
     def _hand_out(self, job_id: str, running: _Running) -> Future[Any] | None:
         """Give work to a worker; None while nobody can take it, and once this is closed.
@@ -398,7 +336,9 @@ class JobRunner:
             if running.future is None:
                 if running.cancelled or self._closed:
                     return CancelledError("cancelled by the user")
-                self._change(job_id, message=SCHEDULER_AWAY if self._workers.away else SHORTAGE)
+                self.known.change(
+                    job_id, message=SCHEDULER_AWAY if self._workers.away else SHORTAGE
+                )
                 time.sleep(LOOK_SECONDS)
                 self._workers.look_for_scheduler()
                 with self._lock:
@@ -413,7 +353,7 @@ class JobRunner:
                 if self._workers.away:
                     return DisconnectedError("the Dask scheduler began anew")
                 if running.connection is None:
-                    self._change(job_id, message=self._waits_for())
+                    self.known.change(job_id, message=self._waits_for())
             except BaseException as error:
                 return error
 
@@ -431,7 +371,7 @@ class JobRunner:
         if running.tries >= TRIES or running.submissions >= SUBMISSIONS:
             return False
         running.submissions += 1
-        self._change(
+        self.known.change(
             job_id, state="queued", progress=0.0, message="its worker died; it is tried once more"
         )
         with self._lock:
@@ -440,29 +380,19 @@ class JobRunner:
 
     def _end(self, job_id: str, running: _Running, *, cancelled: bool) -> None:
         try:
-            summary = running.finish(self.job(job_id), cancelled)
+            summary = running.finish(self.known.get(job_id), cancelled)
         except Exception as error:
-            self._change(job_id, state="failed", error=self._public(sentence(error)))
+            self.known.change(job_id, state="failed", error=self._public(sentence(error)))
         else:
             state: JobState = "cancelled" if cancelled else "done"
-            job = self.job(job_id)
+            job = self.known.get(job_id)
             progress = job.progress if cancelled else 1.0
             message = summary.get(MESSAGE, job.message)
-            self._change(job_id, state=state, progress=progress, result=summary, message=message)
+            self.known.change(
+                job_id, state=state, progress=progress, result=summary, message=message
+            )
 
     def _forget(self, job_id: str) -> None:
+        self.known.forget(job_id)
         with self._lock:
-            self._jobs.pop(job_id, None)
             self._running.pop(job_id, None)
-
-    def _change(self, job_id: str, **fields: Any) -> None:
-        with self._lock:
-            if job_id not in self._jobs or self._jobs[job_id].state in ENDED:
-                return
-            before, job = self._jobs[job_id], replace(self._jobs[job_id], **fields)
-            self._jobs[job_id] = job
-        if job == before:
-            return
-        if self.book is not None:
-            self.book.changed(job)
-        self._notify(job)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from pointbrush.errors import BadInputError, CancelledError, PointbrushError
-from pointbrush.jobs import ENDED
+from pointbrush.job import ENDED
 
 TICK = 0.1
 LINE_STEP = 0.1

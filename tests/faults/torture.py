@@ -67,7 +67,7 @@ def invite(
 ) -> list[Person]:
     """People with tokens of their own, every other one at the socket; and three labels."""
     store = LabelStore(database or f"sqlite:///{workspace / 'labels.sqlite'}")
-    store.register(SEQUENCE, [400] * FRAMES)
+    store.recordings.register(SEQUENCE, [400] * FRAMES)
     for name in ("one", "two", "three"):
         store.create_label(SEQUENCE, "setup", name=name)
     people = [

@@ -27,7 +27,7 @@ def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 def store(url: str) -> Iterator[LabelStore]:
     """A store with one sequence of POINTS."""
     opened = LabelStore(url)
-    opened.register(SEQUENCE, POINTS)
+    opened.recordings.register(SEQUENCE, POINTS)
     yield opened
     opened.close()
 

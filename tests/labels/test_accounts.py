@@ -14,7 +14,7 @@ def test_a_secret_lets_in_and_is_not_stored(store: LabelStore) -> None:
     token = store.tokens.check(secret)
     assert token is not None
     assert (token.role, token.name, token.revoked) == ("annotator", "Ada", None)
-    with store._database.read() as connection:
+    with store.database.read() as connection:
         row = connection.execute(text("SELECT * FROM tokens")).one()
     assert secret not in map(str, row)
     assert len(secret) >= 43  # 256 bits

@@ -8,6 +8,7 @@ import pytest
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels import LabelStore, Write, restore
+from pointbrush.labels.backup import back_up
 
 SEQ = "juggling"
 
@@ -35,7 +36,7 @@ def test_a_copy_of_a_store_in_use_is_whole(store: LabelStore, tmp_path: Path) ->
     copies = []
     for number in range(3):
         copies.append(tmp_path / f"copy{number}.sqlite")
-        store.backup(copies[-1])
+        back_up(store.database, copies[-1])
     stop.set()
     worker.join()
     assert not list(tmp_path.glob(".*"))
@@ -47,9 +48,9 @@ def test_a_copy_of_a_store_in_use_is_whole(store: LabelStore, tmp_path: Path) ->
         copy.close()
     assert copies[0].exists()
     with pytest.raises(ConflictError):
-        store.backup(copies[0])
+        back_up(store.database, copies[0])
     with pytest.raises(UnavailableError):
-        store.backup(tmp_path / "nowhere" / "copy.sqlite")
+        back_up(store.database, tmp_path / "nowhere" / "copy.sqlite")
 
 
 def test_a_backup_comes_back_anywhere(
@@ -61,9 +62,9 @@ def test_a_backup_comes_back_anywhere(
     store.undo(SEQ, "ann")
     secret = store.tokens.add("viewer", "Ada")
     saved = tmp_path / "backup.sqlite"
-    store.backup(saved)
+    back_up(store.database, saved)
     targets = [f"sqlite:///{tmp_path / 'new.sqlite'}"]
-    if not store._database.sqlite:
+    if not store.database.sqlite:
         targets.append(request.getfixturevalue("postgres_server").new_database())
     for url in targets:
         restore(saved, url)
@@ -73,7 +74,7 @@ def test_a_backup_comes_back_anywhere(
         assert again.check(SEQ) == []
         assert again.tokens.check(secret) is not None
         again.redo(SEQ, "ann")
-        again.register("another", [5])
+        again.recordings.register("another", [5])
         again.close()
         with pytest.raises(ConflictError):
             restore(saved, url)

@@ -35,7 +35,7 @@ def test_damage_is_found(url: str, filled: LabelStore, damage: str, finding: str
         "junk": b"junk",
     }
     used = {name: value for name, value in values.items() if f":{name}" in damage}
-    with filled._database.write() as connection:
+    with filled.database.write() as connection:
         connection.execute(text(damage), used)
     fresh = LabelStore(url)
     assert any(finding in problem for problem in fresh.check(SEQ)), fresh.check(SEQ)

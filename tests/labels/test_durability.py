@@ -86,7 +86,7 @@ def test_killed_at_random_moments(url: str) -> None:
         if kill % KILLS_PER_SEQUENCE == 0:
             said = []
             store = LabelStore(url)
-            store.register(sequence, POINTS)
+            store.recordings.register(sequence, POINTS)
             store.close()
         answers, seconds = rng.choice([0, 0, 5, 20, 50]), rng.uniform(0.0, 0.05)
         said += run_and_kill(url, sequence, kill, answers, seconds)
@@ -96,11 +96,11 @@ def test_killed_at_random_moments(url: str) -> None:
 
 def test_a_full_disk_refuses_the_edit_and_keeps_the_rest(tmp_path: Path) -> None:
     store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
-    store.register("s", [1_000_000])
+    store.recordings.register("s", [1_000_000])
     store.create_label("s", "ann", name="pin")
     limit = [0]
 
-    @event.listens_for(store._database.engine, "begin")
+    @event.listens_for(store.database.engine, "begin")
     def fill(connection: Any) -> None:
         connection.exec_driver_sql(f"PRAGMA max_page_count={limit[0] or 2**30}")
 
@@ -135,7 +135,7 @@ def test_a_full_disk_refuses_the_edit_and_keeps_the_rest(tmp_path: Path) -> None
 def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
     path = tmp_path / "labels.sqlite"
     store = LabelStore(f"sqlite:///{path}")
-    store.register("s", [500_000])
+    store.recordings.register("s", [500_000])
     store.create_label("s", "ann", name="pin")
     rng = np.random.default_rng(0)
 
@@ -169,7 +169,7 @@ def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
 
 def test_a_database_that_goes_away_and_comes_back(postgres_server: PostgresServer) -> None:
     store = LabelStore(postgres_server.new_database())
-    store.register("s", [100])
+    store.recordings.register("s", [100])
     store.create_label("s", "ann", name="pin")
     heard: list[int] = []
     store.subscribe(lambda commit: heard.append(commit.revision))

@@ -11,7 +11,7 @@ import pytest
 from postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.errors import UnavailableError
-from pointbrush.jobs import Job
+from pointbrush.job import Job
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.reviews import Review
 from pointbrush.work.job_book import record_of
@@ -37,7 +37,7 @@ def test_an_edit_that_was_made_is_answered(url: str, proxy: SlowProxy) -> None:
     with closing(LabelStore(url)) as store:
         heard: list[int] = []
         store.subscribe(lambda commit: heard.append(commit.revision))
-        store.register("wall", [100])
+        store.recordings.register("wall", [100])
         assert not store.palette("wall")  # what is known of it is in memory from here on
 
         proxy.lost = COMMITTED
@@ -59,7 +59,7 @@ def test_an_edit_that_was_made_is_answered(url: str, proxy: SlowProxy) -> None:
 
 def test_what_may_not_be_written_twice_is_looked_for(url: str, proxy: SlowProxy) -> None:
     with closing(LabelStore(url)) as store:
-        store.register("wall", [100])
+        store.recordings.register("wall", [100])
 
         proxy.lost = (b"COMMIT\0",)
         secret = store.tokens.add("annotator", "ann", None)

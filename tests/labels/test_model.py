@@ -57,7 +57,7 @@ class Pair:
 
     def __init__(self, stores: list[LabelStore], sequence: str) -> None:
         self.stores, self.sequence, self.model = stores, sequence, Model()
-        stores[0].register(sequence, [SIZE] * FRAMES)
+        stores[0].recordings.register(sequence, [SIZE] * FRAMES)
         self.copies = [np.zeros((FRAMES, SIZE, 3), np.int64) for _ in stores]
         self.changed = [0] * FRAMES
         """The revision of each frame's last change."""

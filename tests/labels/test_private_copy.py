@@ -24,7 +24,7 @@ def paint(store: LabelStore, edit: str) -> None:
 @pytest.fixture
 def live(tmp_path: Path) -> LabelStore:
     store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
-    store.register(SEQ, [100])
+    store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="pin")
     paint(store, "one")
     return store
@@ -82,7 +82,7 @@ def test_an_older_one_is_brought_up_to_date_in_the_copy_and_then_sealed(
     before = path.read_bytes()
     monkeypatch.setattr(database, "file_writable", lambda path: path != tmp_path / path.name)
     store = LabelStore(f"sqlite:///{path}")
-    store.register("another", [3])
+    store.recordings.register("another", [3])
     store.seal()
     with pytest.raises(ReadOnlyError, match="read-only"):
         paint(store, "two")

@@ -17,7 +17,7 @@ def test_a_refused_undo_leaves_the_edit_in_force(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
-    store.register("s", [100])
+    store.recordings.register("s", [100])
     for name in ("one", "two"):
         store.create_label("s", "ann", name=name)
 

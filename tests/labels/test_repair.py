@@ -43,7 +43,7 @@ JOURNAL = [
 def harm(store: LabelStore, statement: str) -> None:
     values = {"other": encode_states(np.ones(65_536, np.uint64)), "junk": b"junk"}
     used = {name: value for name, value in values.items() if f":{name}" in statement}
-    with store._database.write() as connection:
+    with store.database.write() as connection:
         connection.execute(text(statement), used)
 
 
@@ -73,7 +73,7 @@ def test_a_damaged_journal_is_told_and_nothing_touched(
     rebuilt, lost = fresh.repair(SEQ)
     assert rebuilt == []
     assert any("edit" in line for line in lost)
-    with fresh._database.read() as connection:
+    with fresh.database.read() as connection:
         assert connection.execute(text("SELECT count(*) FROM tracks")).scalar() == 0
         assert connection.execute(text("SELECT count(*) FROM snapshots")).scalar()
     fresh.close()
@@ -90,9 +90,9 @@ def sqlite_file(tmp_path: Path) -> Path:
     """A closed database with 2,000 edits in it."""
     path = tmp_path / "labels.sqlite"
     store = LabelStore(f"sqlite:///{path}")
-    store.register(SEQ, [100])
+    store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="one")
-    with store._database.write() as connection:
+    with store.database.write() as connection:
         for revision in range(2, 2000):
             connection.execute(
                 text(
@@ -155,13 +155,13 @@ def test_pages_of_postgresql_that_cannot_be_read_are_found(
     postgres_server: PostgresServer, postgres_url: str
 ) -> None:
     store = LabelStore(postgres_url)
-    store.register(SEQ, [100])
+    store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="one")
-    with store._database.write() as connection:
+    with store.database.write() as connection:
         path = connection.execute(text("SELECT pg_relation_filepath('edit_labels')")).scalar_one()
         connection.execute(text("CREATE EXTENSION amcheck"))
     assert store.integrity() == []
-    with store._database.engine.connect() as connection:
+    with store.database.engine.connect() as connection:
         connection.execution_options(isolation_level="AUTOCOMMIT").execute(text("CHECKPOINT"))
     store.close()
     postgres_server.stop()

@@ -8,7 +8,7 @@ from pathlib import Path
 from sqlalchemy import text
 
 from pointbrush.labels import LabelStore
-from pointbrush.labels.backup import restore
+from pointbrush.labels.backup import back_up, restore
 from pointbrush.labels.database import Database
 
 
@@ -25,7 +25,7 @@ def test_all_servers_and_later_ones_have_one_key(url: str) -> None:
 def test_a_restored_database_has_the_key_of_the_backup(url: str, tmp_path: Path) -> None:
     with closing(LabelStore(url)) as store:
         key = store.signing_keys.get("test")
-        store.backup(tmp_path / "backup.sqlite")
+        back_up(store.database, tmp_path / "backup.sqlite")
     target = f"sqlite:///{tmp_path / 'restored.sqlite'}"
     with closing(LabelStore(target)) as used_before:
         assert used_before.signing_keys.get("test") != key

@@ -396,14 +396,14 @@ def test_reopening_gives_everything_back(url: str, pins: LabelStore) -> None:
 
 def test_forgetting_a_sequence(pins: LabelStore) -> None:
     paint(pins, [1])
-    pins.register(SEQ, [N, 70_000, 10, 0])
+    pins.recordings.register(SEQ, [N, 70_000, 10, 0])
     with pytest.raises(ConflictError):
-        pins.register(SEQ, [1])
-    pins.forget(SEQ)
-    pins.forget(SEQ)
+        pins.recordings.register(SEQ, [1])
+    pins.recordings.forget(SEQ)
+    pins.recordings.forget(SEQ)
     with pytest.raises(NotFoundError):
         pins.revision(SEQ)
-    pins.register(SEQ, [5])
+    pins.recordings.register(SEQ, [5])
     assert pins.revision(SEQ) == 0
     assert pins.palette(SEQ) == []
     assert not pins.values(SEQ, 0).label.any()

@@ -33,7 +33,7 @@ def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
     store.create_label(SEQUENCE, "ann", name="open")
     store.create_label(SEQUENCE, "ann", name="locked", locked=True)
     begun: list[Any] = []
-    event.listen(store._database.engine, "begin", begun.append)
+    event.listen(store.database.engine, "begin", begun.append)
     edits = [("a", 1), ("bb", 2), ("ccc", 1), ("a", 1), ("dddd", 1)]
     with ThreadPoolExecutor(len(edits)) as threads:
         with store._sessions.knowing(SEQUENCE) as state:

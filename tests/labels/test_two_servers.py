@@ -40,8 +40,8 @@ def start(url: str, author: str, count: int) -> subprocess.Popen[bytes]:
 
 @pytest.fixture
 def here(url: str, store: LabelStore) -> LabelStore:
-    store.forget(SEQ)
-    store.register(SEQ, POINTS)
+    store.recordings.forget(SEQ)
+    store.recordings.register(SEQ, POINTS)
     store.create_label(SEQ, "ann", name="one")
     store.create_label(SEQ, "ann", name="two")
     return store
@@ -186,10 +186,10 @@ def test_a_process_that_was_away_for_long(
 def test_a_sequence_made_anew_elsewhere(url: str, here: LabelStore, tmp_path: Path) -> None:
     there = LabelStore(url)
     assert there.revision(SEQ) == 2
-    here.forget(SEQ)
+    here.recordings.forget(SEQ)
     with pytest.raises(NotFoundError):
         there.values(SEQ, 0)
-    here.register(SEQ, [7])
+    here.recordings.register(SEQ, [7])
     assert there.revision(SEQ) == 0
     assert len(there.values(SEQ, 0).label) == 7
     there.close()
@@ -200,7 +200,7 @@ def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(postgres_url:
         closing(LabelStore(postgres_url)) as here,
         closing(LabelStore(postgres_url, limits=Limits(statement_seconds=1))) as there,
     ):
-        here.register(SEQ, POINTS)
+        here.recordings.register(SEQ, POINTS)
         here.create_label(SEQ, "ann", name="one")
         heard: list[int] = []
         there.subscribe(lambda commit: heard.append(commit.revision))

@@ -27,7 +27,7 @@ def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[LabelStor
     monkeypatch.setattr(effects, "LISTED_POINTS", 2 * BLOCK)
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
     with closing(LabelStore(url, cache_bytes=8 << 20)) as opened:
-        opened.register("scan", [POINTS])
+        opened.recordings.register("scan", [POINTS])
         for name in ("a", "b", "c"):
             opened.create_label("scan", "setup", name=name)
         yield opened

@@ -28,7 +28,7 @@ def put_in_place(served: Served, seed: int) -> None:
         name="wall",
         fps=30.0,
     )
-    workspace.labels.register("wall", [POINTS] * FRAMES)
+    workspace.labels.recordings.register("wall", [POINTS] * FRAMES)
     workspace.labels.create_label("wall", "somebody", name=f"pin {seed}")
 
 
@@ -106,7 +106,7 @@ def test_who_has_it_open_is_told_and_sent_everything_anew(served: Served) -> Non
             await look(client, served)
             # As when the server gets round to telling of both changes at once.
             shutil.rmtree(served.workspace.library.folder / "wall")
-            served.workspace.labels.forget("wall")
+            served.workspace.labels.recordings.forget("wall")
             put_in_place(served, 200)
             served.workspace._listeners.tell(SequencesChanged("wall"))
             new = await client.until("sequence")

@@ -13,7 +13,7 @@ import pytest
 from prometheus_client import CollectorRegistry
 from waiting import eventually
 
-from pointbrush.jobs import Job
+from pointbrush.job import Job
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web.logs import JsonFormatter
 from tests.faults.clients import SocketTalk

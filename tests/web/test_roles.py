@@ -10,7 +10,7 @@ from typing import Any, get_args
 import httpx
 import pytest
 
-from pointbrush.jobs import Job
+from pointbrush.job import Job
 from pointbrush.roles import ROLES, includes
 from pointbrush.streaming import messages
 from pointbrush.streaming.roles import MESSAGES

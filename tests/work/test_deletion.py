@@ -124,7 +124,7 @@ def age(workspace: Workspace, seconds: float) -> None:
     """Let all times of deleted recordings lie further back."""
     columns = schema.sequences.c
     earlier = {"deleted": columns.deleted - seconds, "expired": columns.expired - seconds}
-    with workspace.labels._database.write() as connection:
+    with workspace.labels.database.write() as connection:
         connection.execute(update(schema.sequences).values(earlier))
 
 
@@ -304,7 +304,7 @@ def test_a_run_of_before_writes_nothing_into_the_new_recording(
 
 def test_work_on_another_machine_guards_until_it_is_silent(workspace: Workspace) -> None:
     workspace.labels.guards.begin("ball", "tracking")
-    database = workspace.labels._database
+    database = workspace.labels.database
     with database.write() as connection:
         connection.execute(update(schema.works).values(host="elsewhere", process=1))
     with pytest.raises(ConflictError, match="by process 1 on elsewhere"):

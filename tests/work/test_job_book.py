@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.job import Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.work.job_book import JobBook, record_of
 from tests.test_jobs import Count

@@ -15,6 +15,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.cli import main
 from pointbrush.errors import NotFoundError
+from pointbrush.labels.backup import restore_sequence
 from pointbrush.settings import Settings
 from pointbrush.work.backup import make_backup
 from pointbrush.work.imports.uploads import Uploads
@@ -81,7 +82,7 @@ def test_labels_move_to_postgres_and_back(
     assert f"start with --database {postgres_url}" in capsys.readouterr().err
     with closing(Workspace(there)) as workspace:
         workspace.labels.redo("wall", "ann")
-        workspace.labels.register("another", [5])
+        workspace.labels.recordings.register("another", [5])
     after = state(there)
     assert run("move", "sqlite", *here, "--database", postgres_url) == 0
     assert state(settings) == after
@@ -210,7 +211,7 @@ def test_a_restore_that_ends_halfway_leaves_nothing(painted: Settings, tmp_path:
 
         file = tmp_path / "copy" / "labels.sqlite"
         with pytest.raises(ZeroDivisionError):
-            workspace.labels.restore_sequence(file, "wall", "wall-9", "0" * 16, fail)
+            restore_sequence(file, workspace.labels.database, "wall", "wall-9", "0" * 16, fail)
         with pytest.raises(NotFoundError):
             workspace.restore_from_backup(tmp_path / "copy", "nothing")
         assert workspace.labels.sequences() == known

@@ -30,7 +30,7 @@ def test_no_label_takes_the_place_of_another(tmp_path: Path, servers: int) -> No
 
         for turn in range(ROUNDS):
             sequence = f"recording-{turn}"
-            stores[0].register(sequence, [10])
+            stores[0].recordings.register(sequence, [10])
             with ThreadPoolExecutor(2) as pool:
                 ann = pool.submit(add, stores[0], sequence, "ann")
                 bob = pool.submit(add, stores[-1], sequence, "bob")

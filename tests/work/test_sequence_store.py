@@ -147,7 +147,7 @@ def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_pa
     columns = schema.sequences.c
     over = update(schema.sequences).where(columns.deleted.is_not(None))
     earlier = columns.deleted - KEPT_SECONDS - SURE_SECONDS - 1
-    with workspace.labels._database.write() as connection:
+    with workspace.labels.database.write() as connection:
         connection.execute(over.values(deleted=earlier, expired=earlier + KEPT_SECONDS))
     assert workspace.deletion.deleted() == []
     assert [one.id for one in workspace.listing.all()] == [again]
@@ -163,7 +163,6 @@ from pointbrush.sequences.bucket import Bucket
 from pointbrush.sequences import files
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.work.imports.importing import ImportWork
-from pointbrush.work.backup import make_backup
 from pointbrush.workspace import Workspace
 
 class Channel:

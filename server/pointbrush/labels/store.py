@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import BadInputError
-from pointbrush.labels import backup, check, integrity, palette, plans, reading
+from pointbrush.labels import check, integrity, palette, plans, reading
 from pointbrush.labels.accounts import Accounts, SignIns, Tokens
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.database import Database, Limits
@@ -43,41 +42,41 @@ class LabelStore:
 
         ``cache_bytes`` bounds the memory for blocks of points.
         """
-        self._database = Database(url, limits)
+        self.database = Database(url, limits)
         try:
-            migrate(self._database)
-            self._sessions = Sessions(self._database, BlockCache(cache_bytes))
+            migrate(self.database)
+            self._sessions = Sessions(self.database, BlockCache(cache_bytes))
         except BaseException:
-            self._database.close()
+            self.database.close()
             raise
-        self._writer = Writer(self._database, self._sessions)
-        self.tokens = Tokens(self._database)
-        self.accounts = Accounts(self._database)
-        self.sign_ins = SignIns(self._database)
-        self.signing_keys = SigningKeys(self._database)
-        self.taxonomy = Taxonomy(self._database)
-        self.recordings = Recordings(self._database, self._sessions)
-        self.reviews = Reviews(self._database)
-        self.guards = Guards(self._database)
-        self.jobs = JobRecords(self._database, self.guards.owner)
+        self._writer = Writer(self.database, self._sessions)
+        self.tokens = Tokens(self.database)
+        self.accounts = Accounts(self.database)
+        self.sign_ins = SignIns(self.database)
+        self.signing_keys = SigningKeys(self.database)
+        self.taxonomy = Taxonomy(self.database)
+        self.recordings = Recordings(self.database, self._sessions)
+        self.reviews = Reviews(self.database)
+        self.guards = Guards(self.database)
+        self.jobs = JobRecords(self.database, self.guards.owner)
 
     def seal(self) -> None:
         """Refuse edits from now on, where the database may not be written: see ``Database``."""
-        self._database.seal()
+        self.database.seal()
 
     def time_transactions(self, told: Callable[[str, float], None]) -> None:
         """Tell each transaction's kind, "read" or "write", and the seconds that it took."""
-        self._database.timed = told
+        self.database.timed = told
 
     def require_writable(self) -> None:
         """Raise ReadOnlyError where no edit can be made."""
-        self._database.require_writable()
+        self.database.require_writable()
 
     def close(self) -> None:
         """Finish background work and close the connections."""
         self.guards.close()
         self._sessions.close()
-        self._database.close()
+        self.database.close()
 
     def subscribe(self, listener: Callable[[Commit], None]) -> Callable[[], None]:
         """Call ``listener`` after every commit, in the order of the revisions, each once.
@@ -97,14 +96,6 @@ class LabelStore:
         self._sessions.came_or_went = listener
 
     # ── sequences ────────────────────────────────────────────────────────────────────────
-
-    def register(self, sequence: str, points: Sequence[int], identity: str | None = None) -> None:
-        """Make a sequence known; see ``Recordings.register``."""
-        self.recordings.register(sequence, points, identity)
-
-    def forget(self, sequence: str) -> None:
-        """Remove a sequence with its whole history; an unknown one is no error."""
-        self.recordings.forget(sequence)
 
     def require_import(self, sequence: str, identity: str) -> None:
         """Raise NotFoundError when the sequence has gone, or another import has its id by now."""
@@ -335,7 +326,7 @@ class LabelStore:
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
         """Return the edits that the author's undo, and redo, would take."""
         with self._sessions.knowing(sequence) as state:
-            return reading.stacks(self._database.look, state.number, author)
+            return reading.stacks(self.database.look, state.number, author)
 
     def edits(
         self, sequence: str, *, before: int | None = None, limit: int = 100
@@ -366,22 +357,22 @@ class LabelStore:
 
     def sequences(self) -> dict[str, int]:
         """Every sequence that is known, and its revision."""
-        with self._database.read() as connection:
+        with self.database.read() as connection:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
 
     def labelled_frames(self, sequence: str | None = None) -> dict[str, int]:
         """Count the frames with labelled points of each sequence that has any, or of one."""
-        with self._database.read() as connection:
+        with self.database.read() as connection:
             return reading.labelled_frames(connection, sequence)
 
     def having(self, edits: Mapping[str, str]) -> set[str]:
         """Sequences whose history has the edit whose id ``edits`` gives for them."""
-        with self._database.read() as connection:
+        with self.database.read() as connection:
             return reading.having(connection, edits)
 
     def require_answer(self) -> None:
         """Raise UnavailableError unless the database answers."""
-        self._database.ping()
+        self.database.ping()
 
     def check(self, sequence: str) -> list[str]:
         """List the places of a sequence that disagree with its journal, one sentence each."""
@@ -390,11 +381,11 @@ class LabelStore:
 
     def integrity(self) -> list[str]:
         """List faults of the database itself, one sentence each; all of it is read."""
-        return integrity.integrity(self._database)
+        return integrity.integrity(self.database)
 
     def rebuild_indexes(self) -> None:
         """Make the database's indexes anew from its rows."""
-        integrity.rebuild_indexes(self._database)
+        integrity.rebuild_indexes(self.database)
 
     def repair(self, sequence: str) -> tuple[list[str], list[str]]:
         """Make anew what disagrees with the journal: what was wrong, and what cannot be mended.
@@ -402,21 +393,3 @@ class LabelStore:
         Other processes that have the sequence open go on with what they know: stop them first.
         """
         return self._sessions.rebuild(sequence, check.repair)
-
-    def restore_sequence(
-        self,
-        source: Path,
-        sequence: str,
-        target: str,
-        identity: str,
-        put: Callable[[], object],
-    ) -> None:
-        """Bring one sequence out of a backup's file; see ``backup.restore_sequence``."""
-        backup.restore_sequence(source, self._database, sequence, target, identity, put)
-
-    def backup(self, target: Path) -> None:
-        """Write a consistent copy of this database, in use or not, to a new SQLite file.
-
-        Raises ConflictError when ``target`` is there already.
-        """
-        backup.back_up(self._database, target)

@@ -13,7 +13,7 @@ import anyio
 import anyio.to_thread
 
 from pointbrush.errors import NotFoundError, PointbrushError
-from pointbrush.jobs import Job
+from pointbrush.job import Job
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
@@ -131,7 +131,7 @@ class Hub:
 
     def queue_lengths(self) -> dict[str, int]:
         """Count the waiting and running: edits of all viewers, and this server's jobs."""
-        jobs = Counter(job.state for job in self.workspace.runner.jobs())
+        jobs = Counter(job.state for job in self.workspace.runner.known.all())
         return {
             "edits": sum(viewer.waiting_edits for viewer in list(self.viewers)),
             "events": self._events.qsize(),

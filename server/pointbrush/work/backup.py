@@ -19,6 +19,7 @@ from sqlalchemy import make_url
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels import LabelStore, move, restore
+from pointbrush.labels.backup import back_up, restore_sequence
 from pointbrush.sequences.manifest import rename_sequence
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
@@ -109,7 +110,7 @@ def make_backup(store: LabelStore, library: Library, target: Path) -> None:
     try:
         for manifest in library.manifests():
             library.store.files(manifest.id).copy_to(partial / RECORDINGS / manifest.id)
-        store.backup(partial / DATABASE)
+        back_up(store.database, partial / DATABASE)
         partial.rename(target)
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
@@ -156,8 +157,9 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
         with library.store.staging() as partial:
             shutil.copytree(folder, partial)
             identity = rename_sequence(partial, target).identity
-            store.restore_sequence(
+            restore_sequence(
                 source / DATABASE,
+                store.database,
                 sequence,
                 target,
                 identity,

@@ -71,9 +71,9 @@ class Deletion:
             return
         manifest = self._library.look(sequence).manifest
         if manifest is not None:
-            self._store.register(sequence, manifest.points, manifest.identity)
+            self._store.recordings.register(sequence, manifest.points, manifest.identity)
         elif sequence not in self._store.sequences():
-            self._store.register(sequence, [], secrets.token_hex(8))
+            self._store.recordings.register(sequence, [], secrets.token_hex(8))
 
     def deleted(self) -> list[Deleted]:
         """Recordings that can be restored, the last one deleted first."""

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
-from pointbrush.jobs import ENDED, Job, JobRunner
+from pointbrush.job import ENDED, Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
 from pointbrush.work.annotate.strokes import edit_id
@@ -66,7 +67,7 @@ class JobBook:
 
     def open(self) -> None:
         """Write down this server's jobs from now on, and begin those again that nobody runs."""
-        self._runner.book = self
+        self._runner.known.book = self
         self._thread.start()
 
     def close(self) -> None:
@@ -120,7 +121,7 @@ class JobBook:
 
     def all(self) -> list[Job]:
         """Return the jobs of all servers, newest first."""
-        here = {job.id: job for job in self._runner.jobs()}
+        here = {job.id: job for job in self._runner.known.all()}
         records = (each for each in self._records.all() if each.id not in self._dropped)
         kept = {record.id: job_of(record) for record in records}
         return sorted((kept | here).values(), key=lambda job: job.created, reverse=True)
@@ -128,7 +129,7 @@ class JobBook:
     def get(self, job_id: str) -> Job:
         """Return a job of whichever server; raises NotFoundError."""
         try:
-            return self._runner.job(job_id)
+            return self._runner.known.get(job_id)
         except NotFoundError:
             record = self._records.find(job_id)
             if record is None or job_id in self._dropped:
@@ -174,7 +175,7 @@ class JobBook:
         ``keep``: what it has found so far is wanted.
         """
         try:
-            self._runner.job(job_id)
+            self._runner.known.get(job_id)
         except NotFoundError:
             return self._ask(job_id, keep=keep)
         if keep:
@@ -223,7 +224,7 @@ class JobBook:
         if not dropped:
             return
         # The same call may have come twice at once, and have begun the job the other time.
-        self._records.remove(dropped - {job.id for job in self._runner.jobs()})
+        self._records.remove(dropped - {job.id for job in self._runner.known.all()})
         with self._lock:
             self._dropped -= dropped
 
@@ -231,7 +232,7 @@ class JobBook:
         """Write down what changed, and that the rest still runs."""
         with self._lock:
             changed, self._changed = self._changed, {}
-        running = {job.id: job for job in self._runner.jobs() if job.state not in ENDED}
+        running = {job.id: job for job in self._runner.known.all() if job.state not in ENDED}
         urgent = any(job.state != "running" or job.progress == 0.0 for job in changed.values())
         late = time.monotonic() - self._beat > BEAT_SECONDS
         wanted = running | changed

@@ -16,7 +16,7 @@ from starlette.exceptions import HTTPException
 from pointbrush.formats.class_maps import parse_map
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.names import LABEL_FORMATS
-from pointbrush.jobs import Job
+from pointbrush.job import Job
 from pointbrush.options import chosen
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, one_of

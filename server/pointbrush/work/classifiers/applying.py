@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from pointbrush.classify.classifier import Classifier, from_file, to_file
 from pointbrush.classify.features import describe, scale_of
 from pointbrush.errors import BadInputError
-from pointbrush.jobs import MESSAGE, Job, JobRunner
+from pointbrush.job import MESSAGE, Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.plans import Writes

@@ -6,7 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.job import Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.work.classifiers.applying import ApplyRequest, Predictions
 from pointbrush.work.classifiers.options import ApplyOptions

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from pointbrush.formats import Limits
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.job import Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.types import IMPORTED

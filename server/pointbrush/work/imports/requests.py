@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.formats.corrections import Corrections
-from pointbrush.jobs import ENDED, Job
+from pointbrush.job import ENDED, Job
 from pointbrush.work.imports import importing
 
 UPLOAD = "upload"

@@ -17,7 +17,8 @@ from pointbrush.errors import (
     ReadOnlyError,
     UnavailableError,
 )
-from pointbrush.jobs import Job, JobRunner
+from pointbrush.job import Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
 from pointbrush.lazy import once
@@ -79,7 +80,7 @@ class Imports:
                 log.exception("the labels that came with %s cannot be read", manifest.id)
 
     def _complete(self, manifest: Manifest) -> None:
-        self._store.register(manifest.id, manifest.points, manifest.identity)
+        self._store.recordings.register(manifest.id, manifest.points, manifest.identity)
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
             self.source_labels.bring(self._library.recording(manifest.id))
 
@@ -159,7 +160,7 @@ class Imports:
         recording = self._library.recording(sequence)
         if "label" not in recording.manifest.fields:
             raise ConflictError(f"labels: expected some in the files of {sequence!r}, got none")
-        self._store.register(sequence, recording.manifest.points, recording.identity)
+        self._store.recordings.register(sequence, recording.manifest.points, recording.identity)
         try:
             self.source_labels.bring(recording, author)
         finally:
@@ -245,7 +246,7 @@ class Imports:
             if cancelled:
                 return {}
             recording = self._library.recording(sequence)
-            self._store.register(sequence, recording.manifest.points, recording.identity)
+            self._store.recordings.register(sequence, recording.manifest.points, recording.identity)
             try:
                 label(recording)
             except Exception as error:

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from pointbrush.jobs import MESSAGE, Job, JobRunner
+from pointbrush.job import MESSAGE, Job
+from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
