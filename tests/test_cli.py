@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import ast
 import json
-import os
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-import httpx
 import numpy as np
 import plyfile
 import pytest
 
 from pointbrush.cli import main
-from tests.waiting import PATIENCE
+from tests.faults.server import running
 
 
 @pytest.fixture(autouse=True)
@@ -50,8 +47,8 @@ def run(*arguments: object) -> int:
 def painted(workspace: Path) -> str:
     """Import, add a label and paint the ball in frame 0, over REST against `pointbrush serve`."""
     sequence = "moving-ball"
-    with serving(workspace) as (url, token), httpx.Client(headers=bearer(token)) as api:
-        base = f"{url}/api/v1/sequences/{sequence}"
+    with running(workspace) as server, server.api() as api:
+        base = f"/sequences/{sequence}"
         label = api.post(f"{base}/labels", json={"name": "ball"}).raise_for_status().json()
         stroke = {
             "label": label["id"],
@@ -62,36 +59,6 @@ def painted(workspace: Path) -> str:
         answer = api.post(f"{base}/frames/0/strokes", json=stroke).raise_for_status().json()
         assert answer["changed"] == 500
     return sequence
-
-
-class serving:  # noqa: N801 - reads as a phrase
-    """`pointbrush serve` in its own process; killed without mercy at the end."""
-
-    def __init__(self, workspace: Path) -> None:
-        self.workspace = workspace
-
-    def __enter__(self) -> tuple[str, str]:
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"],
-            stdout=subprocess.PIPE,
-            text=True,
-            env={**os.environ, "POINTBRUSH_WORKSPACE": str(self.workspace)},
-        )
-        assert self.process.stdout is not None
-        line = self.process.stdout.readline()
-        assert line.startswith("pointbrush ready at http://127.0.0.1:")
-        url, token = line.split()[-1].split("/?token=")
-        return url, token
-
-    def __exit__(self, *_: object) -> None:
-        self.process.send_signal(signal.SIGKILL)
-        self.process.wait(PATIENCE)
-        assert self.process.stdout is not None
-        self.process.stdout.close()
-
-
-def bearer(token: str) -> dict[str, str]:
-    return {"Authorization": f"Bearer {token}"}
 
 
 def test_import_info_paint_track_export(

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
 
-import httpx
 import pytest
-from waiting import PATIENCE, eventually
+
+from tests.faults.server import running
+from tests.waiting import PATIENCE, eventually
 
 DATA = Path(__file__).parents[2] / "data" / "juggling"
 
@@ -44,26 +43,17 @@ def alive(pids: set[int]) -> set[int]:
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 @pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
 def test_workers_end_with_the_server(tmp_path: Path, how: signal.Signals) -> None:
-    command = [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0", "--workers", "1"]
-    command += ["--workspace", str(tmp_path / "workspace"), "--import-roots", str(DATA.parent)]
-    environment = os.environ | {"POINTBRUSH_TOKEN": "token-of-the-ending-test"}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as server:
-        assert server.stdout is not None
-        try:
-            url = next(line for line in server.stdout if "ready at" in line).split()[-1]
-            headers = {"Authorization": "Bearer token-of-the-ending-test"}
-            with httpx.Client(base_url=url.split("?")[0], headers=headers) as api:
-                body = {"path": str(DATA / "0000.npz")}
-                job = api.post("api/v1/sequences", json=body).raise_for_status().json()
-                while job["state"] in ("queued", "running"):
-                    time.sleep(0.1)
-                    job = api.get(f"api/v1/jobs/{job['id']}").json()
-                assert job["state"] == "done", job["error"]
-            workers = children(server.pid)
-            assert workers
-            server.send_signal(how)
-            status = server.wait(PATIENCE)
-        finally:
-            server.kill()
+    with running(tmp_path / "workspace", POINTBRUSH_IMPORT_ROOTS=str(DATA.parent)) as server:
+        with server.api() as api:
+            job = api.post("sequences", json={"path": str(DATA / "0000.npz")})
+            job = job.raise_for_status().json()
+            while job["state"] in ("queued", "running"):
+                time.sleep(0.1)
+                job = api.get(f"jobs/{job['id']}").json()
+            assert job["state"] == "done", job["error"]
+        workers = children(server.process.pid)
+        assert workers
+        server.process.send_signal(how)
+        status = server.process.wait(PATIENCE)
     assert how == signal.SIGKILL or status == 0
     eventually(lambda: not alive(workers))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import ssl
 import stat
@@ -23,31 +24,28 @@ from pointbrush.web import tls
 from pointbrush.web.clients import is_loopback
 from pointbrush.web.server import expect_tracking, listen, page_url, require_safe
 from pointbrush.workspace import Workspace
+from tests.forked import ForkedCommand, first_line, run
 from tests.serving import add_sequence, settings_in
 
 
 @contextmanager
-def started(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """A ``pointbrush serve`` and the URL that it prints; it has ended in order afterwards."""
-    with subprocess.Popen(
-        [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    ) as process:
-        assert process.stdout is not None
-        line = process.stdout.readline()
-        assert line.startswith("pointbrush ready at http"), line + process.stdout.read()
-        try:
-            yield process, line.split()[-1]
-        finally:
-            process.terminate()
-            rest = process.communicate(timeout=PATIENCE)[0]
-        assert "Traceback" not in rest
+def started(folder: Path, *arguments: str) -> Iterator[str]:
+    """The URL that a ``pointbrush serve`` prints; it has ended in order afterwards."""
+    stdout, stderr = folder / "stdout", folder / "stderr"
+    command = ("serve", "--port", "0", "--workspace", str(folder / "w"), *arguments)
+    process = ForkedCommand(command, os.environ, stdout, stderr)
+    line = first_line(process, stdout)
+    assert line.startswith("pointbrush ready at http"), stderr.read_text()
+    try:
+        yield line.split()[-1]
+    finally:
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(PATIENCE) in (0, -signal.SIGTERM)
+    assert "Traceback" not in stdout.read_text() + stderr.read_text()
 
 
 def test_it_says_where_it_is_and_ends_in_order(tmp_path: Path) -> None:
-    with started("--workspace", str(tmp_path / "w")) as (process, url):
+    with started(tmp_path) as url:
         assert url.startswith("http://127.0.0.1:")
         with httpx.Client() as client:
             response = client.get(url)
@@ -62,7 +60,6 @@ def test_it_says_where_it_is_and_ends_in_order(tmp_path: Path) -> None:
             assert code.headers["content-type"] == "image/svg+xml"
             assert b"<svg" in code.content
             assert client.get(f"{address}/trust/authority.crt").status_code == 404
-    assert process.returncode in (0, -signal.SIGTERM)
 
 
 def test_who_paints_finds_a_worker_ready(tmp_path: Path) -> None:
@@ -79,11 +76,7 @@ def test_a_taken_port_is_one_clear_line(tmp_path: Path) -> None:
     with listen("127.0.0.1", 0) as taken:
         taken.listen()
         port = taken.getsockname()[1]
-        done = subprocess.run(
-            [sys.executable, "-m", "pointbrush.cli", "serve", "--workspace", str(tmp_path),
-             "--port", str(port)],
-            capture_output=True, text=True, timeout=PATIENCE, check=False,
-        )  # fmt: skip
+        done = run("serve", "--workspace", str(tmp_path), "--port", str(port))
     assert done.returncode == 1
     assert len(done.stderr.strip().splitlines()) == 1
     assert str(port) in done.stderr
@@ -109,7 +102,7 @@ def test_the_page_is_addressed_with_host_port_and_token(host: str, url: str) -> 
 
 def test_https_with_an_authority_that_is_kept(tmp_path: Path) -> None:
     workspace = tmp_path / "w"
-    with started("--workspace", str(workspace), "--tls") as (_, url):
+    with started(tmp_path, "--tls") as url:
         address = url.partition("/?")[0]
         assert address.startswith("https://127.0.0.1:")
         folder = workspace / "tls"

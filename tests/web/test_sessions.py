@@ -5,13 +5,11 @@ from __future__ import annotations
 import asyncio
 import os
 import re
-import subprocess
-import sys
+import signal
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
@@ -20,6 +18,7 @@ from websockets.exceptions import InvalidStatus
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.streaming.schema import subprotocol
+from tests.forked import ForkedCommand, first_line
 from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import viewer
@@ -180,16 +179,14 @@ def test_wrong_tokens_are_limited_and_a_right_one_passes(served: Served) -> None
 
 @pytest.mark.parametrize("given", ["", "a-token-that-the-operator-set"])
 def test_a_token_that_the_operator_set_is_not_printed(tmp_path: Path, given: str) -> None:
-    environment: dict[str, Any] = os.environ | {"POINTBRUSH_TOKEN": given}
-    command = [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"]
-    with subprocess.Popen(
-        [*command, "--workspace", tmp_path / "w"],
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment,
-    ) as server:  # fmt: skip
-        assert server.stdout is not None
-        line = next(line for line in server.stdout if "ready at" in line)
-        server.terminate()
-        rest = server.stdout.read()
+    environment = os.environ | {"POINTBRUSH_TOKEN": given}
+    arguments = ("serve", "--port", "0", "--workspace", str(tmp_path / "w"))
+    stdout, stderr = tmp_path / "stdout", tmp_path / "stderr"
+    server = ForkedCommand(arguments, environment, stdout, stderr)
+    line = first_line(server, stdout)
+    server.send_signal(signal.SIGTERM)
+    server.wait(PATIENCE)
+    rest = stdout.read_text().removeprefix(line) + stderr.read_text()
     if given:
         assert given not in line + rest
         assert re.search(r"ready at http://127\.0\.0\.1:\d+$", line)
