@@ -13,7 +13,8 @@ from pointbrush.samples import generate
 from pointbrush.samples.contacts import contact_view
 from pointbrush.samples.scanning import Labelled, home_scan, room_scan, room_view
 from pointbrush.samples.street import street
-from pointbrush.selection.objects import ObjectFrame, SensorKind
+from pointbrush.selection.objects import ObjectFrame
+from pointbrush.sensor_kind import SensorKind
 
 REALDATA = Path(__file__).parent.parent.parent / "shared" / "realdata"
 HELD_OUT = 900

@@ -11,8 +11,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 Part = TypeVar("Part")
 
 
-def lazily(package: str, places: Mapping[str, str]) -> Callable[[str], Any]:
-    """A ``__getattr__`` of ``package``: each name comes from its module in ``places``, once."""
+def lazily(package: str, modules: Mapping[str, str]) -> Callable[[str], Any]:
+    """A ``__getattr__`` of ``package``: each name comes from its module, once.
+
+    ``modules``: names, with spaces between them, by the module of ``package`` that has them.
+    """
+    places = {
+        name: f"{package}.{module}" for module, names in modules.items() for name in names.split()
+    }
 
     def find(name: str) -> Any:
         place = places.get(name)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
-    from pointbrush.labels.accounts import Token, Tokens
+    from pointbrush.labels.accounts import Token
     from pointbrush.labels.backup import move, restore
     from pointbrush.labels.database import Limits
     from pointbrush.labels.integrity import check_database
@@ -29,50 +29,19 @@ if TYPE_CHECKING:
         Label,
         Write,
     )
-
-__all__ = [
-    "KEPT_SECONDS",
-    "Category",
-    "Cell",
-    "Commit",
-    "Delta",
-    "EditInfo",
-    "FrameValues",
-    "GapError",
-    "Known",
-    "Label",
-    "LabelStore",
-    "Limits",
-    "Review",
-    "Token",
-    "Tokens",
-    "View",
-    "Write",
-    "check_database",
-    "move",
-    "restore",
-]
-_PLACES = {
-    "move": "pointbrush.labels.backup",
-    "restore": "pointbrush.labels.backup",
-    "Limits": "pointbrush.labels.database",
-    "check_database": "pointbrush.labels.integrity",
-    "KEPT_SECONDS": "pointbrush.labels.recordings",
-    "Known": "pointbrush.labels.recordings",
-    "Review": "pointbrush.labels.reviews",
-    "LabelStore": "pointbrush.labels.store",
-    "Category": "pointbrush.labels.taxonomy",
-    "Token": "pointbrush.labels.accounts",
-    "Tokens": "pointbrush.labels.accounts",
-    "Cell": "pointbrush.labels.types",
-    "Commit": "pointbrush.labels.types",
-    "Delta": "pointbrush.labels.types",
-    "EditInfo": "pointbrush.labels.types",
-    "FrameValues": "pointbrush.labels.types",
-    "GapError": "pointbrush.labels.types",
-    "Label": "pointbrush.labels.types",
-    "View": "pointbrush.labels.reading",
-    "Write": "pointbrush.labels.types",
-}
 if not TYPE_CHECKING:
-    __getattr__ = lazily(__name__, _PLACES)
+    __getattr__ = lazily(
+        __name__,
+        {
+            "accounts": "Token",
+            "backup": "move restore",
+            "database": "Limits",
+            "integrity": "check_database",
+            "reading": "View",
+            "recordings": "KEPT_SECONDS Known",
+            "reviews": "Review",
+            "store": "LabelStore",
+            "taxonomy": "Category",
+            "types": "Cell Commit Delta EditInfo FrameValues GapError Label Write",
+        },
+    )

@@ -12,17 +12,12 @@ from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
     from pointbrush.samples.generating import KINDS, generate, write
-    from pointbrush.samples.recording import LabelInfo, Recording
-    from pointbrush.samples.sensor import Sensor
-
-__all__ = ["KINDS", "LabelInfo", "Recording", "Sensor", "generate", "write"]
-_PLACES = {
-    "KINDS": "pointbrush.samples.generating",
-    "LabelInfo": "pointbrush.samples.recording",
-    "Recording": "pointbrush.samples.recording",
-    "Sensor": "pointbrush.samples.sensor",
-    "generate": "pointbrush.samples.generating",
-    "write": "pointbrush.samples.generating",
-}
+    from pointbrush.samples.recording import Recording
 if not TYPE_CHECKING:
-    __getattr__ = lazily(__name__, _PLACES)
+    __getattr__ = lazily(
+        __name__,
+        {
+            "generating": "KINDS generate write",
+            "recording": "Recording",
+        },
+    )

@@ -19,30 +19,12 @@ if TYPE_CHECKING:
         TrackState,
     )
     from pointbrush.tracking.registry import METHODS
-
-__all__ = [
-    "METHODS",
-    "FrameKnowledge",
-    "FrameResult",
-    "Frames",
-    "Known",
-    "Method",
-    "Seed",
-    "TrackFrame",
-    "TrackOptions",
-    "TrackState",
-]
-_PLACES = {
-    "FrameKnowledge": "pointbrush.tracking.interface",
-    "FrameResult": "pointbrush.tracking.interface",
-    "Frames": "pointbrush.tracking.interface",
-    "Known": "pointbrush.tracking.interface",
-    "Method": "pointbrush.tracking.interface",
-    "Seed": "pointbrush.tracking.interface",
-    "TrackFrame": "pointbrush.tracking.interface",
-    "TrackOptions": "pointbrush.tracking.interface",
-    "TrackState": "pointbrush.tracking.interface",
-    "METHODS": "pointbrush.tracking.registry",
-}
 if not TYPE_CHECKING:
-    __getattr__ = lazily(__name__, _PLACES)
+    __getattr__ = lazily(
+        __name__,
+        {
+            "interface": "FrameKnowledge FrameResult Frames Known Method Seed "
+            "TrackFrame TrackOptions TrackState",
+            "registry": "METHODS",
+        },
+    )

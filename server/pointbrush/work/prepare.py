@@ -20,8 +20,9 @@ from pointbrush.classify.options import FeatureOptions, ForestOptions
 from pointbrush.classify.smoothing import smoothed
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
-from pointbrush.selection.objects import ObjectFrame, SensorKind, candidates
+from pointbrush.selection.objects import ObjectFrame, candidates
 from pointbrush.selection.objects import prepare as prepare_objects
+from pointbrush.sensor_kind import SensorKind
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.octree.coordinates import Coordinates

@@ -19,34 +19,15 @@ if TYPE_CHECKING:
     from pointbrush.selection.objects.options import ObjectOptions
     from pointbrush.selection.objects.preparing import prepare
     from pointbrush.selection.objects.state import ObjectFrame, ObjectState
-    from pointbrush.selection.objects.weights import Weights, load_weights, save_weights
-    from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
-
-__all__ = [
-    "SENSOR_KINDS",
-    "Candidate",
-    "ObjectFrame",
-    "ObjectOptions",
-    "ObjectState",
-    "SensorKind",
-    "Weights",
-    "candidates",
-    "load_weights",
-    "prepare",
-    "save_weights",
-]
-_PLACES = {
-    "Candidate": "pointbrush.selection.objects.choosing",
-    "candidates": "pointbrush.selection.objects.choosing",
-    "SENSOR_KINDS": "pointbrush.sensor_kind",
-    "ObjectOptions": "pointbrush.selection.objects.options",
-    "SensorKind": "pointbrush.sensor_kind",
-    "prepare": "pointbrush.selection.objects.preparing",
-    "ObjectFrame": "pointbrush.selection.objects.state",
-    "ObjectState": "pointbrush.selection.objects.state",
-    "Weights": "pointbrush.selection.objects.weights",
-    "load_weights": "pointbrush.selection.objects.weights",
-    "save_weights": "pointbrush.selection.objects.weights",
-}
+    from pointbrush.selection.objects.weights import load_weights
 if not TYPE_CHECKING:
-    __getattr__ = lazily(__name__, _PLACES)
+    __getattr__ = lazily(
+        __name__,
+        {
+            "choosing": "Candidate candidates",
+            "options": "ObjectOptions",
+            "preparing": "prepare",
+            "state": "ObjectFrame ObjectState",
+            "weights": "load_weights",
+        },
+    )
