@@ -13,17 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.exports import EXPORTS, boxes
 from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT
 
-BOXES = "boxes.json"
-_READ_AS: Mapping[str, tuple[str, str]] = MappingProxyType({
-    "ply": ("points", "*.ply"), "npz": ("points", "*.npz"), "pcd": ("points", "*.pcd"),
-    "las": ("points", "*.las"), "laz": ("points", "*.laz"), "csv": ("points", "*.csv"),
-    "cut": ("points", "*.ply"), "semantickitti": ("semantickitti", "*.label"),
-    "labels-only": ("npy", "label/*.npy"), "pointcept": ("npy", "instance.npy"),
-    "openpcdet": ("openpcdet", "labels/*.txt"), "boxes": ("boxes", BOXES),
-})  # fmt: skip
-"""Format of labels as which each export is read, and which of its files have the labels."""
 MAX_BYTES = 64 << 20
 LEVELS = 4
 """Folders above a file in which its ``export.json`` may lie."""
@@ -49,13 +41,13 @@ class OwnExport:
 
         Raises BadInputError for an export that is not known.
         """
-        if self.format not in _READ_AS:
+        if self.format not in EXPORTS:
             raise BadInputError(
-                f"{NAME}: expected one of {', '.join(_READ_AS)}, got {self.format[:40]!r}"
+                f"{NAME}: expected one of {', '.join(EXPORTS)}, got {self.format[:40]!r}"
             )
-        name, pattern = _READ_AS[self.format]
+        name, pattern = EXPORTS[self.format].read_as
         above = place.absolute()
-        files = [*self.frames, self.root / BOXES]
+        files = [*self.frames, self.root / boxes.FILE]
         chosen = [p for p in files if p.is_relative_to(above) and p.match(pattern)]
         return name, [path for path in chosen if path.is_file()]
 

@@ -51,6 +51,14 @@ class Export:
     """Numbers that its files have for classes; None: those of the workspace."""
     splits: bool = False
     """Its frames are split into those for training and those for validation."""
+    labels: tuple[str, str] | None = None
+    """Format of labels as which it comes back in, and its files that have them; None: a file of
+    points for each frame."""
+
+    @property
+    def read_as(self) -> tuple[str, str]:
+        """The format of labels as which it is read, and a pattern of the files that have them."""
+        return self.labels or ("points", f"*{self.endings[0]}")
 
 
 GAPS = "gaps.json"
@@ -71,6 +79,7 @@ _ALL = (
         semantickitti.write_semantickitti,
         (_PROVENANCE, _COLORS, _FIELDS),
         numbering=KITTI_NUMBERS,
+        labels=("semantickitti", "*.label"),
     ),
     Export("pcd", "PCD", "points and labels", points.write_pcds, (_PROVENANCE,), (".pcd",)),
     Export(
@@ -92,7 +101,14 @@ _ALL = (
         numbering=LAS_NUMBERS,
     ),
     Export("csv", "CSV", "one row per point", points.write_csvs, (_PROVENANCE,), (".csv",)),
-    Export("labels-only", "Labels only", "no points", labels_only.write_labels_only, masks=False),
+    Export(
+        "labels-only",
+        "Labels only",
+        "no points",
+        labels_only.write_labels_only,
+        masks=False,
+        labels=("npy", "label/*.npy"),
+    ),
     Export(
         "cut",
         "Cut",
@@ -100,6 +116,7 @@ _ALL = (
         points.write_cuts,
         (_PROVENANCE, _FIELDS, "unlabeled points"),
         masks=False,
+        labels=("points", "*.ply"),
     ),
     Export(
         "pointcept",
@@ -109,6 +126,7 @@ _ALL = (
         (_PROVENANCE, _FIELDS),
         numbering=TRAINING_NUMBERS,
         splits=True,
+        labels=("npy", "instance.npy"),
     ),
     Export(
         "openpcdet",
@@ -125,6 +143,7 @@ _ALL = (
         masks=False,
         numbering=TRAINING_NUMBERS,
         splits=True,
+        labels=("openpcdet", "labels/*.txt"),
     ),
     Export(
         "boxes",
@@ -133,6 +152,7 @@ _ALL = (
         boxes.write_boxes,
         (_BOXES,),
         masks=False,
+        labels=("boxes", boxes.FILE),
     ),
 )
 EXPORTS: dict[str, Export] = {entry.name: entry for entry in _ALL}

@@ -20,6 +20,9 @@ Matrix = NDArray[np.float64]
 MAX_EDGES = 360
 
 
+FILE = "boxes.json"
+
+
 def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """``boxes.json`` and ``label_02/0000.txt`` (KITTI tracking) of every label in every frame.
 
@@ -49,7 +52,7 @@ def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output)
                 record["track"] = dict(tracks[label])
             listed.append(record)
             lines.append(_kitti(frame, label, category, upright))
-    with output.file("boxes.json") as file:
+    with output.file(FILE) as file:
         file.write(json.dumps({"boxes": listed}, indent=1, ensure_ascii=False).encode())
     with output.file("label_02/0000.txt") as file:
         file.write("".join(line + "\n" for line in lines).encode())
