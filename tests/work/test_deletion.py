@@ -206,7 +206,7 @@ def stop(self, *args):
     os.kill(os.getpid(), signal.SIGKILL)
 
 setattr(owner, name, stop)
-getattr(workspace, act)("ball")
+getattr(workspace.deletion, act)("ball")
 """
 
 
@@ -226,7 +226,7 @@ def test_killed_at_any_step_of_deleting(settings: Settings) -> None:
         ("Recordings.delete.after", True),
         ("Trash.put_away.after", True),
     ):
-        kill_in(settings, "delete_sequence", place)
+        kill_in(settings, "delete", place)
         with closing(Workspace(settings)) as workspace:
             assert ("ball" in ids(workspace)) == (not deleted), place
             if deleted:
@@ -251,7 +251,7 @@ def test_killed_at_any_step_of_restoring(settings: Settings) -> None:
         with closing(Workspace(settings)) as workspace:
             if "ball" in ids(workspace):
                 workspace.deletion.delete("ball")
-        kill_in(settings, "restore_sequence", place)
+        kill_in(settings, "restore", place)
         with closing(Workspace(settings)) as workspace:
             assert ("ball" in ids(workspace)) == restored, place
             if not restored:
