@@ -6,6 +6,8 @@ import { CommandPalette } from './desktop/command-palette';
 import { Help } from './desktop/help';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
+import { ExampleBar, ExampleButton } from './example/bar';
+import { Predicting } from './example/predicting';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
@@ -30,7 +32,12 @@ export function startPage(early: Early): void {
   installDesk(engine);
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.
   void pictured(early).then(async () => {
-    mountPanels({ buttons: [ReviewButton], dialogs: [Help, CommandPalette] });
+    mountPanels({
+      buttons: [ExampleButton, ReviewButton],
+      bars: [ExampleBar],
+      dialogs: [Help, CommandPalette],
+    });
+    new Predicting(engine);
     mountReview();
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');

@@ -31,6 +31,10 @@ export function clock(seconds: number): string {
   return `${minutes}:${rest.padStart(5, '0')}`;
 }
 
+export function percent(share: number): string {
+  return `${Math.round(share * 100)} %`;
+}
+
 /** 2 plus "frame" → "2 frames". */
 export function plural(value: number, noun: string): string {
   return `${count(value)} ${noun}${value === 1 ? '' : 's'}`;

@@ -3,6 +3,7 @@
  * shortcuts, and the command palette offers all of it.
  */
 import { actions, type ViewPreset } from '../store/actions';
+import { toggleExample } from '../example/store';
 import { stepFindings } from '../reviewing/store';
 import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/parts/popover';
 import { pickFiles } from '../panels/importing/files';
@@ -158,6 +159,7 @@ const MORE: readonly KeyBinding[] = [
     () => (trackOpen.value = true),
     () => edits() && trackingJob.peek() === null,
   ),
+  plain('Edit', 'Label by example: show or hide what is predicted', () => toggleExample()),
   plain('Edit', 'Accept what is doubtful in this frame', () => actions.acceptHere(), edits),
   plain('Edit', 'Track on from this frame', () => actions.continueRun(), edits),
   plain('Edit', 'History: who changed what', () => (historyOpen.value = true)),

@@ -1,5 +1,6 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../store/actions';
+import { answerDoubt, nextDoubt } from '../example/store';
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
 import { isStroke, state, type BrushShape } from '../store/state';
@@ -122,9 +123,23 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['enter'],
     shown: 'Enter',
-    what: 'Close the polygon; take what is in the box',
+    what: 'Close the polygon; take what is in the box; the first answer to a doubt',
     group: 'Tools',
-    run: () => actions.closeOutline(),
+    run: () => actions.closeOutline() || answerDoubt(0),
+  },
+  {
+    keys: ['shift+enter'],
+    shown: 'Shift Enter',
+    what: 'The second answer to a doubt',
+    group: 'Tools',
+    run: () => answerDoubt(1),
+  },
+  {
+    keys: [';'],
+    shown: ';',
+    what: 'By example: the next doubt',
+    group: 'Tools',
+    run: () => nextDoubt(),
   },
   {
     keys: ['shift+g'],

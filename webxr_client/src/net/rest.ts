@@ -18,10 +18,33 @@ export function apiUrl(path: string): string {
 
 /** The JSON answer; raises ApiError with the server's words (RFC 9457). */
 export async function api<T>(method: string, path: string, body?: unknown): Promise<T> {
-  const init: RequestInit = { method, credentials: 'same-origin' };
+  const response = await ask(method, path, body, {});
+  return (response.status === 204 ? undefined : await response.json()) as T;
+}
+
+/** The answer's bytes, of a media type; `signal` gives it up. */
+export async function apiBytes(
+  method: string,
+  path: string,
+  body: unknown,
+  accept: string,
+  signal: AbortSignal,
+): Promise<ArrayBuffer> {
+  const response = await ask(method, path, body, { accept, signal });
+  return response.arrayBuffer();
+}
+
+async function ask(
+  method: string,
+  path: string,
+  body: unknown,
+  { accept = 'application/json', signal = null }: { accept?: string; signal?: AbortSignal | null },
+): Promise<Response> {
+  const headers: Record<string, string> = { Accept: accept };
+  const init: RequestInit = { method, credentials: 'same-origin', headers, signal };
   if (body !== undefined) {
     init.body = JSON.stringify(body);
-    init.headers = { 'Content-Type': 'application/json' };
+    headers['Content-Type'] = 'application/json';
   }
   let response: Response;
   try {
@@ -30,7 +53,7 @@ export async function api<T>(method: string, path: string, body?: unknown): Prom
     throw new ApiError('No connection', 'The server did not answer.', 0);
   }
   if (!response.ok) throw await problem(response);
-  return (response.status === 204 ? undefined : await response.json()) as T;
+  return response;
 }
 
 interface Problem {

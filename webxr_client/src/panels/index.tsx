@@ -22,16 +22,18 @@ type Panel = () => ComponentChild;
 /** Additions to the panels by the floors above. */
 export interface MorePanels {
   readonly buttons: readonly Panel[];
+  /** Over the canvas, at the bottom. */
+  readonly bars: readonly Panel[];
   readonly dialogs: readonly Panel[];
 }
 
 /** Fill the places of the page; the result empties them again. */
-export function mountPanels({ buttons, dialogs }: MorePanels): () => void {
+export function mountPanels({ buttons, bars, dialogs }: MorePanels): () => void {
   const page = document;
   const places: [string, ComponentChild][] = [
     ['toolbar', <Toolbar buttons={buttons} />],
     ['palette', <AtTheDesk panel={Palette} />],
-    ['overlay', <Stage />],
+    ['overlay', <Stage bars={bars} />],
     ['timeline', <AtTheDesk panel={Timeline} />],
     ['panels', [<Tooltip />, dialogs.map((Dialog) => <Dialog />), <ImportDialog />, <InsecureHeadset />, <AtTheDesk panel={Tour} />]], // prettier-ignore
   ];

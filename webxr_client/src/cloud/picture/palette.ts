@@ -5,6 +5,12 @@ import type { Label } from '../../protocol/messages';
 const SIDE = 256;
 /** Shows what a click would take: lighter than the label that it would get. */
 export const PREVIEW = 65534;
+/** The first of as many ids as a classifier may have classes: what it predicts of a point. */
+export const PREDICTED = 65024;
+export const MOST_CLASSES = 256;
+/** The first of the ids that tell how sure a classifier is, from not at all. */
+export const DOUBT = 65280;
+export const DOUBT_STEPS = 64;
 /** Share of white in the preview's colour. */
 const PREVIEW_WHITE = 0.45;
 export const FLAG_VISIBLE = 128;
@@ -12,6 +18,8 @@ export const FLAG_VISIBLE = 128;
 export const FLAG_SPARED = 64;
 /** A person should look at it: it pulses in the headset. */
 export const FLAG_UNSURE = 32;
+/** A classifier's word, no label: drawn smaller and paler. */
+export const FLAG_PREDICTED = 8;
 /** Hidden for all, although it may be solo here. */
 export const FLAG_HIDDEN = 16;
 
@@ -30,7 +38,7 @@ export class PaletteTexture {
   /** `solo`: the only label shown, or null; `unsure`: those that a person should look at. */
   set(labels: readonly Label[], solo: number | null, unsure: readonly number[]): void {
     // A label that this page has not heard of yet shows grey rather than vanish.
-    for (let i = 0; i < this.data.length; i += 4) {
+    for (let i = 0; i < 4 * PREDICTED; i += 4) {
       this.data[i] = this.data[i + 1] = this.data[i + 2] = 160;
       this.data[i + 3] = FLAG_VISIBLE;
     }
@@ -58,6 +66,16 @@ export class PaletteTexture {
       const value = (rgb >> (16 - 8 * k)) & 255;
       this.data[at + k] = Math.round(value + (255 - value) * PREVIEW_WHITE);
     }
+    this.texture.needsUpdate = true;
+  }
+
+  /** Colours of what a classifier says, of the ids from `PREDICTED` or `DOUBT` on, "#rrggbb". */
+  setPredicted(first: number, colors: readonly string[]): void {
+    colors.forEach((color, k) => {
+      const rgb = Number.parseInt(color.slice(1), 16);
+      const flags = FLAG_VISIBLE | FLAG_PREDICTED;
+      this.data.set([rgb >> 16, (rgb >> 8) & 255, rgb & 255, flags], (first + k) * 4);
+    });
     this.texture.needsUpdate = true;
   }
 

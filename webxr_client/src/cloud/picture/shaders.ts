@@ -112,8 +112,10 @@ void main() {
   bool deleted = id == 65535;
   vec4 entry = texelFetch(palette, ivec2(id & 255, id >> 8), 0);
   int flags = int(entry.a * 255.0 + 0.5);
+  bool predicted = !deleted && (flags & 8) != 0;
+  bool unlabeled = id == 0 || predicted;
   bool hidden = deleted ? showDeleted == 0
-    : id == 0 ? hideUnlabeled != 0 : (flags & 128) == 0;
+    : unlabeled ? hideUnlabeled != 0 : (flags & 128) == 0;
   vec4 place = vec4(position, 1.0);
   vec3 inBox = abs(vec3(dot(clipX, place), dot(clipY, place), dot(clipZ, place)));
   hidden = hidden || any(greaterThan(inBox, vec3(1.0)));
@@ -139,16 +141,16 @@ void main() {
   else if (id != 0) {
     // The recording's light and shade stays under the label's colour, so that shapes stay legible.
     float light = dot(base, vec3(0.299, 0.587, 0.114));
-    base = mix(base, entry.rgb * (0.55 + 0.6 * light), labelBlend);
+    base = mix(base, entry.rgb * (0.55 + 0.6 * light), predicted ? 0.85 * labelBlend : labelBlend);
   }
 
-  float grow = 1.0;
+  float grow = predicted ? 0.7 : 1.0;
   if (!deleted && (flags & 32) != 0) {
     base = mix(base, vec3(1.0), 0.65 * pulse);
     grow += 0.35 * pulse;
   }
   if (underBrush(position)) {
-    bool spared = !deleted && (flags & 64) != 0 || brushOnlyUnlabeled != 0 && id != 0;
+    bool spared = !deleted && (flags & 64) != 0 || brushOnlyUnlabeled != 0 && !unlabeled;
     if (!spared) {
       base = mix(base, brushColour, 0.62);
       grow *= 1.15;

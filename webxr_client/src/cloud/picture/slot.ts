@@ -92,9 +92,9 @@ export class Slot {
   private uploadLabels(frame: CloudFrame): void {
     const { shown } = this;
     this.labelsVersion = frame.labelsVersion;
-    const plain = frame.blank;
+    const plain = frame.blank && frame.predicted === null;
     if (plain && this.blank) return;
-    frame.gatherLabels(shown, this.uploaded);
+    frame.gatherShown(shown, this.uploaded);
     // Blank once is blank for every frame without labels: nothing more goes over.
     if (plain) shown.fill(0);
     this.buffers.writeLabels(shown, plain ? this.capacity : this.uploaded);

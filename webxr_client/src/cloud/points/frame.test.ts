@@ -44,6 +44,17 @@ describe('labels of a frame', () => {
     expect(labels(frame)).toEqual([1, 0, 0, 5, 5, 0, 0, DELETED]);
   });
 
+  it('shows what is predicted where there is no label, and nowhere else', () => {
+    const frame = frameOf(wall(2, 0));
+    frame.applyLabels(update({}, [1], [9]));
+    frame.setOverlay('stroke', { indices: Uint32Array.of(2), values: Uint16Array.of(4) });
+    frame.predict(Uint16Array.of(65024, 65024, 65024, 0));
+    const shown = new Uint16Array(4);
+    frame.gatherShown(shown);
+    expect([...shown]).toEqual([65024, 9, 4, 0]);
+    expect(labels(frame)).toEqual([0, 9, 4, 0]);
+  });
+
   it('merges overlays in any order, the newest value first', () => {
     const frame = frameOf([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]); // prettier-ignore
     frame.mergeOverlay('run', Uint32Array.of(3, 1), Uint16Array.of(7, 5));

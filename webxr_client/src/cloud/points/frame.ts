@@ -16,6 +16,8 @@ export class CloudFrame {
   pointsVersion = 0;
   labelsVersion = 0;
   readonly overlays = new Map<string, Overlay>();
+  /** What a classifier says of each point, in stored order, as ids of the palette's texture. */
+  predicted: Uint16Array | null = null;
   private readonly buffers: ArrayBuffer[] = [];
   /** Last answer of `shown`, and the versions then. */
   private said: Shown | null = null;
@@ -170,6 +172,22 @@ export class CloudFrame {
       const stop = lowerBound(indices, count);
       for (let i = 0; i < stop; i++) out[indices[i]!] = values[single ? 0 : i]!;
     }
+  }
+
+  /** Show what is predicted of points without a label; null: nothing. */
+  predict(values: Uint16Array | null): void {
+    if (values === null && this.predicted === null) return;
+    this.predicted = values;
+    this.labelsVersion += 1;
+  }
+
+  /** `gatherLabels`, with what is predicted where there is no label. */
+  gatherShown(out: Uint16Array, count = this.loaded): void {
+    this.gatherLabels(out, count);
+    const { predicted } = this;
+    if (!predicted) return;
+    const stop = Math.min(count, predicted.length);
+    for (let i = 0; i < stop; i++) if (out[i] === 0) out[i] = predicted[i]!;
   }
 
   /** Number of the first piece that begins after `number`. */

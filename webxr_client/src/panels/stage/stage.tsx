@@ -1,4 +1,5 @@
 /** Overlay of the canvas: states, progress, what is under the pointer. */
+import type { ComponentChild } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { DELETED } from '../../cloud/points/piece';
@@ -18,7 +19,7 @@ import { Toasts } from './toasts';
 import { Views } from './views';
 import { Welcome } from '../importing/welcome';
 
-export function Stage() {
+export function Stage({ bars }: { bars: readonly (() => ComponentChild)[] }) {
   const { session } = state.xr.value;
   if (session === 'running') return <InHeadset />;
   return (
@@ -28,6 +29,9 @@ export function Stage() {
         <JobCards />
         <Toasts />
         {state.sequence.value && <ObjectBar />}
+        {bars.map((More) => (
+          <More />
+        ))}
       </div>
       {dropping.value && <DropTarget />}
     </>

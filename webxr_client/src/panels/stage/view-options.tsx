@@ -8,6 +8,7 @@ import { AccumulateButton } from './accumulate';
 import { CamerasButton } from './cameras';
 import { ClipButton } from './clip';
 import { Check, Slider, Swatch } from '../parts/controls';
+import { percent } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { PopoverButton } from '../parts/popover';
 
@@ -165,7 +166,6 @@ function Meanings({ legend }: { legend: Legend }) {
   );
 }
 
-const percent = (share: number): string => `${Math.round(share * 100)} %`;
 /** The least part of the values that a ramp spans. */
 const LEAST = 0.02;
 

@@ -1,0 +1,213 @@
+/** Over the canvas, at the bottom: what is predicted here, where it is in doubt, and applying it. */
+import { signal } from '@preact/signals';
+import { Icon } from '../common/icons';
+import { percent, plural } from '../common/format';
+import { Button, Slider, Swatch } from '../panels/parts/controls';
+import { PopoverButton } from '../panels/parts/popover';
+import { frameRange, ordered } from '../store/range';
+import { canEdit, state } from '../store/state';
+import { coloursOf, type Question, type Shows } from './model';
+import {
+  answerDoubt,
+  applyPrediction,
+  asking,
+  chooseClassifier,
+  classifier,
+  classifiers,
+  closeExample,
+  deleteClassifier,
+  exampleOpen,
+  leaveQuestion,
+  makeClassifier,
+  nextDoubt,
+  predicted,
+  question,
+  shows,
+  teachHere,
+  toggleExample,
+} from './store';
+
+export function ExampleButton() {
+  return (
+    <Button icon="example" label="By example" class="example-button" tip="Paint a little of each class, and the rest follows" pressed={exampleOpen.value} onClick={toggleExample} />
+  ); // prettier-ignore
+}
+
+export function ExampleBar() {
+  if (!exampleOpen.value || !state.sequence.value) return null;
+  return (
+    <section class="example-bar" aria-label="Label by example">
+      {question.value && <Asked place={question.value} />}
+      <div class="example-row">
+        <Icon name="example" />
+        {classifier.value ? <Predicted /> : <Begin />}
+        <Button icon="close" tip="Close; what is predicted goes, labels stay" small onClick={closeExample} />
+      </div>
+    </section>
+  ); // prettier-ignore
+}
+
+function Begin() {
+  if (classifiers.value === null) return <span class="soft">Looking for classifiers…</span>;
+  return (
+    <>
+      <span>Paint a little of two classes or more. The rest of the recording follows.</span>
+      <Button label="Learn from what is painted" kind="primary" disabled={!canEdit.value || asking.value} onClick={() => void makeClassifier()} />
+    </>
+  ); // prettier-ignore
+}
+
+function Predicted() {
+  return (
+    <>
+      <Choice />
+      <Told />
+      <Look />
+      <Button label="Next doubt" keys=";" kind="outlined" tip="Go where a stroke teaches most" disabled={asking.value && question.value === null} onClick={() => void nextDoubt()} />
+      <Apply />
+    </>
+  ); // prettier-ignore
+}
+
+const choiceOpen = signal(false);
+
+/** The classifier, what taught it, and others. */
+function Choice() {
+  const chosen = classifier.value!;
+  const here = state.sequence.value!.id in chosen.taught_by;
+  return (
+    <>
+      <strong class="name">{chosen.name}</strong>
+      <PopoverButton open={choiceOpen} icon="more" small tip="The classifier: what taught it, and others" label="Classifier" class="example-choice">
+        <select class="field" aria-label="Classifier" value={chosen.id} onChange={(event) => chooseClassifier(event.currentTarget.value)}>
+          {classifiers.value?.map(({ id, name }) => <option key={id} value={id}>{name}</option>)}
+        </select>
+        <Classes />
+        {chosen.score !== null && <p class="soft">Right in {percent(chosen.score)} of the examples held out.</p>}
+        {canEdit.value && (
+          <div class="form-end">
+            <Button label="Delete" kind="danger" onClick={() => void deleteClassifier()} />
+            <Button label="New one" kind="outlined" onClick={() => void makeClassifier()} />
+            {!here && <Button label="Teach it by this recording" kind="primary" onClick={() => void teachHere()} />}
+          </div>
+        )}
+      </PopoverButton>
+    </>
+  ); // prettier-ignore
+}
+
+function Classes() {
+  const { classes, examples } = classifier.value!;
+  const colours = coloursOf(classes, state.palette.value);
+  return (
+    <ul class="colour-legend">
+      {classes.map((name, k) => (
+        <li key={name}>
+          <Swatch color={colours[k]!} /> {name}
+          <span class="soft number">{plural(examples[name] ?? 0, 'example')}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function Told() {
+  const told = predicted.value;
+  if (state.sequence.value?.large)
+    return <span class="soft">Too large to show here: apply it, or go through its doubts</span>;
+  if (told && told.points === 0)
+    return <span class="soft">Paint a second class: one alone teaches nothing</span>;
+  return (
+    <span class="example-told" role="status">
+      {told && <span class="number">{plural(told.points, 'point')}</span>}
+      {told && <span class="soft">{percent(told.unsure / told.points)} in doubt</span>}
+      {asking.value && <span class="spinner small" aria-label="Predicting" />}
+    </span>
+  );
+}
+
+const LOOKS: readonly (readonly [Shows, string, string])[] = [
+  ['classes', 'Classes', 'What each point is predicted as'],
+  ['doubt', 'Doubt', 'Red where it is in doubt, green where it is sure'],
+];
+
+function Look() {
+  return (
+    <div class="segmented" role="radiogroup" aria-label="Show">
+      {LOOKS.map(([name, label, tip]) => (
+        <button key={name} type="button" role="radio" class="button" aria-checked={shows.value === name} data-tip={tip} onClick={() => (shows.value = name)}>
+          {label}
+        </button>
+      ))}
+    </div>
+  ); // prettier-ignore
+}
+
+function Asked({ place }: { place: Question }) {
+  const [first, second] = place.classes as [string, string];
+  const colours = coloursOf(place.classes, state.palette.value);
+  const answers = [[first, 'Enter'], [second, 'Shift Enter']] as const; // prettier-ignore
+  return (
+    <div class="example-row" role="group" aria-label="A place in doubt">
+      <span>What is at the ring?</span>
+      {answers.map(([name, keys], k) => (
+        <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!canEdit.value} onClick={() => answerDoubt(k as 0 | 1)}>
+          <Swatch color={colours[k]!} /> <span class="button-label">{name}</span>
+        </button>
+      ))}
+      <span class="soft">or paint it as something else</span>
+      <Button icon="close" small tip="Leave it" onClick={leaveQuestion} />
+    </div>
+  ); // prettier-ignore
+}
+
+const applyOpen = signal(false);
+const least = signal(0);
+const reach = signal<'frame' | 'range' | 'all'>('frame');
+
+function Apply() {
+  return (
+    <PopoverButton open={applyOpen} icon="check" tip="Make labels of what is predicted" label="Apply the prediction" class="example-apply">
+      <ApplyForm />
+    </PopoverButton>
+  ); // prettier-ignore
+}
+
+/** Frames as the server reads them. */
+function framesOf(kind: 'frame' | 'range' | 'all'): string {
+  const frame = state.frame.peek();
+  if (kind === 'all') return '';
+  if (kind === 'frame' || !frameRange.peek()) return `${frame}:${frame + 1}`;
+  const [first, last] = ordered(frameRange.peek()!);
+  return `${first}:${last + 1}`;
+}
+
+function ApplyForm() {
+  const all = state.sequence.value?.frames ?? 1;
+  const choices = [
+    ['frame', 'This frame'],
+    ...(frameRange.value ? [['range', 'The chosen stretch'] as const] : []),
+    ['all', `All ${plural(all, 'frame')}`],
+  ] as const;
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    applyOpen.value = false;
+    void applyPrediction(framesOf(reach.peek()), least.peek());
+  };
+  return (
+    <form onSubmit={submit}>
+      <h2>Apply the prediction</h2>
+      <div class="segmented" role="radiogroup" aria-label="Frames">
+        {choices.map(([name, label]) => (
+          <button key={name} type="button" role="radio" class="button" aria-checked={reach.value === name} onClick={() => (reach.value = name)}>{label}</button>
+        ))}
+      </div>
+      <Slider label="Leave out below" value={least.value} min={0} max={1} shown={percent(least.value)} tip="Points that the classifier is less sure of stay without a label" onInput={(value) => (least.value = value)} />
+      <p class="soft">Only points without a label are labelled. One undo takes all of it back.</p>
+      <div class="form-end">
+        <Button label="Cancel" onClick={() => (applyOpen.value = false)} />
+        <button type="submit" class="button primary" disabled={!canEdit.value}>Apply</button>
+      </div>
+    </form>
+  ); // prettier-ignore
+}

@@ -1,0 +1,42 @@
+import { describe, expect, it } from 'vitest';
+import { DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
+import type { Label } from '../protocol/messages';
+import { coloursOf, countOf, idsOf, labelOf } from './model';
+
+const SAID = { kind: Uint8Array.of(0, 1, 2, 2), confidence: Uint8Array.of(255, 255, 0, 128) };
+
+function label(id: number, name: string, category: string, color = '#112233'): Label {
+  return { id, name, category, color, visible: true, locked: false, instance: 0 } as Label;
+}
+
+describe('what a classifier says of a frame', () => {
+  it('has the colour of its class, and none where nothing was taught', () => {
+    expect([...idsOf(SAID, 'classes')]).toEqual([0, PREDICTED, PREDICTED + 1, PREDICTED + 1]);
+  });
+
+  it('has the colour of its doubt', () => {
+    expect([...idsOf(SAID, 'doubt')]).toEqual([0, DOUBT + DOUBT_STEPS - 1, DOUBT, DOUBT + 32]);
+  });
+
+  it('is counted, with what is in doubt', () => {
+    expect(countOf(SAID)).toEqual({ points: 3, unsure: 1 });
+  });
+});
+
+describe('the label that a class is predicted as', () => {
+  const palette = [
+    label(1, 'Car 1', 'car'),
+    label(2, 'car', 'car', '#00ff00'),
+    label(3, 'road', ''),
+  ];
+
+  it('is the one called like it before others of its category', () => {
+    expect(labelOf('car', palette)?.id).toBe(2);
+    expect(labelOf('road', palette)?.id).toBe(3);
+    expect(labelOf('tree', palette)).toBeUndefined();
+  });
+
+  it('gives its colour', () => {
+    expect(coloursOf(['car', 'tree'], palette)).toEqual(['#00ff00', '#8791a0']);
+  });
+});

@@ -1,0 +1,140 @@
+/** Shows on the frame on screen what a classifier predicts of it, and paints answers to its doubts. */
+import { DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
+import type { CloudFrame } from '../cloud/points/frame';
+import { BETWEEN, mixed, SURE, UNSURE } from '../engine/colouring';
+import type { Engine } from '../engine/engine';
+import { ApiError } from '../net/rest';
+import { actions } from '../store/actions';
+import { notify, state } from '../store/state';
+import { follow, watch } from '../store/watch';
+import { coloursOf, countOf, idsOf, labelOf, type Prediction } from './model';
+import {
+  answer,
+  asking,
+  classifier,
+  exampleOpen,
+  leaveQuestion,
+  nextDoubt,
+  predict,
+  predicted,
+  question,
+  shows,
+} from './store';
+
+/** Edits and frames come one after the other: the server is asked once they rest, milliseconds. */
+const REST_MS = 120;
+
+export class Predicting {
+  /** What was said of the frames that are here. */
+  private readonly said = new WeakMap<CloudFrame, Prediction>();
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private request: AbortController | null = null;
+
+  constructor(private readonly engine: Engine) {
+    const { palette } = engine.viewer;
+    const steps = Array.from({ length: DOUBT_STEPS }, (_, k) => doubtColour(k / (DOUBT_STEPS - 1)));
+    palette.setPredicted(DOUBT, steps);
+    follow(() => {
+      const classes = classifier.value?.classes ?? [];
+      palette.setPredicted(PREDICTED, coloursOf(classes, state.palette.value));
+      engine.viewer.invalidate();
+    });
+    watch([exampleOpen, classifier, state.shown, state.counts, state.playing], () => this.ask());
+    watch([shows], () => this.showAgain());
+    watch([state.sequence], () => leaveQuestion());
+    follow(() => {
+      const choice = answer.value;
+      answer.value = null;
+      if (choice !== null) this.paintAnswer(choice);
+    });
+  }
+
+  /** Ask what is predicted of the frame on screen, once it rests. */
+  private ask(): void {
+    clearTimeout(this.timer);
+    const frame = this.engine.frame();
+    if (!exampleOpen.peek() || !classifier.peek() || !frame) {
+      this.clear();
+      return;
+    }
+    const known = this.said.get(frame);
+    predicted.value = known ? countOf(known) : null;
+    if (state.playing.peek() || !frame.complete || frame.large) return;
+    this.timer = setTimeout(() => void this.fetch(frame), REST_MS);
+  }
+
+  private async fetch(frame: CloudFrame): Promise<void> {
+    this.request?.abort();
+    const request = (this.request = new AbortController());
+    asking.value = true;
+    try {
+      const answer = await predict(frame.index, request.signal);
+      if (request.signal.aborted || !exampleOpen.peek()) return;
+      this.said.set(frame, answer);
+      this.show(frame, answer);
+    } catch (error) {
+      if (request.signal.aborted) return;
+      notify(
+        'error',
+        'Nothing was predicted',
+        error instanceof ApiError ? error.message : String(error),
+      );
+    } finally {
+      if (this.request === request) asking.value = false;
+    }
+  }
+
+  private show(frame: CloudFrame, said: Prediction): void {
+    frame.predict(idsOf(said, shows.peek()));
+    if (frame === this.engine.frame()) {
+      predicted.value = countOf(said);
+      this.engine.viewer.show(frame);
+    }
+  }
+
+  private showAgain(): void {
+    for (const frame of this.engine.playback.store.all()) {
+      const said = this.said.get(frame);
+      if (said && frame.predicted) this.show(frame, said);
+    }
+  }
+
+  private clear(): void {
+    this.request?.abort();
+    predicted.value = null;
+    for (const frame of this.engine.playback.store.all()) frame.predict(null);
+    const shown = this.engine.frame();
+    if (shown) this.engine.viewer.show(shown);
+  }
+
+  /** Paint a ball of the first or second class at the place in doubt, and go to the next. */
+  private paintAnswer(choice: 0 | 1): void {
+    const place = question.peek();
+    const frame = this.engine.frame();
+    const name = place?.classes[choice];
+    if (!place || name === undefined || frame?.index !== place.frame) return;
+    const label = labelOf(name, state.palette.peek());
+    if (label) this.paint(place.centre, place.radius, label.id);
+    else void actions.createLabel(name).then((id) => this.paint(place.centre, place.radius, id));
+  }
+
+  private paint(centre: readonly number[], radius: number, label: number): void {
+    const stroke = this.engine.beginStroke({
+      shape: 'sphere',
+      tool: 'paint',
+      radius,
+      label,
+      only_unlabeled: true,
+    });
+    const shift = this.engine.shift();
+    const [x, y, z] = centre.map((value, k) => value - shift[k]!) as [number, number, number];
+    stroke?.add({ origin: [x, y, z], direction: [0, 0, -1] });
+    stroke?.end();
+    void nextDoubt();
+  }
+}
+
+/** From red over yellow to green: how sure, 0 to 1. */
+function doubtColour(sure: number): string {
+  return sure < 0.5 ? mixed(UNSURE, BETWEEN, 2 * sure) : mixed(BETWEEN, SURE, 2 * sure - 1);
+}

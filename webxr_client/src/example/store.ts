@@ -1,0 +1,148 @@
+/** State of label by example, and its requests to the server. */
+import { decode } from '@msgpack/msgpack';
+import { signal } from '@preact/signals';
+import { attempt, sequencePath } from '../engine/recordings';
+import { api, apiBytes } from '../net/rest';
+import { marked } from '../reviewing/store';
+import { actions } from '../store/actions';
+import { notify, state } from '../store/state';
+import type { Classifier, Prediction, Question, Shows } from './model';
+
+export const exampleOpen = signal(false);
+/** Classifiers of the workspace; null until the server has told them. */
+export const classifiers = signal<readonly Classifier[] | null>(null);
+/** The one that is asked, or null. */
+export const classifier = signal<Classifier | null>(null);
+export const shows = signal<Shows>('classes');
+/** What is predicted of the frame on screen; null: nothing yet. */
+export const predicted = signal<{ readonly points: number; readonly unsure: number } | null>(null);
+/** Something is asked of the server. */
+export const asking = signal(false);
+/** The place in doubt that one was led to. */
+export const question = signal<Question | null>(null);
+
+/** The answer that was chosen, until it is painted. */
+export const answer = signal<0 | 1 | null>(null);
+
+/** Answer the question by its first or second class; false when there is none. */
+export function answerDoubt(choice: 0 | 1): boolean {
+  if (!question.peek()) return false;
+  answer.value = choice;
+  return true;
+}
+
+/** Open the bar, or close it; what was predicted goes with it. */
+export function toggleExample(): void {
+  if (exampleOpen.peek()) closeExample();
+  else void openExample();
+}
+
+export function closeExample(): void {
+  exampleOpen.value = false;
+  leaveQuestion();
+}
+
+export async function openExample(): Promise<void> {
+  exampleOpen.value = true;
+  await attempt('The classifiers did not load', async () => {
+    const found = await api<Classifier[]>('GET', 'classifiers');
+    classifiers.value = found;
+    const id = state.sequence.peek()?.id ?? '';
+    classifier.value =
+      found.find((one) => one.id === classifier.peek()?.id) ??
+      found.find((one) => id in one.taught_by) ??
+      found[0] ??
+      null;
+  });
+}
+
+export function chooseClassifier(id: string): void {
+  classifier.value = classifiers.peek()?.find((one) => one.id === id) ?? null;
+  leaveQuestion();
+}
+
+/** Make a classifier of what is painted in the open recording. */
+export async function makeClassifier(): Promise<void> {
+  const { id, name } = state.sequence.peek()!;
+  asking.value = true;
+  await attempt('Nothing was learnt', async () => {
+    const made = await api<Classifier>('POST', 'classifiers', { name, recordings: [id] });
+    classifiers.value = [...(classifiers.peek() ?? []), made];
+    classifier.value = made;
+  });
+  asking.value = false;
+}
+
+/** Let the open recording teach the classifier as well. */
+export async function teachHere(): Promise<void> {
+  const { id } = classifier.peek()!;
+  const recordings = [state.sequence.peek()!.id];
+  await attempt('Nothing was learnt', async () => {
+    const path = `classifiers/${encodeURIComponent(id)}/teach`;
+    const taught = await api<Classifier>('POST', path, { recordings });
+    classifiers.value = classifiers.peek()!.map((one) => (one.id === id ? taught : one));
+    classifier.value = taught;
+  });
+}
+
+export async function deleteClassifier(): Promise<void> {
+  const { id } = classifier.peek()!;
+  await attempt('The classifier was not deleted', async () => {
+    await api('DELETE', `classifiers/${encodeURIComponent(id)}`);
+    classifiers.value = classifiers.peek()!.filter((one) => one.id !== id);
+    classifier.value = classifiers.peek()![0] ?? null;
+  });
+}
+
+/** What the classifier says of a frame, in stored order. */
+export async function predict(frame: number, signal: AbortSignal): Promise<Prediction> {
+  const path = `${sequencePath(state.sequence.peek()!.id)}/frames/${frame}/prediction`;
+  const body = { classifier: classifier.peek()!.id };
+  const bytes = await apiBytes('POST', path, body, 'application/x-msgpack', signal);
+  return decode(bytes) as Prediction;
+}
+
+/** Go to the place whose answer would teach most. */
+export async function nextDoubt(): Promise<void> {
+  const chosen = classifier.peek();
+  if (!exampleOpen.peek() || !chosen) return;
+  const before = question.peek();
+  asking.value = true;
+  await attempt('No place was found', async () => {
+    const path = `${sequencePath(state.sequence.peek()!.id)}/doubt`;
+    const places = await api<Question[]>(
+      'GET',
+      `${path}?classifier=${encodeURIComponent(chosen.id)}`,
+    );
+    const next = places.find((place) => !before || far(place, before)) ?? places[0];
+    if (next) goTo(next);
+    else notify('info', 'Nothing is in doubt', 'Apply what is predicted, or paint more.');
+  });
+  asking.value = false;
+}
+
+/** Whether two places are not the same one, asked again. */
+function far(one: Question, other: Question): boolean {
+  if (one.frame !== other.frame) return true;
+  return Math.hypot(...one.centre.map((x, k) => x - other.centre[k]!)) > one.radius;
+}
+
+function goTo(place: Question): void {
+  question.value = place;
+  actions.pause();
+  actions.seek(place.frame);
+  marked.value = [...place.centre];
+}
+
+export function leaveQuestion(): void {
+  if (question.peek()) marked.value = null;
+  question.value = null;
+}
+
+/** Write the prediction into labels, as one edit; `above` is the least confidence, 0..1. */
+export async function applyPrediction(frames: string, above: number): Promise<void> {
+  await attempt('The prediction was not applied', async () => {
+    const path = `${sequencePath(state.sequence.peek()!.id)}/predictions`;
+    await api('POST', path, { classifier: classifier.peek()!.id, frames, above });
+  });
+}
