@@ -1,5 +1,5 @@
 /** Shows on the frame on screen what a classifier predicts of it, and paints answers to its doubts. */
-import { DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
+import { ASKED, DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import { BETWEEN, mixed, SURE, UNSURE } from '../engine/colouring';
 import type { Engine } from '../engine/engine';
@@ -40,7 +40,7 @@ export class Predicting {
       engine.viewer.invalidate();
     });
     watch([exampleOpen, classifier, state.shown, state.counts, state.playing], () => this.ask());
-    watch([shows], () => this.showAgain());
+    watch([shows, question], () => this.showAgain());
     watch([state.sequence], () => leaveQuestion());
     follow(() => {
       const choice = answer.value;
@@ -85,7 +85,17 @@ export class Predicting {
   }
 
   private show(frame: CloudFrame, said: Prediction): void {
-    frame.predict(idsOf(said, shows.peek()));
+    const ids = idsOf(said, shows.peek());
+    const place = question.peek();
+    if (place?.frame === frame.index) {
+      markRound(
+        frame,
+        place.centre.map((x, k) => x - this.engine.shift()[k]!),
+        place.radius,
+        ids,
+      );
+    }
+    frame.predict(ids);
     if (frame === this.engine.frame()) {
       predicted.value = countOf(said);
       this.engine.viewer.show(frame);
@@ -137,4 +147,21 @@ export class Predicting {
 /** From red over yellow to green: how sure, 0 to 1. */
 function doubtColour(sure: number): string {
   return sure < 0.5 ? mixed(UNSURE, BETWEEN, 2 * sure) : mixed(BETWEEN, SURE, 2 * sure - 1);
+}
+
+/** Write `ASKED` for the points of a frame in a ball, local coordinates and metres. */
+function markRound(
+  { pieces }: CloudFrame,
+  [x, y, z]: readonly number[],
+  radius: number,
+  ids: Uint16Array,
+): void {
+  for (const { words, origin, scale, first, count } of pieces) {
+    for (let i = 0, w = 0; i < count; i++, w += 6) {
+      const dx = origin[0] + words[w]! * scale[0] - x!;
+      const dy = origin[1] + words[w + 1]! * scale[1] - y!;
+      const dz = origin[2] + words[w + 2]! * scale[2] - z!;
+      if (dx * dx + dy * dy + dz * dz <= radius * radius) ids[first + i] = ASKED;
+    }
+  }
 }

@@ -11,6 +11,8 @@ export const MOST_CLASSES = 256;
 /** The first of the ids that tell how sure a classifier is, from not at all. */
 export const DOUBT = 65280;
 export const DOUBT_STEPS = 64;
+/** Points of a place that is asked about: white, and in the headset they pulse. */
+export const ASKED = 65344;
 /** Share of white in the preview's colour. */
 const PREVIEW_WHITE = 0.45;
 export const FLAG_VISIBLE = 128;
@@ -32,6 +34,7 @@ export class PaletteTexture {
     this.texture.minFilter = NearestFilter;
     this.texture.magFilter = NearestFilter;
     this.texture.generateMipmaps = false;
+    this.data.set([255, 255, 255, FLAG_VISIBLE | FLAG_PREDICTED | FLAG_UNSURE], ASKED * 4);
     this.set([], null, []);
   }
 

@@ -9,6 +9,7 @@ import { ROWS } from './pages/rows';
 import { floorPlaces } from '../../engine/floor';
 import { drawComfort } from './pages/comfort';
 import { drawNew, EditPage } from './pages/label';
+import { drawExample, EXAMPLE } from './pages/example';
 import { drawFloor } from './pages/floor';
 import { RecordingsPage } from './pages/recordings';
 import { drawTools, offered } from './pages/tools';
@@ -19,13 +20,14 @@ import { SIZES } from '../drawing/sizes';
 import type { ButtonLook, Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
 
-type Tab = 'labels' | 'tools' | 'view' | 'comfort';
+type Tab = 'labels' | 'tools' | 'example' | 'view' | 'comfort';
 /** Pages that a tab leads on to. */
 type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
 
 const TABS = [
   ['labels', 'Labels'],
   ['tools', 'Tools'],
+  ['example', 'Example'],
   ['view', 'View'],
   ['comfort', 'Comfort'],
 ] as const;
@@ -100,6 +102,7 @@ export class PalettePanel extends Panel {
         floorPlaces,
         offered,
         xrSettings,
+        ...EXAMPLE,
       ],
       this.touch,
     );
@@ -139,6 +142,7 @@ export class PalettePanel extends Panel {
     const label = activeLabel.peek();
     if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
     else if (page === 'tools') drawTools(ui, x, top, inner);
+    else if (page === 'example') drawExample(ui, x, top, inner);
     else if (page === 'view') drawView(ui, x, top, inner, this.controls, () => this.list());
     else if (page === 'comfort') drawComfort(ui, x, top, inner);
     else if (page === 'new') drawNew(ui, x, top, inner, this.ask, () => this.show('labels'));
