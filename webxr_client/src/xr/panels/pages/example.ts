@@ -1,0 +1,78 @@
+/** Page of the palette for label by example: what is predicted, its doubts, applying it. */
+import { coloursOf, type Question } from '../../../example/model';
+import {
+  answerDoubt,
+  applyPrediction,
+  asking,
+  classifier,
+  classifiers,
+  closeExample,
+  exampleOpen,
+  makeClassifier,
+  nextDoubt,
+  openExample,
+  predicted,
+  question,
+  shows,
+} from '../../../example/store';
+import { percent, plural } from '../../../common/format';
+import { canEdit, state } from '../../../store/state';
+import { INK, type Ui } from '../../drawing/ui';
+
+/** What the page shows. */
+export const EXAMPLE = [
+  exampleOpen, classifier, classifiers, predicted, question, shows, asking, canEdit,
+] as const; // prettier-ignore
+
+const PITCH = 2.6;
+const HOW = ['Paint a little of each class.', 'The rest of the recording follows.'];
+
+export function drawExample(ui: Ui, x: number, top: number, inner: number): void {
+  const { em } = ui;
+  const line = (row: number): number => top + em * PITCH * row;
+  ui.check(x, line(0), inner, em * 2.2, 'Show what is predicted', exampleOpen.peek(), (on) =>
+    on ? void openExample() : closeExample(),
+  );
+  if (!exampleOpen.peek() || !classifier.peek()) {
+    HOW.forEach((text, i) => {
+      ui.text(text, x + em * 0.4, line(1) + em * (1.2 + 1.6 * i), { color: INK.quiet });
+    });
+    const disabled = !exampleOpen.peek() || classifiers.peek() === null || !canEdit.peek();
+    ui.button(x, line(3), inner - em * 0.2, em * 2.2,
+      { icon: 'example', text: 'Learn from what is painted', on: true, disabled },
+      () => void makeClassifier()); // prettier-ignore
+    return;
+  }
+  ui.text(told(), x + em * 0.4, line(1) + em * 1.2, { color: INK.quiet });
+  const doubt = shows.peek() === 'doubt';
+  ui.check(x, line(2), inner, em * 2.2, 'Colour by doubt', doubt, (on) => {
+    shows.value = on ? 'doubt' : 'classes';
+  });
+  ui.button(x, line(3), inner - em * 0.2, em * 2.2,
+    { icon: 'target', text: 'Next doubt', strong: true, align: 'left' }, () => void nextDoubt()); // prettier-ignore
+  const place = question.peek();
+  if (place) drawAnswers(ui, x, line(4), inner, place);
+  const here = state.frame.peek();
+  ui.button(x, line(5), inner - em * 0.2, em * 2.2,
+    { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !canEdit.peek() },
+    () => void applyPrediction(`${here}:${here + 1}`, 0)); // prettier-ignore
+}
+
+function told(): string {
+  const { points = 0, unsure = 0 } = predicted.peek() ?? {};
+  if (asking.peek()) return 'Predicting…';
+  if (points === 0) return 'Nothing is predicted here yet';
+  return `${plural(points, 'point')}, ${percent(unsure / points)} in doubt`;
+}
+
+/** What pulses white is one of two classes. */
+function drawAnswers(ui: Ui, x: number, y: number, inner: number, place: Question): void {
+  const { em } = ui;
+  const colours = coloursOf(place.classes, state.palette.peek());
+  const half = inner / 2;
+  place.classes.slice(0, 2).forEach((text, k) => {
+    ui.button(x + k * half, y, half - em * 0.2, em * 2.2,
+      { swatch: colours[k]!, text, strong: true, align: 'left', disabled: !canEdit.peek() },
+      () => answerDoubt(k as 0 | 1)); // prettier-ignore
+  });
+}
