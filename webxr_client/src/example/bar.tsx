@@ -5,7 +5,7 @@ import { percent, plural } from '../common/format';
 import { Button, Slider, Swatch } from '../panels/parts/controls';
 import { PopoverButton } from '../panels/parts/popover';
 import { frameRange, ordered } from '../store/range';
-import { canEdit, state } from '../store/state';
+import { canEdit, canManage, state } from '../store/state';
 import { coloursOf, type Question, type Shows } from './model';
 import {
   answerDoubt,
@@ -86,7 +86,7 @@ function Choice() {
         {chosen.score !== null && <p class="soft">Right in {percent(chosen.score)} of the examples held out.</p>}
         {canEdit.value && (
           <div class="form-end">
-            <Button label="Delete" kind="danger" onClick={() => void deleteClassifier()} />
+            {canManage.value && <Button label="Delete" kind="danger" onClick={() => void deleteClassifier()} />}
             <Button label="New one" kind="outlined" onClick={() => void makeClassifier()} />
             {!here && <Button label="Teach it by this recording" kind="primary" onClick={() => void teachHere()} />}
           </div>

@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
 import type { Label } from '../protocol/messages';
-import { coloursOf, countOf, idsOf, labelOf } from './model';
+import { coloursOf, countOf, idsOf, labelOf, predictionOf } from './model';
 
 const SAID = { kind: Uint8Array.of(0, 1, 2, 2), confidence: Uint8Array.of(255, 255, 0, 128) };
 
@@ -16,6 +16,12 @@ describe('what a classifier says of a frame', () => {
 
   it('has the colour of its doubt', () => {
     expect([...idsOf(SAID, 'doubt')]).toEqual([0, DOUBT + DOUBT_STEPS - 1, DOUBT, DOUBT + 32]);
+  });
+
+  it('is read from the bytes of an answer', () => {
+    const head = new TextEncoder().encode('{"points": 4} ');
+    const bytes = Uint8Array.of(head.length, 0, 0, 0, ...head, ...SAID.kind, ...SAID.confidence);
+    expect(predictionOf(bytes.buffer)).toEqual(SAID);
   });
 
   it('is counted, with what is in doubt', () => {

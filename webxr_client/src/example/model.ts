@@ -36,6 +36,17 @@ export interface Prediction {
   readonly confidence: Uint8Array;
 }
 
+/** Read a prediction: the length of its head, the head as JSON, then classes and confidences. */
+export function predictionOf(bytes: ArrayBuffer): Prediction {
+  const length = new DataView(bytes).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as {
+    readonly points: number;
+  };
+  const kind = new Uint8Array(bytes, 4 + length, head.points);
+  const confidence = new Uint8Array(bytes, 4 + length + head.points, head.points);
+  return { kind, confidence };
+}
+
 export type Shows = 'classes' | 'doubt';
 
 /** Below this a point is in doubt, of 255. */

@@ -1,12 +1,11 @@
 /** State of label by example, and its requests to the server. */
-import { decode } from '@msgpack/msgpack';
 import { signal } from '@preact/signals';
 import { attempt, sequencePath } from '../engine/recordings';
 import { api, apiBytes } from '../net/rest';
 import { marked } from '../reviewing/store';
 import { actions } from '../store/actions';
 import { notify, state } from '../store/state';
-import type { Classifier, Prediction, Question, Shows } from './model';
+import { predictionOf, type Classifier, type Prediction, type Question, type Shows } from './model';
 
 export const exampleOpen = signal(false);
 /** Classifiers of the workspace; null until the server has told them. */
@@ -98,8 +97,7 @@ export async function deleteClassifier(): Promise<void> {
 export async function predict(frame: number, signal: AbortSignal): Promise<Prediction> {
   const path = `${sequencePath(state.sequence.peek()!.id)}/frames/${frame}/prediction`;
   const body = { classifier: classifier.peek()!.id };
-  const bytes = await apiBytes('POST', path, body, 'application/x-msgpack', signal);
-  return decode(bytes) as Prediction;
+  return predictionOf(await apiBytes('POST', `${path}?format=stored`, body, signal));
 }
 
 /** Go to the place whose answer would teach most. */

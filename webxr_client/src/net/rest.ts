@@ -18,19 +18,18 @@ export function apiUrl(path: string): string {
 
 /** The JSON answer; raises ApiError with the server's words (RFC 9457). */
 export async function api<T>(method: string, path: string, body?: unknown): Promise<T> {
-  const response = await ask(method, path, body, {});
+  const response = await ask(method, path, body);
   return (response.status === 204 ? undefined : await response.json()) as T;
 }
 
-/** The answer's bytes, of a media type; `signal` gives it up. */
+/** The answer's bytes; `signal` gives it up. */
 export async function apiBytes(
   method: string,
   path: string,
   body: unknown,
-  accept: string,
   signal: AbortSignal,
 ): Promise<ArrayBuffer> {
-  const response = await ask(method, path, body, { accept, signal });
+  const response = await ask(method, path, body, signal);
   return response.arrayBuffer();
 }
 
@@ -38,13 +37,12 @@ async function ask(
   method: string,
   path: string,
   body: unknown,
-  { accept = 'application/json', signal = null }: { accept?: string; signal?: AbortSignal | null },
+  signal: AbortSignal | null = null,
 ): Promise<Response> {
-  const headers: Record<string, string> = { Accept: accept };
-  const init: RequestInit = { method, credentials: 'same-origin', headers, signal };
+  const init: RequestInit = { method, credentials: 'same-origin', signal };
   if (body !== undefined) {
     init.body = JSON.stringify(body);
-    headers['Content-Type'] = 'application/json';
+    init.headers = { 'Content-Type': 'application/json' };
   }
   let response: Response;
   try {
