@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 from playwright.sync_api import expect
@@ -17,24 +15,30 @@ PREDICTED = 65024
 """First of the ids that the page shows predictions by."""
 
 
-def truth_of(frame: int, folder: Path = DATA) -> NDArray[np.uint16]:
-    with np.load(folder / f"{frame:04}.npz") as arrays:
-        return np.asarray(arrays["truth"], np.uint16)
+BALLS = 6
+"""Strokes of a class."""
 
 
-def paint_a_little(server: LiveServer, classes: dict[str, NDArray[np.bool_]], share: float) -> None:
-    """Give a share of each class's points of frame 0 its label."""
+def paint_a_little(server: LiveServer, classes: dict[str, NDArray[np.bool_]]) -> None:
+    """Paint some balls of frame 0 as each class, round places that are of it."""
     rng = np.random.default_rng(0)
-    values = np.zeros(len(next(iter(classes.values()))), np.uint16)
-    for name, mine in classes.items():
-        label = server.create_label(SEQUENCE, name, "")
-        values[mine & (rng.random(len(mine)) < share)] = label
-    server.put_annotation(SEQUENCE, 0, values)
+    places = server.points(SEQUENCE, 0)
+    for (name, mine), colour in zip(classes.items(), ("#ff5d5d", "#5d9dff"), strict=True):
+        brush = {
+            "shape": "sphere",
+            "radius": 0.06,
+            "label": server.create_label(SEQUENCE, name, colour),
+            "only_unlabeled": True,
+        }
+        for at in places[rng.choice(np.flatnonzero(mine), BALLS)].tolist():
+            stroke = brush | {"samples": [{"origin": at}]}
+            server.request("POST", f"sequences/{SEQUENCE}/frames/0/strokes", json=stroke)
 
 
 def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: Desk) -> None:
-    truth = truth_of(0)
-    paint_a_little(server, {"people": truth > 0, "room": truth == 0}, 0.05)
+    with np.load(DATA / "0000.npz") as arrays:
+        truth = arrays["truth"]
+    paint_a_little(server, {"people": truth > 0, "room": truth == 0})
     page = desk.page
     page.get_by_role("button", name="By example").click()
     page.get_by_role("button", name="Learn from what is painted").click()
