@@ -1,12 +1,14 @@
 /** Over the canvas, at the bottom: what is predicted here, where it is in doubt, and applying it. */
 import { signal } from '@preact/signals';
+import { useRef } from 'preact/hooks';
 import { Icon } from '../common/icons';
 import { percent, plural } from '../common/format';
 import { Button, Slider, Swatch } from '../panels/parts/controls';
-import { PopoverButton } from '../panels/parts/popover';
+import { Popover, PopoverButton } from '../panels/parts/popover';
+import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { frameRange, ordered } from '../store/range';
 import { canEdit, canManage, state } from '../store/state';
-import { coloursOf, type Question, type Shows } from './model';
+import { coloursOf, type Question, type Scope, type Shows } from './model';
 import {
   answerDoubt,
   applyPrediction,
@@ -22,6 +24,7 @@ import {
   nextDoubt,
   predicted,
   question,
+  scope,
   shows,
   teachHere,
   toggleExample,
@@ -78,11 +81,12 @@ function Choice() {
   return (
     <>
       <strong class="name">{chosen.name}</strong>
-      <PopoverButton open={choiceOpen} icon="more" small tip="The classifier: what taught it, and others" label="Classifier" class="example-choice">
+      <PopoverButton open={choiceOpen} icon="more" small tip="The classifier: what taught it, and others" label="Classifier" class="track-form">
         <select class="field" aria-label="Classifier" value={chosen.id} onChange={(event) => chooseClassifier(event.currentTarget.value)}>
           {classifiers.value?.map(({ id, name }) => <option key={id} value={id}>{name}</option>)}
         </select>
         <Classes />
+        <Scopes />
         {chosen.score !== null && <p class="soft">Right in {percent(chosen.score)} of the examples held out.</p>}
         {canEdit.value && (
           <div class="form-end">
@@ -92,6 +96,21 @@ function Choice() {
           </div>
         )}
       </PopoverButton>
+    </>
+  ); // prettier-ignore
+}
+
+const SCOPES: readonly RadioOption<Scope>[] = [
+  { value: 'frame', label: 'This frame' },
+  { value: 'recording', label: 'Recording' },
+  { value: 'workspace', label: 'Workspace' },
+];
+
+function Scopes() {
+  return (
+    <>
+      <span class="soft">Doubts are looked for in</span>
+      <RadioGroup label="Look for doubts in" class="segmented" options={SCOPES} value={scope.value} onChoose={(chosen) => (scope.value = chosen)} />
     </>
   ); // prettier-ignore
 }
@@ -126,20 +145,14 @@ function Told() {
   );
 }
 
-const LOOKS: readonly (readonly [Shows, string, string])[] = [
-  ['classes', 'Classes', 'What each point is predicted as'],
-  ['doubt', 'Doubt', 'Red where it is in doubt, green where it is sure'],
+const LOOKS: readonly RadioOption<Shows>[] = [
+  { value: 'classes', label: 'Classes', tip: 'What each point is predicted as' },
+  { value: 'doubt', label: 'Doubt', tip: 'Red where it is in doubt, green where it is sure' },
 ];
 
 function Look() {
   return (
-    <div class="segmented" role="radiogroup" aria-label="Show">
-      {LOOKS.map(([name, label, tip]) => (
-        <button key={name} type="button" role="radio" class="button" aria-checked={shows.value === name} data-tip={tip} onClick={() => (shows.value = name)}>
-          {label}
-        </button>
-      ))}
-    </div>
+    <RadioGroup label="Show" class="segmented" options={LOOKS} value={shows.value} onChoose={(chosen) => (shows.value = chosen)} />
   ); // prettier-ignore
 }
 
@@ -161,20 +174,28 @@ function Asked({ place }: { place: Question }) {
   ); // prettier-ignore
 }
 
+type Reach = 'frame' | 'range' | 'all';
+
 const applyOpen = signal(false);
 const least = signal(0);
-const reach = signal<'frame' | 'range' | 'all'>('frame');
+const reach = signal<Reach>('frame');
 
 function Apply() {
+  const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <PopoverButton open={applyOpen} icon="check" tip="Make labels of what is predicted" label="Apply the prediction" class="example-apply">
-      <ApplyForm />
-    </PopoverButton>
+    <>
+      <Button buttonRef={anchor} label="Apply…" kind="primary" tip="Make labels of what is predicted" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
+      {applyOpen.value && (
+        <Popover anchor={anchor} label="Apply the prediction" class="track-form" onClose={() => (applyOpen.value = false)}>
+          <ApplyForm />
+        </Popover>
+      )}
+    </>
   ); // prettier-ignore
 }
 
 /** Frames as the server reads them. */
-function framesOf(kind: 'frame' | 'range' | 'all'): string {
+function framesOf(kind: Reach): string {
   const frame = state.frame.peek();
   if (kind === 'all') return '';
   if (kind === 'frame' || !frameRange.peek()) return `${frame}:${frame + 1}`;
@@ -184,11 +205,11 @@ function framesOf(kind: 'frame' | 'range' | 'all'): string {
 
 function ApplyForm() {
   const all = state.sequence.value?.frames ?? 1;
-  const choices = [
-    ['frame', 'This frame'],
-    ...(frameRange.value ? [['range', 'The chosen stretch'] as const] : []),
-    ['all', `All ${plural(all, 'frame')}`],
-  ] as const;
+  const choices: readonly RadioOption<Reach>[] = [
+    { value: 'frame', label: 'This frame' },
+    { value: 'range', label: 'The stretch', disabled: frameRange.value === null },
+    { value: 'all', label: `All ${plural(all, 'frame')}` },
+  ];
   const submit = (event: Event): void => {
     event.preventDefault();
     applyOpen.value = false;
@@ -197,11 +218,7 @@ function ApplyForm() {
   return (
     <form onSubmit={submit}>
       <h2>Apply the prediction</h2>
-      <div class="segmented" role="radiogroup" aria-label="Frames">
-        {choices.map(([name, label]) => (
-          <button key={name} type="button" role="radio" class="button" aria-checked={reach.value === name} onClick={() => (reach.value = name)}>{label}</button>
-        ))}
-      </div>
+      <RadioGroup label="Frames" class="segmented" options={choices} value={reach.value} onChoose={(chosen) => (reach.value = chosen)} />
       <Slider label="Leave out below" value={least.value} min={0} max={1} shown={percent(least.value)} tip="Points that the classifier is less sure of stay without a label" onInput={(value) => (least.value = value)} />
       <p class="soft">Only points without a label are labelled. One undo takes all of it back.</p>
       <div class="form-end">

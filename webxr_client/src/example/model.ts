@@ -49,6 +49,9 @@ export function predictionOf(bytes: ArrayBuffer): Prediction {
 
 export type Shows = 'classes' | 'doubt';
 
+/** Where doubts are looked for. */
+export type Scope = 'frame' | 'recording' | 'workspace';
+
 /** Below this a point is in doubt, of 255. */
 export const UNSURE_BELOW = 64;
 

@@ -18,6 +18,7 @@ import {
   predict,
   predicted,
   question,
+  showPlace,
   shows,
 } from './store';
 
@@ -41,12 +42,19 @@ export class Predicting {
     });
     watch([exampleOpen, classifier, state.shown, state.counts, state.playing], () => this.ask());
     watch([shows, question], () => this.showAgain());
-    watch([state.sequence], () => leaveQuestion());
+    watch([state.sequence], () => this.openedAnother());
     follow(() => {
       const choice = answer.value;
       answer.value = null;
       if (choice !== null) this.paintAnswer(choice);
     });
+  }
+
+  /** Another recording is open: the place in doubt that led there stays. */
+  private openedAnother(): void {
+    const place = question.peek();
+    if (place?.sequence === state.sequence.peek()?.id) showPlace();
+    else if (state.opening.peek() !== place?.sequence) leaveQuestion();
   }
 
   /** Ask what is predicted of the frame on screen, once it rests. */

@@ -5,7 +5,14 @@ import { api, apiBytes } from '../net/rest';
 import { marked } from '../reviewing/store';
 import { actions } from '../store/actions';
 import { notify, state } from '../store/state';
-import { predictionOf, type Classifier, type Prediction, type Question, type Shows } from './model';
+import {
+  predictionOf,
+  type Classifier,
+  type Prediction,
+  type Question,
+  type Scope,
+  type Shows,
+} from './model';
 
 export const exampleOpen = signal(false);
 /** Classifiers of the workspace; null until the server has told them. */
@@ -17,6 +24,8 @@ export const shows = signal<Shows>('classes');
 export const predicted = signal<{ readonly points: number; readonly unsure: number } | null>(null);
 /** Something is asked of the server. */
 export const asking = signal(false);
+/** Where doubts are looked for. */
+export const scope = signal<Scope>('recording');
 /** The place in doubt that one was led to. */
 export const question = signal<Question | null>(null);
 
@@ -107,16 +116,19 @@ export async function nextDoubt(): Promise<void> {
   const before = question.peek();
   asking.value = true;
   await attempt('No place was found', async () => {
-    const path = `${sequencePath(state.sequence.peek()!.id)}/doubt`;
-    const places = await api<Question[]>(
-      'GET',
-      `${path}?classifier=${encodeURIComponent(chosen.id)}`,
-    );
+    const places = await api<Question[]>('GET', doubtPath(chosen.id));
     const next = places.find((place) => !before || far(place, before)) ?? places[0];
     if (next) goTo(next);
     else notify('info', 'Nothing is in doubt', 'Apply what is predicted, or paint more.');
   });
   asking.value = false;
+}
+
+function doubtPath(id: string): string {
+  const asked = new URLSearchParams({ classifier: id });
+  if (scope.peek() === 'frame') asked.set('frame', String(state.frame.peek()));
+  if (scope.peek() === 'workspace') asked.set('workspace', 'true');
+  return `${sequencePath(state.sequence.peek()!.id)}/doubt?${asked.toString()}`;
 }
 
 /** Whether two places are not the same one, asked again. */
@@ -126,8 +138,16 @@ function far(one: Question, other: Question): boolean {
 }
 
 function goTo(place: Question): void {
-  question.value = place;
   actions.pause();
+  if (place.sequence !== state.sequence.peek()?.id) actions.openSequence(place.sequence);
+  question.value = place;
+  showPlace();
+}
+
+/** Go to the question's frame and place, once its recording is open. */
+export function showPlace(): void {
+  const place = question.peek();
+  if (!place || place.sequence !== state.sequence.peek()?.id) return;
   actions.seek(place.frame);
   marked.value = [...place.centre];
 }

@@ -4,9 +4,9 @@ import { Icon, type IconName } from '../../common/icons';
 
 export interface RadioOption<T> {
   readonly value: T;
-  readonly icon: IconName;
+  readonly icon?: IconName;
   readonly label: string;
-  readonly tip: string;
+  readonly tip?: string;
   readonly keys?: string | undefined;
   readonly disabled?: boolean;
 }
@@ -39,7 +39,7 @@ export function RadioGroup<T extends string>(props: RadioGroupProps<T>) {
           disabled={option.disabled}
           onClick={() => props.onChoose(option.value)}
         >
-          <Icon name={option.icon} />
+          {option.icon && <Icon name={option.icon} />}
           <span class="button-label">{option.label}</span>
         </button>
       ))}

@@ -11,6 +11,7 @@ import { Check, Slider, Swatch } from '../parts/controls';
 import { percent } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { PopoverButton } from '../parts/popover';
+import { RadioGroup, type RadioOption } from '../parts/radio-group';
 
 const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['rgb', 'Colour', 'rgb'],
@@ -114,10 +115,10 @@ function OverlayOptions() {
 /** Legend and range of a colour ramp: the part of the values that it spans, what colours mean. */
 const rampOpen = signal(false);
 
-const RAMPS: readonly (readonly [Ramp, string])[] = [
-  ['even', 'Even'],
-  ['grey', 'Grey'],
-  ['rainbow', 'Rainbow'],
+const RAMPS: readonly RadioOption<Ramp>[] = [
+  { value: 'even', label: 'Even' },
+  { value: 'grey', label: 'Grey' },
+  { value: 'rainbow', label: 'Rainbow' },
 ];
 
 type Legend = readonly (readonly [colour: string, meaning: string])[];
@@ -173,20 +174,13 @@ function RampOptions() {
   const { ramp, rampLow, rampHigh } = state.view.value;
   return (
     <>
-      <div class="segmented" role="radiogroup" aria-label="Ramp">
-        {RAMPS.map(([name, label]) => (
-          <button
-            key={name}
-            type="button"
-            role="radio"
-            class="button"
-            aria-checked={ramp === name}
-            onClick={() => actions.setView({ ramp: name })}
-          >
-            {label}
-          </button>
-        ))}
-      </div>
+      <RadioGroup
+        label="Ramp"
+        class="segmented"
+        options={RAMPS}
+        value={ramp}
+        onChoose={(name) => actions.setView({ ramp: name })}
+      />
       <Slider
         label="From"
         value={rampLow}
