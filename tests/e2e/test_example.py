@@ -46,9 +46,11 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     expect(page.get_by_text("in doubt")).to_be_visible()
     page.get_by_role("radio", name="Doubt").click()
     desk.until("Object.keys(pb.drawnLabels()).some((id) => id >= 65280 && id < 65344)")
+    page.get_by_role("button", name="The classifier: what taught it, and others").click()
+    page.get_by_role("radio", name="This frame").click()
+    desk.press("Escape")
     desk.press(";")
     expect(page.get_by_text("What is at the ring?")).to_be_visible()
-    desk.screenshot("example-doubt")
     before = sum(desk.labels().get(label, 0) for label in (1, 2))
     desk.press("Enter")
     desk.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
@@ -57,7 +59,7 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     desk.until("pb.labels(0)[0] === undefined || pb.labels(0)[0] === 0")
     after = server.annotation(SEQUENCE, 0)
     assert (after > 0).sum() > before
-    right = (after == 1) == (truth > 0)
-    assert right.mean() > 0.9
+    assert (after[truth > 0] == 1).mean() > 0.7
+    assert (after[truth == 0] == 2).mean() > 0.7
     desk.press("Control+z")
     desk.until("pb.labels(0)[0] > 0")

@@ -8,7 +8,7 @@ import type { Place } from './model';
 import { marked, pointing } from './store';
 
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */
-const NEAR_SHARE = 0.1;
+const NEAR_SHARE = 0.2;
 const [NEAREST, FARTHEST] = [0.8, 10];
 /** Looking down at least so much shows what stands before and behind. */
 const LEAST_DOWN = 0.25;
