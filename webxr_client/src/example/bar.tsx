@@ -1,4 +1,4 @@
-/** Over the canvas, at the bottom: what is predicted here, where it is in doubt, and applying it. */
+/** Bar over the canvas, at the bottom: prediction of the frame, its doubts, and applying it. */
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { Icon } from '../common/icons';

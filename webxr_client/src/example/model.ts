@@ -28,7 +28,7 @@ export interface Question {
   readonly classes: readonly string[];
 }
 
-/** What a classifier says of each point of a frame, in stored order. */
+/** Class and confidence of each point of a frame, in stored order. */
 export interface Prediction {
   /** Class from 1; 0 where nothing taught it. */
   readonly kind: Uint8Array;
@@ -49,7 +49,7 @@ export function predictionOf(bytes: ArrayBuffer): Prediction {
 
 export type Shows = 'classes' | 'doubt';
 
-/** Where doubts are looked for. */
+/** Frames in which doubts are looked for. */
 export type Scope = 'frame' | 'recording' | 'workspace';
 
 /** Below this a point is in doubt, of 255. */

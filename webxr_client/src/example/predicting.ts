@@ -26,7 +26,7 @@ import {
 const REST_MS = 120;
 
 export class Predicting {
-  /** What was said of the frames that are here. */
+  /** Predictions of the frames that are here. */
   private readonly said = new WeakMap<CloudFrame, Prediction>();
   private timer: ReturnType<typeof setTimeout> | undefined;
   private request: AbortController | null = null;

@@ -20,11 +20,11 @@ export const classifiers = signal<readonly Classifier[] | null>(null);
 /** The one that is asked, or null. */
 export const classifier = signal<Classifier | null>(null);
 export const shows = signal<Shows>('classes');
-/** What is predicted of the frame on screen; null: nothing yet. */
+/** Points predicted in the frame on screen; null: nothing yet. */
 export const predicted = signal<{ readonly points: number; readonly unsure: number } | null>(null);
 /** Something is asked of the server. */
 export const asking = signal(false);
-/** Where doubts are looked for. */
+/** Frames in which doubts are looked for. */
 export const scope = signal<Scope>('recording');
 /** The place in doubt that one was led to. */
 export const question = signal<Question | null>(null);
@@ -102,7 +102,7 @@ export async function deleteClassifier(): Promise<void> {
   });
 }
 
-/** What the classifier says of a frame, in stored order. */
+/** Fetch the prediction of a frame, in stored order. */
 export async function predict(frame: number, signal: AbortSignal): Promise<Prediction> {
   const path = `${sequencePath(state.sequence.peek()!.id)}/frames/${frame}/prediction`;
   const body = { classifier: classifier.peek()!.id };
@@ -131,7 +131,7 @@ function doubtPath(id: string): string {
   return `${sequencePath(state.sequence.peek()!.id)}/doubt?${asked.toString()}`;
 }
 
-/** Whether two places are not the same one, asked again. */
+/** True when two places are not the same one, asked again. */
 function far(one: Question, other: Question): boolean {
   if (one.frame !== other.frame) return true;
   return Math.hypot(...one.centre.map((x, k) => x - other.centre[k]!)) > one.radius;

@@ -5,7 +5,7 @@ import type { Label } from '../../protocol/messages';
 const SIDE = 256;
 /** Shows what a click would take: lighter than the label that it would get. */
 export const PREVIEW = 65534;
-/** The first of as many ids as a classifier may have classes: what it predicts of a point. */
+/** The first of as many ids as a classifier may have classes: the class predicted for a point. */
 export const PREDICTED = 65024;
 export const MOST_CLASSES = 256;
 /** The first of the ids that tell how sure a classifier is, from not at all. */

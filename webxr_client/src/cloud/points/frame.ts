@@ -16,7 +16,7 @@ export class CloudFrame {
   pointsVersion = 0;
   labelsVersion = 0;
   readonly overlays = new Map<string, Overlay>();
-  /** What a classifier says of each point, in stored order, as ids of the palette's texture. */
+  /** Prediction for each point, in stored order: ids of the palette's texture. */
   predicted: Uint16Array | null = null;
   private readonly buffers: ArrayBuffer[] = [];
   /** Last answer of `shown`, and the versions then. */

@@ -19,7 +19,7 @@ import { percent, plural } from '../../../common/format';
 import { canEdit, state } from '../../../store/state';
 import { INK, type Ui } from '../../drawing/ui';
 
-/** What the page shows. */
+/** Signals that the page shows. */
 export const EXAMPLE = [
   exampleOpen, classifier, classifiers, predicted, question, shows, asking, canEdit,
 ] as const; // prettier-ignore
@@ -65,7 +65,7 @@ function told(): string {
   return `${plural(points, 'point')}, ${percent(unsure / points)} in doubt`;
 }
 
-/** What pulses white is one of two classes. */
+/** Two buttons: the points that pulse white are of one of two classes. */
 function drawAnswers(ui: Ui, x: number, y: number, inner: number, place: Question): void {
   const { em } = ui;
   const colours = coloursOf(place.classes, state.palette.peek());
