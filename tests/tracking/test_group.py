@@ -15,17 +15,19 @@ from scipy.ndimage import minimum_filter
 from pointbrush.tracking import FrameResult, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import Paths, agreed, paths_into
 from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import come_back, exchange, exchanged, mistakable
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.people.group import Group, astray, cell_size, outcome
+from pointbrush.tracking.people.group import Group, JointTracking, astray, cell_size, outcome
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person, PersonEvidence
 from pointbrush.tracking.people.stature import across, upright
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.settle import Outcome
 from pointbrush.tracking.tracker import Run
 
 OPTIONS = TrackerOptions()
@@ -609,3 +611,28 @@ def test_ways_lead_into_what_is_sought_alone() -> None:
     assert ways.start.tolist() == [0, 1, 2, 3, 4]
     assert ways.end.tolist() == [1, 0, 1, 0]
     assert ways.length.tolist() == [1.0, 1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(("confidence", "along"), [(0.9, True), (0.1, False)])
+def test_what_somebody_carries_goes_along_with_them_while_it_is_hidden(
+    confidence: float, along: bool
+) -> None:
+    bearer = somebody(2, 0.0, RED, well=9)
+    view = cast(View, SimpleNamespace(xyz=np.vstack([bearer.xyz, bearer.xyz]).astype(np.float32)))
+    bag = SimpleNamespace(
+        label=1, unit=0.01, confidence=confidence, away=True, carrier=None, size=9.0,
+        motion=Motion(OPTIONS.search, np.median(bearer.xyz, axis=0)),
+    )  # fmt: skip
+    tracking = JointTracking(cast(dict[int, Track], {1: bag}), OPTIONS, continue_lost=False)
+    tracking.group = Group(OPTIONS, [bearer], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0)
+    own, theirs = np.split(np.arange(len(view.xyz)), 2)
+    seen, hidden = (
+        SimpleNamespace(state=SimpleNamespace(state=state), points=points)
+        for state, points in (("tracked", own), ("occluded", own[:0]))
+    )
+    person = SimpleNamespace(state=SimpleNamespace(state="tracked"), points=theirs)
+    before = bag.motion.place
+    tracking.carry(view, cast(dict[int, Outcome], {1: seen, 2: person}))
+    bearer.xyz = bearer.xyz + [0.4, 0.0, 0.1]
+    tracking.carry(view, cast(dict[int, Outcome], {1: hidden, 2: person}))
+    assert np.allclose(bag.motion.place - before, np.multiply([0.4, 0.0, 0.1], along))

@@ -30,18 +30,21 @@ def box(x: float, colour: bool) -> View:
 
 
 @pytest.mark.parametrize(
-    ("colour", "aside", "isolated", "trusted"),
+    ("colour", "people", "aside", "isolated", "trusted"),
     [
-        (False, 0.2, False, False),
-        (False, 0.2, True, True),
-        (False, 0.01, False, True),
-        (True, 0.2, False, True),
+        (False, (), 0.2, False, False),
+        (False, (), 0.2, True, True),
+        (False, (), 0.01, False, True),
+        (True, (), 0.2, False, True),
+        (True, (2,), 0.2, False, False),  # somebody's sleeve may have its colours
+        (True, (2,), 0.2, True, True),
     ],
 )
-def test_what_has_no_colours_and_is_found_elsewhere_is_doubted_until_it_is_alone(
-    colour: bool, aside: float, isolated: bool, trusted: bool
+def test_what_is_found_elsewhere_without_colours_or_among_people_is_doubted_until_it_is_alone(
+    colour: bool, people: tuple[int, ...], aside: float, isolated: bool, trusted: bool
 ) -> None:
     first, now = box(0.0, colour), box(aside, colour)
+    now.people = people
     track = begin(first, 1, np.flatnonzero(first.frame.truth == 1), 0.004, OtherMovers.none())
     track.confidence = 0.0
     own = np.flatnonzero(now.frame.truth == 1)

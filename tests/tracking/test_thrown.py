@@ -220,6 +220,23 @@ def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_al
     assert flight.given.isolated == flight.given.growth_refused
 
 
+@pytest.mark.parametrize("frames", [0, OPTIONS.growth.known_frames])
+@pytest.mark.parametrize("moved", [False, True])
+def test_a_new_side_that_ended_all_round_for_long_is_its_unless_it_is_on_its_way(
+    frames: int, moved: bool
+) -> None:
+    flight = Flight(upper=True)
+    track, truth = flight.track, flight.view.frame.truth == 1
+    track.size = float(truth.sum())
+    track.last = replace(track.last, frames_alone=frames)
+    missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
+    xyz = flight.view.xyz[missed].astype(np.float64)
+    track.other_movers = OtherMovers(xyz, flight.view.colour(missed), track.weight)
+    track.motion.poses[-1][0, 3] += moved * 2 * track.model.radius
+    flight.grown()
+    assert flight.given.isolated == (frames > 0 and not moved)
+
+
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
     at = np.array([0.3, 1.2, 1.87])
     beside, wrist = at + [0.05, 0, 0], at + [0.07, 0, -0.2]
@@ -250,7 +267,7 @@ def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> Non
         found = claim(view, points, xyz, colour, track.weight, 0.1)
         box = (xyz.min(0), xyz.max(0))
         place = Registration(np.eye(4), xyz, box, points, points, points, cost=0.3)
-        return hides(track, view, place, LabelledPoints(found, isolated=isolated))
+        return hides(track, view, place, LabelledPoints(found, isolated=isolated), 0.0)
 
     assert taken_for_another(turned)
     assert taken_for_another(skin)

@@ -25,13 +25,15 @@ def test_people_are_followed_together_beside_a_bag_and_a_ball(tmp_path: Path) ->
     run = METHODS["auto"]().track(
         frames.__getitem__, range(len(frames)), seeds, lambda _: None, TrackOptions()
     )
-    shares = []
+    shares: dict[int, list[float]] = {seed.label: [] for seed in seeds}
     for result in list(run)[1:]:
-        for seed in seeds[:3]:
-            truth = truths[result.frame] == seed.label
+        for label, found_before in shares.items():
+            truth = truths[result.frame] == label
             found = np.zeros(len(truth), np.bool_)
-            found[result.assignments.get(seed.label, np.empty(0, np.int64))] = True
+            found[result.assignments.get(label, np.empty(0, np.int64))] = True
             if truth.sum() >= 40:
-                shares.append((found & truth).sum() / (found | truth).sum())
+                found_before.append(float((found & truth).sum() / (found | truth).sum()))
     assert len(seeds) == 5
-    assert np.mean(shares) > 0.85
+    assert np.mean([share for label in (1, 2, 3) for share in shares[label]]) > 0.85
+    # The sides of the bag that come into sight are not taken for its bearer's.
+    assert min(shares[4]) > 0.9

@@ -243,6 +243,7 @@ class Run:
         for outcome in outcomes.values():
             left[outcome.points] = False
         outcomes |= self.people.step(frame.view, self.background, left, frame.fixed)
+        self.people.carry(frame.view, outcomes)
         return FrameOutcomes(outcomes, claims.emerged)
 
     def _manage(

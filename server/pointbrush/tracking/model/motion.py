@@ -46,6 +46,12 @@ class Motion:
         """The object was found where no motion led: what it was doing is unknown."""
         return replace(self, poses=(pose,), gap=1, rested=None)
 
+    def go_along(self, step: F64) -> Motion:
+        """It was hidden, and is a ``step`` (3,) farther on with who carries it."""
+        along = np.eye(4)
+        along[:3, 3] = step
+        return replace(self, poses=tuple(along @ pose for pose in self.poses), gap=1)
+
     def seen(self, unit: float) -> Motion:
         """It was well seen at its last pose."""
         return replace(self, rested=self.poses[-1] if self.rests(unit) else None)
@@ -70,6 +76,11 @@ class Motion:
         if len(self.poses) < 2:
             return 0.0
         return float(np.linalg.norm(self._at(-1) - self._at(-2)))
+
+    @property
+    def place(self) -> F64:
+        """Last place (3,) of the centre."""
+        return self._at(-1)
 
     @property
     def even(self) -> F64:

@@ -108,6 +108,8 @@ class Painted:
         return Painted(
             flat=float(view.low[indices].mean()) > options.flat_share,
             sheet=uneven(xyz, options=options) < options.sheet_radii * radius,
-            broad=across_way(xyz) > options.broad_m and away_from(view, xyz) > options.afar_m,
+            broad=radius > options.part_m
+            and across_way(xyz) > options.broad_m
+            and away_from(view, xyz) > options.afar_m,
             cut=cut_off_by_edge(view, indices),
         )

@@ -127,14 +127,25 @@ class LastObservation:
 
     ``points`` number of them; ``alternatives_failed`` whether other poses were tried, its fit being
     in doubt, and were no better; ``growth_refused`` whether it ended all round with new surface
-    that makes it much longer, which it did not get.
+    that makes it much longer, which it did not get; ``frames_alone`` how many in a row it ended so
+    with any.
     """
 
     points: int
     alternatives_failed: bool = False
     growth_refused: bool = False
+    frames_alone: int = 0
     evidence: Evidence | None = None
     """Evidence from its fit."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Carrier:
+    """The person with a ``label``, and how far ``away`` (2,) from them, metres along the ground, an
+    object was that they carry."""
+
+    label: int
+    away: F64
 
 
 @dataclass(eq=False)
@@ -169,6 +180,10 @@ class Track:
     astray: bool = False
     """Whether it may be another since it was found, in doubt, where no motion led, until it is
     seen alone."""
+    clothes: tuple[ColourHistogram, ...] = ()
+    """Clothes of the people beside whom it is followed."""
+    carrier: Carrier | None = None
+    """The person who carried it when it was last surely seen."""
     bending: Bending = Bending()
     carving_views: list[CarvingView] = field(default_factory=list)
     """Its surroundings in some frames."""
@@ -189,6 +204,20 @@ class Track:
         if not self.has_colour_key:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.strange(colour)
+
+    def over_clothes(self, colour: F32) -> F32:
+        """(M,) how much commoner the colours (M, 3) are where it was painted than in the clothes of
+        any of the people, a logarithm; 0 where there are none."""
+        if not (self.clothes and self.has_colour_key):
+            return np.zeros(len(colour), np.float32)
+        worn = np.max([appearance.each(colour) for appearance in self.clothes], axis=0)
+        return np.asarray(self.appearance.each(colour) - worn)
+
+    @property
+    def away(self) -> bool:
+        """Whether it has left the place where it was painted."""
+        went = np.linalg.norm(self.motion.place - self.motion.centre)
+        return bool(went > self.model.radius)
 
     @property
     def bends(self) -> bool:
@@ -238,7 +267,7 @@ class Track:
         options = self.options.track
         if self.scanned:
             return True
-        part = self.painted.cut or (self.painted.broad and self.span > options.part_m)
+        part = self.painted.cut or self.painted.broad
         part = part and self.sampling.imaged and self.span > options.part_units * self.unit
         return (
             part or self.span > max(options.tall_m, options.tall_units * self.unit)

@@ -15,6 +15,10 @@ class BodyOptions(Options):
     cell_radius_share: float = 0.045  # share of the figure's radius that a cell is at least
     disputed_share: float = 0.3  # share of the smaller claim from which two tracks want one body
     distinct_log: float = 1.4  # log ratio from which a colour is one track's alone
+    # Share of a carried object's colours that are clearly not those of clothes at least.
+    carried_share: float = 0.15
+    # Share of its bearer's points from which one that is not found may be among them.
+    carried_size_share: float = 0.5
     # Cells from the resting scene within which unlabelled points are of it.
     scene_cells: float = 1.5
     # Radii from where a person is expected within which clothes are looked for.

@@ -75,6 +75,8 @@ class RelocationOptions(Options):
     kept_share: float = 0.85  # share of its claim under which a track is looked for elsewhere
     gain: float = 1.1  # times as much that it must have there
     others_share: float = 0.5  # share of its claim under which a place is another track's
+    # Metres from where it went along with who carries it within which it is looked for.
+    arm_m: float = 0.6
     # Radii a frame, beside its speed, by which a hidden body may be elsewhere.
     hidden_radii: float = 0.35
     shown_share: float = 0.5  # share of its points that have to show that it is there

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pointbrush.tracking.compute.grid import bounds, close_to, within
 from pointbrush.tracking.interface import F64, I64, Mask, TrackState
-from pointbrush.tracking.model.track import Track
+from pointbrush.tracking.model.track import Carrier, Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import (
     come_back,
@@ -291,6 +292,7 @@ class JointTracking:
         bodies = {n: self._tracks[n] for n in labels if self._one_of_them(self._tracks[n])}
         if bodies and isinstance(background, PictureBackground):
             self.group = Group.of(view, bodies, background)
+            self._tell_clothes()
 
     def join(self, view: View, background: Background, label: int) -> None:
         """A person who was painted in the middle of a run is followed among the others."""
@@ -298,10 +300,63 @@ class JointTracking:
             self.gather(view, background, [label])
         elif self._one_of_them(self._tracks[label]):
             self.group.put(view, label, self._tracks[label])
+        self._tell_clothes()
+
+    def _tell_clothes(self) -> None:
+        """Let the others know what the people wear."""
+        labels = sorted(self.labels)
+        clothes = tuple(self._tracks[n].appearance for n in labels)
+        for track in (t for n, t in self._tracks.items() if n not in labels):
+            track.clothes = clothes
 
     def _one_of_them(self, track: Track) -> bool:
         """Tell a person from other tracks; points too far apart are no limbs."""
         return track.body and track.unit < self.options.body.limb_m
+
+    def carry(self, view: View, outcomes: dict[int, Outcome]) -> None:
+        """Keep up who carries each small object, and let one that is hidden go along with them.
+
+        What has left its place and touches a person is carried.  Where it is not found, and they
+        have little more than it would be, it may have been taken for theirs: they are doubted.
+        """
+        if self.group is None:
+            return
+        flat = self.group.flat
+        middle = {f.label: np.median(f.xyz @ flat, axis=0) for f in self.group.people if f.named}
+        for label in sorted(outcomes.keys() - middle.keys()):
+            track, one = self._tracks[label], outcomes[label]
+            place, carrier = track.motion.place @ flat, track.carrier
+            if one.state.state == "tracked":
+                who = self._touching(view, track, one.points, outcomes)
+                if who and track.away and track.confidence >= self.options.smoothing.sure:
+                    track.carrier = Carrier(who, place - middle[who])
+            elif carrier is not None and carrier.label in middle:
+                step = flat @ (middle[carrier.label] + carrier.away - place)
+                track.motion = track.motion.go_along(step)
+                if carrier.label in outcomes:
+                    outcomes[carrier.label] = self._doubted(outcomes[carrier.label], track.size)
+
+    def _doubted(self, bearer: Outcome, size: float) -> Outcome:
+        """The outcome of a person among whose points there may be ``size`` of what they carry."""
+        options = self.options.body
+        if size <= options.carried_size_share * len(bearer.points):
+            return bearer
+        trust = min(bearer.state.confidence, options.doubted_confidence)
+        return replace(bearer, state=replace(bearer.state, confidence=trust))
+
+    def _touching(
+        self, view: View, track: Track, points: I64, outcomes: Mapping[int, Outcome]
+    ) -> int:
+        """Label of the person most of whose points touch those of an object, 0 for nobody."""
+        xyz, reach = view.xyz[points], self.options.claim.touching_units * track.unit
+        lo, hi = bounds(xyz)
+        best, most = 0, 0
+        for label in outcomes.keys() & self.labels:
+            theirs = view.xyz[outcomes[label].points]
+            theirs = theirs[within(theirs, lo - reach, hi + reach)]
+            count = int(close_to(theirs, xyz, reach).sum()) if len(theirs) else 0
+            best, most = (label, count) if count > most else (best, most)
+        return best
 
     def step(
         self, view: View, background: Background, free: Mask, painted: Mapping[int, I64]

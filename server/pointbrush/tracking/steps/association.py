@@ -73,6 +73,8 @@ class LabelledPoints:
     """The moving points that hang together there are the object and nothing else."""
     growth_refused: bool = False
     """The part that makes it much longer ends all round with it, and may be what holds it."""
+    alone: bool = False
+    """The part that it did not get, and that may be what holds it, ends all round with it."""
     uncovered: I64 = field(default_factory=no_points)
     """Points of ``grown`` that another label hid a moment ago."""
     border: float = 0.0

@@ -127,6 +127,7 @@ def _with_new(
             neutral=np.concatenate([found.neutral, component.neutral]),
             isolated=component.isolated,
             growth_refused=component.growth_refused,
+            alone=component.alone,
         )
     if new is not None:
         return replace(found, grown=new)
@@ -211,6 +212,7 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
     options = track.options.claim
     colour = view.colour(rest)
     own = track.distinct(colour)
+    own |= track.over_clothes(colour) > track.options.body.distinct_log
     may = own | (unexplained(track, view, fit, rest) & ~track.strange(colour))
     rest, own = rest[may], own[may]
     weight = track.weight * (options.bent_colour_weight if track.bends else 1.0)
@@ -264,13 +266,14 @@ def _place_and_colour(view: View, indices: I64, weight: float) -> F64:
 class ClosedComponent:
     """Connected component of moving points around a claim, if it ends all round.
 
-    ``points`` (M,) of it beside the claim, None where it is not one object; for ``isolated``,
-    ``growth_refused`` and ``neutral`` see ``LabelledPoints``.
+    ``points`` (M,) of it beside the claim, None where it is not one object; the others as of
+    ``LabelledPoints``.
     """
 
     points: I64 | None
     isolated: bool = False
     growth_refused: bool = False
+    alone: bool = False
     neutral: I64 = field(default_factory=no_points)
 
 
@@ -281,10 +284,9 @@ def closed_component(
 
     ``taken`` (N,) some track has; ``free`` (N,) the run may take.
     """
-    options = track.options.growth
+    options, other = track.options.growth, free.copy()
     if track.bends:
         return ClosedComponent(None)
-    other = free.copy()
     other[core] = False
     more = options.new_share_moving_scanner if view.roams else options.new_share
     most = int(
@@ -303,14 +305,19 @@ def closed_component(
     along = len(new) <= most or was_there(track, view, new, step).mean() >= options.along_share
     others = taken[new].any()
     its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
-    refused = False
-    if not (its or others):
-        refused = _ends_all_round(track, view, core, new, before)
+    refused = alone = False
+    if view.lens is not None and not (its or others):
+        # A hand goes on behind something else than the object.
+        whole = not cut_off(view, new, track.unit, ~view.marked(np.concatenate([core, new])))
+        refused = whole and _ends_all_round(track, view, core, new, before)
         its = refused and track.last.growth_refused
+        # What turns in its place shows new sides.
+        alone = whole and along and not track.away
+        its |= alone and track.last.frames_alone >= options.known_frames
     if its:
         return ClosedComponent(new, isolated=True, growth_refused=refused)
     neutral = new[~before] if along else new[:0]
-    return ClosedComponent(None, growth_refused=refused, neutral=neutral)
+    return ClosedComponent(None, growth_refused=refused, alone=alone, neutral=neutral)
 
 
 def _searched(
@@ -341,19 +348,15 @@ def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask)
     object was not yet seen alone: then it may have been painted end on.
 
     A part that was missed was there, unlabelled, in the last frame (``before`` (M,)), and would
-    be taken for a hand from then on.  A hand was there for the most part, or goes on behind
-    something else than the object.
+    be taken for a hand from then on.  A hand was there for the most part.
     """
     options = track.options.growth
-    known = track.seen_alone.frames >= options.known_frames
-    if known or view.lens is None or track.motion.slow(track.unit):
+    if track.seen_alone.frames >= options.known_frames or track.motion.slow(track.unit):
         return False
     if _share_there(track, view, new, before) >= options.was_there_share_missed:
         return False
-    own = np.concatenate([core, new])
-    if _length(view, own) <= options.end_on_ratio * _length(view, core):
-        return False
-    return not cut_off(view, new, track.unit, ~view.marked(own))
+    whole = _length(view, np.concatenate([core, new]))
+    return whole > options.end_on_ratio * _length(view, core)
 
 
 def _length(view: View, points: I64) -> float:

@@ -119,11 +119,19 @@ def crop(
         near, moving, faint = _before_background(track, view, background, around)
         if view.roams and not track.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
+    if track.carrier is not None:
+        near, moving, faint = (_unworn(track, view, points) for points in (near, moving, faint))
     if len(moving) < options.min_moving_points:
         return None
     search = Search(track, view, hypotheses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
     return search
+
+
+def _unworn(track: Track, view: View, points: I64) -> I64:
+    """Keep the points (M,) that do not clearly have the colours of somebody's clothes."""
+    over = track.over_clothes(view.colour(points))
+    return points[over > -track.options.body.distinct_log]
 
 
 def _search_margin(track: Track) -> float:

@@ -44,7 +44,7 @@ def find_astray(
         found = _alone(track, background, view, associations.unclaimed(), before)
         if found is None:
             found = _best(track, background, view, left, points[left[points]], before)
-        if found is not None:
+        if found is not None and not (track.carrier and _beyond(track, found)):
             associations = associations.put(track.label, found)
             left[found.claim.indices] = False
             astray.pop(track.label, None)
@@ -91,12 +91,21 @@ def _own(track: Track, associations: Associations) -> Registration | None:
     return None if _scrap(track, found) else found.registration
 
 
+def _away(track: Track, found: Association) -> float:
+    """Metres by which an object was found off all its predictions."""
+    at = transform(found.registration.pose, track.motion.centre[None])
+    return float(np.linalg.norm(_expected(track) - at, axis=1).min())
+
+
+def _beyond(track: Track, found: Association) -> bool:
+    """Whether what is carried was found farther off than an arm of who carries it reaches."""
+    return _away(track, found) > track.options.relocate.arm_m
+
+
 def _scrap(track: Track, found: Association) -> bool:
     """Whether hardly anything of an object shows at a place where no motion led."""
-    at = transform(found.registration.pose, track.motion.centre[None])
-    away = np.linalg.norm(_expected(track) - at, axis=1).min()
     return bool(
-        away > track.model.radius
+        _away(track, found) > track.model.radius
         and len(found.claim.indices) < track.options.relocate.shown_far_share * track.size
     )
 
@@ -222,6 +231,7 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
     options = track.options
     if track.weight > 0.0:
         points = points[alike(track.model, view.colour(points), options.propose)]
+        points = points[track.over_clothes(view.colour(points)) >= 0.0]
     if not len(points):
         return []
     xyz = view.xyz[points].astype(np.float64)

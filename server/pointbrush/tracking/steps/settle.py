@@ -8,7 +8,7 @@ import numpy as np
 
 from pointbrush.tracking.compute.grid import bounds, within
 from pointbrush.tracking.compute.rigid import transform, transform_each
-from pointbrush.tracking.interface import F64, I64, State, TrackOptions, TrackState
+from pointbrush.tracking.interface import F32, F64, I64, State, TrackOptions, TrackState
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import Evidence, likelihood
 from pointbrush.tracking.model.registration import Registration, no_points
@@ -110,7 +110,7 @@ def settle(
         return Outcome(_unseen(track, None, verdict, asked), no_points())
     fit, claim = found.registration, given.claim
     verdict = judge(track, view, fit.pose, fit.world, claim)
-    if not _seen(track, view, fit, verdict) or hides(track, view, fit, given):
+    if not _seen(track, view, fit, verdict) or hides(track, view, fit, given, verdict.inliers):
         return Outcome(_unseen(track, fit.pose, verdict, asked), no_points())
     track.frames_unseen = 0
     if track.scanned and view.eye is not None:
@@ -120,8 +120,9 @@ def settle(
     points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)
     _trust(track, observation, features, _strays(track, view, found), confidence_cap)
+    frames_alone = track.last.frames_alone + 1 if given.alone else 0
     track.last = LastObservation(
-        len(points), fit.alternatives_failed, given.growth_refused, features
+        len(points), fit.alternatives_failed, given.growth_refused, frames_alone, features
     )
     _move(track, found, verdict)
     if fit.cost < options.motion_cost:
@@ -162,7 +163,9 @@ def _trust(
         cost += options.update.usual_cost_rate * (features.cost - cost)
         track.seen_alone = SeenAlone(track.seen_alone.frames + 1, cost)
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
-    track.astray = not isolated and (track.astray or strays)
+    track.astray = (track.astray and not isolated) or (
+        strays and (not isolated or bool(observation.view.people))
+    )
     if track.astray:
         cap = min(cap, options.update.astray_confidence)
     track.confidence = min(here, track.confidence + regain, cap)
@@ -177,7 +180,8 @@ def _strays(track: Track, view: View, found: Association) -> bool:
     if found.restarts_motion and (view.people or track.motion.rested is not None):
         return True
     options = track.options.update
-    if track.has_colour_key or track.large or track.confidence > options.astray_confidence:
+    known = track.has_colour_key and not view.people
+    if known or track.large or track.confidence > options.astray_confidence:
         return False
     centre = track.motion.centre[None]
     at = transform(found.registration.pose, centre)[0]
@@ -198,7 +202,8 @@ def _move(track: Track, found: Association, verdict: Verdict) -> None:
     else:
         sure = track.large or fit.cost < options.motion_cost
         track.motion = track.motion.add(fit.pose, sure=sure)
-    if track.hand_sized and well_seen(track, verdict, track.last.points):
+    trusted = track.confidence >= track.options.smoothing.sure
+    if track.hand_sized and trusted and well_seen(track, verdict, track.last.points):
         track.motion = track.motion.seen(track.unit)
 
 
@@ -226,14 +231,20 @@ def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool
     return verdict.found and (track.frames_unseen == 0 or track.large or clear)
 
 
-def hides(track: Track, view: View, fit: Registration, given: LabelledPoints) -> bool:
+def hides(
+    track: Track, view: View, fit: Registration, given: LabelledPoints, inliers: float
+) -> bool:
     """Whether what was found hides a small object, and is not the object: it fits badly, and has
     hardly the colours that were painted, nor those of the known surface, another side's too.
 
     What is alone in the air hides nothing.
     """
     options = track.options
-    if not track.has_colour_key or fit.cost < options.update.teach_cost or given.isolated:
+    if track.carrier is not None and _worn(track, view.colour(given.claim.indices)):
+        return True
+    clear = fit.cost < options.update.motion_cost and inliers > options.update.reappear_share
+    fits = fit.cost < options.update.teach_cost or clear
+    if not track.has_colour_key or fits or given.isolated:
         return False
     colour = view.colour(given.claim.indices)
     if not track.appearance.unlike(colour):
@@ -243,6 +254,14 @@ def hides(track: Track, view: View, fit: Registration, given: LabelledPoints) ->
         track.options.appearance,
     )
     return known.likeness(colour) < known.usual - options.update.hiding_log_colour
+
+
+def _worn(track: Track, colour: F32) -> bool:
+    """Whether hardly any of the colours (M, 3) are clearly a carried object's, not clothes'."""
+    options = track.options.body
+    over = track.over_clothes(colour)
+    clear = np.count_nonzero(over > options.distinct_log)
+    return bool(clear < options.carried_share * len(colour))
 
 
 def _lesson(track: Track, observation: Observation) -> LabelledPoints:
