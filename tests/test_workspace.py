@@ -165,21 +165,24 @@ def test_tracking_backward(workspace: Workspace) -> None:
     assert (label(workspace, 0)[WALL:] == 1).mean() > 0.95
 
 
-def test_painted_points_beat_tracked_ones(workspace: Workspace) -> None:
+def tracked_up_to_another(workspace: Workspace) -> int:
+    """Track the first label, where another one is painted in frame 3; returns that one."""
     other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0)
     paint(workspace, 3, other)
     track(workspace, labels=[1])
+    return other
+
+
+def test_painted_points_beat_tracked_ones(workspace: Workspace) -> None:
+    other = tracked_up_to_another(workspace)
     assert (label(workspace, 3)[WALL:] == other).all()
     track(workspace, labels=[1], overwrite="all")
     assert (label(workspace, 3)[WALL:] == 1).mean() > 0.9
 
 
 def test_a_label_ends_where_it_is_lost_unless_it_is_looked_for(workspace: Workspace) -> None:
-    other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
-    paint(workspace, 0)
-    paint(workspace, 3, other)
-    track(workspace, labels=[1])
+    tracked_up_to_another(workspace)
     assert not (label(workspace, 4) == 1).any()
     track(workspace, labels=[1], continue_lost=True)
     assert (label(workspace, 4)[WALL:] == 1).mean() > 0.9

@@ -416,6 +416,15 @@ def write_ply(path: Path, seed: int, count: int = 500) -> None:
     PlyData([PlyElement.describe(rows, "vertex")]).write(str(path))
 
 
+def imported(api: httpx.Client, response: httpx.Response) -> dict[str, Any]:
+    """The manifest of what an import has brought in."""
+    assert response.status_code == 202, response.text
+    job = wait(api, response.json())
+    assert job["state"] == "done", job
+    manifest: dict[str, Any] = api.get(f"/sequences/{job['result']['sequence']}").json()
+    return manifest
+
+
 def test_a_folder_within_the_roots_is_imported_by_its_path(
     served: Served, api: httpx.Client
 ) -> None:
@@ -424,10 +433,7 @@ def test_a_folder_within_the_roots_is_imported_by_its_path(
     for number in range(3):
         write_ply(folder / f"{number}.ply", number)
     response = api.post("/sequences", json={"path": str(folder), "name": "take", "fps": 10.0})
-    assert response.status_code == 202, response.text
-    job = wait(api, response.json())
-    assert job["state"] == "done", job
-    manifest = api.get(f"/sequences/{job['result']['sequence']}").json()
+    manifest = imported(api, response)
     assert (manifest["name"], manifest["fps"], manifest["points"]) == ("take", 10.0, [500] * 3)
     assert api.delete(f"/sequences/{manifest['id']}").status_code == 204
     problem(api.get(f"/sequences/{manifest['id']}"), 404)
@@ -438,10 +444,7 @@ def test_uploaded_files_are_imported(served: Served, api: httpx.Client, tmp_path
     write_ply(tmp_path / "b.ply", 2)
     files = [("files", (name, (tmp_path / name).read_bytes())) for name in ("a.ply", "b.ply")]
     response = api.post("/sequences", files=files, data={"name": "uploaded", "fps": "15"})
-    assert response.status_code == 202, response.text
-    job = wait(api, response.json())
-    assert job["state"] == "done", job
-    manifest = api.get(f"/sequences/{job['result']['sequence']}").json()
+    manifest = imported(api, response)
     assert (manifest["frames"], manifest["fps"]) == (2, 15.0)
     uploads = served.workspace.settings.workspace / "uploads"
     assert not any(uploads.iterdir())

@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import ssl
 import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -52,11 +54,16 @@ async def holds_all(client: Viewer, frame: int) -> None:
         await client.receive(30)
 
 
+@contextmanager
+def encrypted(folder: Path) -> Iterator[tuple[str, str, ssl.SSLContext]]:
+    """A server with TLS: its URL with a token, its address, and a context that trusts it."""
+    with started(folder, "--tls") as url:
+        authority = folder / "w" / "tls" / "authority.pem"
+        yield url, url.partition("/?")[0], ssl.create_default_context(cafile=str(authority))
+
+
 def test_upload_stream_stroke_and_undo_over_tls(tmp_path: Path) -> None:
-    workspace = tmp_path / "w"
-    with started("--workspace", str(workspace), "--tls") as (_, url):
-        address = url.partition("/?")[0]
-        trusted = ssl.create_default_context(cafile=str(workspace / "tls" / "authority.pem"))
+    with encrypted(tmp_path) as (url, address, trusted):
         with httpx.Client(verify=trusted, timeout=60) as client:
             cookies = client.get(url).headers.get_list("set-cookie")
             assert all("; Secure" in cookie for cookie in cookies)
@@ -98,11 +105,8 @@ def test_upload_stream_stroke_and_undo_over_tls(tmp_path: Path) -> None:
 
 
 def test_plain_http_to_the_encrypted_port_leaves_the_server_well(tmp_path: Path) -> None:
-    workspace = tmp_path / "w"
-    with started("--workspace", str(workspace), "--tls") as (_, url):
-        address = url.partition("/?")[0]
+    with encrypted(tmp_path) as (_, address, trusted):
         for _ in range(20):
             with pytest.raises(httpx.TransportError):
                 httpx.get(address.replace("https://", "http://"))
-        trusted = ssl.create_default_context(cafile=str(workspace / "tls" / "authority.pem"))
         assert httpx.get(f"{address}/healthz", verify=trusted).status_code == 200

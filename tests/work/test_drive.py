@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pointbrush.cli import main
 from pointbrush.samples.driving import drive
-from pointbrush.sequences import open_sequence
-from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking import Seed
+from tests.work.known_truth import imported, overlap, tracked
 
 COMING = 5
 """Label of a parked car of 245 points, of which ever more comes into sight."""
@@ -28,21 +27,8 @@ def test_a_parked_car_has_what_comes_into_sight_of_it(tmp_path: Path) -> None:
             pose=turn.T_room_frame,
             truth=turn.instance,
         )
-    assert main(["import", str(street), "--name", "street", "--workspace", str(workspace)]) == 0
-    frames = list(open_sequence(next((workspace / "sequences").iterdir())))
-    truths = []
-    for frame in frames:
-        with np.load(street / f"{frame.index:04}.npz") as archive:
-            truths.append(archive["truth"][frame.source_index])
+    frames, truths = imported(street, workspace)
     labels = [n for n in np.unique(truths[0]).tolist() if n and (truths[0] == n).sum() >= 40]
     seeds = [Seed(n, np.flatnonzero(truths[0] == n)) for n in labels]
-    run = METHODS["auto"]().track(
-        frames.__getitem__, range(len(frames)), seeds, lambda _: None, TrackOptions()
-    )
-    shares = []
-    for result in list(run)[1:]:
-        truth = truths[result.frame] == COMING
-        found = np.zeros(len(truth), np.bool_)
-        found[result.assignments.get(COMING, np.empty(0, np.int64))] = True
-        shares.append((found & truth).sum() / (found | truth).sum())
+    shares = [overlap(result, truths, COMING) for result in tracked(frames, seeds)]
     assert np.mean(shares) > 0.94

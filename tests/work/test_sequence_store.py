@@ -106,8 +106,7 @@ def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: P
     assert workspace.listing.problems("room") == []
 
     workspace.update_sequence("room", name="Hall")
-    workspace.labels.create_label("room", "ada", name="wall")
-    workspace.annotations.put("room", 0, np.ones(POINTS, np.uint16), author="ada")
+    label_all(workspace)
     with closing(Workspace(settings)) as other:
         assert [one.name for one in other.listing.all()] == ["Hall"]
         assert other.annotations.read("room", 0)[0].all()
@@ -123,10 +122,15 @@ def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: P
     assert workspace.annotations.read("room-2", 0)[0].all()
 
 
-def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_path: Path) -> None:
-    imported(workspace, tmp_path / "once")
+def label_all(workspace: Workspace) -> None:
+    """Give all points of the first frame one label."""
     workspace.labels.create_label("room", "ada", name="wall")
     workspace.annotations.put("room", 0, np.ones(POINTS, np.uint16), author="ada")
+
+
+def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_path: Path) -> None:
+    imported(workspace, tmp_path / "once")
+    label_all(workspace)
     with closing(Workspace(settings)) as other:
         assert [one.id for one in other.listing.all()] == ["room"]
         workspace.deletion.delete("room")
