@@ -5,7 +5,9 @@
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
 import { stepFindings } from '../reviewing/store';
-import { commandsOpen, exportOpen, helpOpen, historyOpen } from '../panels/parts/popover';
+import { exportOpen } from '../panels/export-menu';
+import { historyOpen } from '../panels/history-menu';
+import { commandsOpen, helpOpen } from '../panels/parts/popover';
 import { pickFiles } from '../panels/importing/files';
 import { frameRange } from '../store/range';
 import { renaming } from '../store/palette-list';

@@ -1,29 +1,39 @@
 /** Downloads. */
 import { signal } from '@preact/signals';
-import type { RefObject } from 'preact';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../store/actions';
 import { exportFormats, type ExportFormat } from '../engine/recordings';
 import { state } from '../store/state';
 import { Check } from './parts/controls';
 import { frameRange, ordered } from '../store/range';
-import { Popover } from './parts/popover';
+import { PopoverButton } from './parts/popover';
 
+export const exportOpen = signal(false);
 const onlyRange = signal(true);
 /** Frames for validation in formats for training: a range, "none", or empty for the default. */
 const validation = signal('');
 
-interface ExportMenuProps {
-  anchor: RefObject<HTMLElement | null>;
-  onClose: () => void;
+export function ExportButton() {
+  return (
+    <PopoverButton
+      open={exportOpen}
+      icon="export"
+      button={{ label: 'Export', class: 'export-button' }}
+      tip="Download points and labels"
+      label="Export"
+      class="export-menu"
+    >
+      <ExportMenu />
+    </PopoverButton>
+  );
 }
 
-export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
+function ExportMenu() {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
   useEffect(() => void actions.loadExportFormats(), []);
   const start = (format: string, judged = ''): void => {
-    onClose();
+    exportOpen.value = false;
     void actions.exportSequence(format, frames, judged);
   };
   // Of an export of the range alone it would be everything.
@@ -32,7 +42,7 @@ export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
   const val = ['none', ':', stretch].includes(chosen) ? chosen : '';
   const all = state.sequence.value?.frames ?? 0;
   return (
-    <Popover anchor={anchor} label="Export" onClose={onClose} class="export-menu">
+    <>
       <h2>Export {frames ? `frames ${range![0]} – ${range![1]}` : `all ${all} frames`}</h2>
       {range && (
         <Check
@@ -59,7 +69,7 @@ export function ExportMenu({ anchor, onClose }: ExportMenuProps) {
         formats={exportFormats.value.filter((each) => each.splits)}
         start={(format) => start(format, val)}
       />
-    </Popover>
+    </>
   );
 }
 

@@ -1,21 +1,32 @@
 /** History of changes, with author and time; a line leads to its frame. */
-import type { RefObject } from 'preact';
+import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../store/actions';
 import { labelIn } from '../engine/time';
 import { state, type HistoryEntry } from '../store/state';
 import { plural } from '../common/format';
-import { Popover } from './parts/popover';
+import { PopoverButton } from './parts/popover';
+
+export const historyOpen = signal(false);
 
 /** Edits without frames that changed something all the same. */
 const PALETTE: ReadonlySet<string> = new Set(['label', 'undo', 'redo']);
 
-interface HistoryMenuProps {
-  anchor: RefObject<HTMLElement | null>;
-  onClose: () => void;
+export function HistoryButton() {
+  return (
+    <PopoverButton
+      open={historyOpen}
+      icon="history"
+      tip="History: who changed what"
+      label="History"
+      class="history-menu"
+    >
+      <HistoryMenu />
+    </PopoverButton>
+  );
 }
 
-export function HistoryMenu({ anchor, onClose }: HistoryMenuProps) {
+function HistoryMenu() {
   const { undo, redo } = state;
   // An edit changes what undo would take back: read again whenever it does.
   useEffect(() => {
@@ -23,7 +34,7 @@ export function HistoryMenu({ anchor, onClose }: HistoryMenuProps) {
   }, [undo.value, redo.value]);
   const edits = state.history.value;
   return (
-    <Popover anchor={anchor} label="History" onClose={onClose} class="history-menu">
+    <>
       <h2>History</h2>
       {edits.length === 0 && <p class="soft empty">Nothing has been changed yet.</p>}
       <ol>
@@ -33,7 +44,7 @@ export function HistoryMenu({ anchor, onClose }: HistoryMenuProps) {
           </li>
         ))}
       </ol>
-    </Popover>
+    </>
   );
 }
 

@@ -5,9 +5,9 @@ import { actions } from '../store/actions';
 import { canEdit, notify, state, trackingJob, type Tool } from '../store/state';
 import { chooseTheme, theme } from '../store/theme';
 import { Button } from './parts/controls';
-import { ExportMenu } from './export-menu';
-import { HistoryMenu } from './history-menu';
-import { exportOpen, helpOpen, historyOpen } from './parts/popover';
+import { ExportButton } from './export-menu';
+import { HistoryButton } from './history-menu';
+import { helpOpen } from './parts/popover';
 import { ConnectionStatus, People } from './people';
 import { RadioGroup, type RadioOption } from './parts/radio-group';
 import { SequenceMenu } from './importing/sequence-menu';
@@ -97,7 +97,6 @@ function Tools() {
 }
 
 function History() {
-  const anchor = useRef<HTMLButtonElement>(null);
   const undo = state.undo.value;
   const redo = state.redo.value;
   return (
@@ -116,16 +115,7 @@ function History() {
         disabled={redo === null}
         onClick={() => actions.redo()}
       />
-      <Button
-        buttonRef={anchor}
-        icon="history"
-        tip="History: who changed what"
-        expanded={historyOpen.value}
-        onClick={() => (historyOpen.value = !historyOpen.value)}
-      />
-      {historyOpen.value && (
-        <HistoryMenu anchor={anchor} onClose={() => (historyOpen.value = false)} />
-      )}
+      <HistoryButton />
     </div>
   );
 }
@@ -145,26 +135,6 @@ function TrackButton() {
         onClick={() => (trackOpen.value = !trackOpen.value)}
       />
       {trackOpen.value && <TrackForm anchor={anchor} />}
-    </>
-  );
-}
-
-function ExportButton() {
-  const anchor = useRef<HTMLButtonElement>(null);
-  return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="export"
-        label="Export"
-        class="export-button"
-        tip="Download points and labels"
-        expanded={exportOpen.value}
-        onClick={() => (exportOpen.value = !exportOpen.value)}
-      />
-      {exportOpen.value && (
-        <ExportMenu anchor={anchor} onClose={() => (exportOpen.value = false)} />
-      )}
     </>
   );
 }

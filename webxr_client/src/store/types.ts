@@ -1,6 +1,6 @@
 /** Types of the store's values: `state.ts` has the signals. */
 import type { Unsent } from '../net/wire';
-import type { Welcome } from '../protocol/messages';
+import type { Brush, Welcome } from '../protocol/messages';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
 
@@ -105,8 +105,8 @@ export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
  */
 export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
 
-/** Shape of a stroke: an object, the brush, a region, a cluster, a flat surface, an outline, a box. */
-export type BrushShape = 'object' | 'brush' | 'grow' | 'cluster' | 'plane' | 'lasso' | 'box';
+/** Shape of a stroke; the brush is a ball at the tip, or on the surface that a ray meets. */
+export type BrushShape = Exclude<NonNullable<Brush['shape']>, 'sphere' | 'ray'> | 'brush';
 
 export interface BrushSettings {
   readonly shape: BrushShape;

@@ -63,6 +63,8 @@ interface PopoverButtonProps {
   keys?: string;
   pressed?: boolean;
   small?: boolean;
+  /** Words on the button, and its class. */
+  button?: { label: string; class: string };
   /** Name of what opens. */
   label: string;
   class?: string;
@@ -74,6 +76,7 @@ export function PopoverButton({
   open,
   label,
   class: extra,
+  button,
   children,
   ...look
 }: PopoverButtonProps) {
@@ -82,6 +85,7 @@ export function PopoverButton({
     <>
       <Button
         {...look}
+        {...button}
         buttonRef={anchor}
         expanded={open.value}
         onClick={() => (open.value = !open.value)}
@@ -130,5 +134,3 @@ function keys(event: KeyboardEvent, box: HTMLElement, close: () => void): void {
 /** Popovers that more than one place opens. */
 export const helpOpen = signal(false);
 export const commandsOpen = signal(false);
-export const exportOpen = signal(false);
-export const historyOpen = signal(false);
