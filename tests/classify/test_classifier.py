@@ -35,8 +35,11 @@ def examples() -> Examples:
     )
 
 
-TAUGHT = Classifier("trees", ("a", "b", "c"), 0.5, {("here", 0): examples()}).learnt(
-    ForestOptions(trees=12)
+FEW = ForestOptions(trees=12)
+TAUGHT = (
+    Classifier("trees", ("a", "b", "c"), 0.5, ("here",), {("here", 0): examples()})
+    .learnt(FEW)
+    .scored(FEW)
 )
 
 

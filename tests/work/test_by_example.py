@@ -170,6 +170,16 @@ def test_two_people_teach_one_and_every_stroke_counts(workspace: Workspace) -> N
     assert workspace.classifiers.about(made.id).examples["wall"] > 1.5 * before
 
 
+def test_one_made_before_the_first_stroke_learns_from_it(workspace: Workspace) -> None:
+    for _ in range(2):
+        workspace.labels.undo("room", "me")
+    made = workspace.classifiers.create("early", ["room"])
+    assert not workspace.classifiers.predict(made.id, "room", 0).kind.any()
+    assert made.taught_by == {"room": 0}
+    paint(workspace, 1, np.r_[0:200], FLOOR)
+    assert (workspace.classifiers.predict(made.id, "room", 0).label == FLOOR).all()
+
+
 def test_doubt_leads_to_what_is_not_painted(workspace: Workspace) -> None:
     made = workspace.classifiers.create("rooms", ["room"])
     places = workspace.classifiers.doubt(made.id, "room", most=3)
@@ -198,3 +208,19 @@ def test_what_was_taught_outlives_the_server(workspace: Workspace) -> None:
     with closing(Workspace(workspace.settings)) as again:
         assert again.classifiers.about(made.id) == made
         assert again.classifiers.predict(made.id, "room", 0).label.any()
+
+
+def test_unsure_predictions_are_suspicious_until_somebody_vouches(workspace: Workspace) -> None:
+    numbers = np.arange(FLAT + TALL)
+    write = Write(numbers, label=FLOOR, provenance=PREDICTED, confidence=np.uint8(40))
+    workspace.labels.apply(
+        "room", edit_id=None, author="me", kind="prediction", writes={1: write}, summary="-"
+    )
+    found = workspace.reviewing.checks("room").findings
+    assert [(each.first, each.labels) for each in found if each.kind == "predicted"] == [
+        (1, (FLOOR,))
+    ]
+    workspace.verdicts.give("accept", "room", [1], [FLOOR], "me", None)
+    found = workspace.reviewing.checks("room").findings
+    assert not [each for each in found if each.kind == "predicted"]
+    assert (layer(workspace, 1, "provenance") == PAINTED).all()

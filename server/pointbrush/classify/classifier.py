@@ -60,13 +60,15 @@ class Examples:
 class Classifier:
     """Classes, what taught them, and the trees that know them.
 
-    ``examples``: by recording and frame; ``size`` of a cell, metres, 0 before anything taught;
-    ``score``: of examples that were held out, None where there were too few.
+    ``recordings`` teach it, ``examples`` are those by recording and frame; ``size`` of a cell,
+    metres, 0 before anything taught; ``score``: of examples that were held out, None where there
+    were too few.
     """
 
     name: str
     classes: tuple[str, ...]
     size: float = 0.0
+    recordings: tuple[str, ...] = ()
     examples: Mapping[tuple[str, int], Examples] = field(default_factory=dict)
     trees: Trees | None = None
     score: float | None = None
@@ -74,7 +76,7 @@ class Classifier:
     @property
     def taught_by(self) -> dict[str, int]:
         """Recordings that taught it, and how many examples each gave."""
-        found: dict[str, int] = {}
+        found = dict.fromkeys(self.recordings, 0)
         for (recording, _), some in self.examples.items():
             found[recording] = found.get(recording, 0) + len(some)
         return found
@@ -107,14 +109,19 @@ class Classifier:
         return features[kept], classes[kept], place[kept]
 
     def learnt(self, options: ForestOptions) -> Classifier:
-        """Return the same with trees that know all examples, and a score."""
-        features, classes, place = self.taught(options.most)
+        """Return the same with trees that know all examples."""
+        features, classes, _ = self.taught(options.most)
         if not len(features):
             return replace(self, trees=None, score=None)
-        count, spread = len(self.classes), self.spread
-        trees = learn(features, classes, count, spread, options)
-        score = _score(features, classes, place, count, spread, options)
-        return replace(self, trees=trees, score=score)
+        trees = learn(features, classes, len(self.classes), self.spread, options)
+        return replace(self, trees=trees)
+
+    def scored(self, options: ForestOptions) -> Classifier:
+        """Return the same with the score of examples that are held out."""
+        features, classes, place = self.taught(options.most)
+        count = len(self.classes)
+        score = _score(features, classes, place, count, self.spread, options)
+        return replace(self, score=score)
 
     def chances(self, place: Described) -> Chances:
         """Return the chance (C, K) of each class in each cell of a frame."""
@@ -155,6 +162,8 @@ def _score(
     spread: Floats, options: ForestOptions,
 ) -> float | None:  # fmt: skip
     """Share of held-out examples that are right, mean of the classes; None where there are few."""
+    if not len(features):
+        return None
     order = np.unique(place, return_inverse=True)[1].ravel()
     held = order % HELD_OUT == 0
     known = np.intersect1d(classes[held], classes[~held])
@@ -180,6 +189,7 @@ def to_file(classifier: Classifier) -> bytes:
         "features": feature_names(FeatureOptions()),
         "size": classifier.size,
         "score": classifier.score,
+        "recordings": classifier.recordings,
         "examples": [
             [recording, frame, len(some), some.identity, some.revision]
             for (recording, frame), some in classifier.examples.items()
@@ -234,9 +244,11 @@ def _checked(told: Any, arrays: Mapping[str, NDArray[Any]]) -> Classifier:
     _require(0 <= size < 1e6, "a size in metres")
     score = None if told["score"] is None else float(told["score"])
     _require(score is None or 0 <= score <= 1, "a score from 0 to 1")
+    recordings = tuple(check_name(each) for each in told["recordings"])
     examples = _examples(told["examples"], arrays, len(names), len(classes))
     trees = _trees(arrays, len(names), len(classes)) if "roots" in arrays else None
-    return Classifier(check_name(told["name"]), classes, size, examples, trees, score)
+    name = check_name(told["name"])
+    return Classifier(name, classes, size, recordings, examples, trees, score)
 
 
 def _examples(

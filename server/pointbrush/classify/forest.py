@@ -55,13 +55,14 @@ def learn(
     times = max(1, options.copies // max(len(classes), 1))
     features, classes = np.repeat(features, times, axis=0), np.repeat(classes, times)
     shaken = rng.standard_normal(features.shape, np.float32)
-    features = features + shaken * (options.shake * spread).astype(np.float32)
+    shaken = features + shaken * (options.shake * spread).astype(np.float32)
+    columns = np.ascontiguousarray(shaken.T)  # a column at a time is looked at
     held = np.bincount(classes, minlength=count)
     weight = len(classes) / (np.maximum(held, 1) * max((held > 0).sum(), 1))
     seeds = rng.integers(1, 2**31, options.trees)
     made = [
         _grow(
-            features, classes, weight, int(each), options.depth, options.fewest, options.tried,
+            columns, classes, weight, int(each), options.depth, options.fewest, options.tried,
             options.smoothing,
         )
         for each in seeds
@@ -101,11 +102,11 @@ def _random(state: NDArray[np.uint64]) -> float:
 
 @compiled
 def _grow(
-    features: Features, classes: NDArray[np.int64], weight: Floats, seed: int, depth: int,
+    columns: Features, classes: NDArray[np.int64], weight: Floats, seed: int, depth: int,
     fewest: int, tried: int, smoothing: float,
 ) -> tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]:  # fmt: skip
     """Grow one tree; its links count from its own first node and leaf."""
-    count, kinds = len(features), len(weight)
+    count, kinds = columns.shape[1], len(weight)
     state = np.array([seed], np.uint64)
     for _ in range(8):
         _random(state)
@@ -128,7 +129,7 @@ def _grow(
         best, cut = -1, np.float32(0.0)
         if down < depth and stop - first >= 2 * fewest and (totals > 0).sum() > 1:
             best, cut = _question(
-                features, classes, weight, order, first, stop, fewest, tried, totals, parts, state
+                columns, classes, weight, order, first, stop, fewest, tried, totals, parts, state
             )
         if best < 0:
             left[node] = leaves
@@ -139,7 +140,7 @@ def _grow(
             continue
         i, j = first, stop - 1
         while i <= j:
-            if features[order[i], best] <= cut:
+            if columns[best, order[i]] <= cut:
                 i += 1
             else:
                 order[i], order[j] = order[j], order[i]
@@ -155,21 +156,21 @@ def _grow(
 
 @innermost
 def _question(
-    features: Features, classes: NDArray[np.int64], weight: Floats, order: NDArray[np.int64],
+    columns: Features, classes: NDArray[np.int64], weight: Floats, order: NDArray[np.int64],
     first: int, stop: int, fewest: int, tried: int, totals: Floats, parts: Floats,
     state: NDArray[np.uint64],
 ) -> tuple[int, np.float32]:  # fmt: skip
     """Return the feature and threshold that part examples best, or -1 when none does."""
-    width = features.shape[1]
+    width = len(columns)
     best, cut, most = -1, np.float32(0.0), -1.0
     looked = 0
     for _ in range(3 * tried):
         if looked >= tried:
             break
         f = int(_random(state) * width)
-        low = high = features[order[first], f]
+        low = high = columns[f, order[first]]
         for i in range(first + 1, stop):
-            value = features[order[i], f]
+            value = columns[f, order[i]]
             low, high = min(low, value), max(high, value)
         if not low < high:
             continue
@@ -180,7 +181,7 @@ def _question(
         parts[:] = 0.0
         held = 0
         for i in range(first, stop):
-            if features[order[i], f] <= at:
+            if columns[f, order[i]] <= at:
                 parts[classes[order[i]]] += weight[classes[order[i]]]
                 held += 1
         if min(held, stop - first - held) < fewest:

@@ -46,7 +46,7 @@ class FeatureOptions:
 class ForestOptions:
     """Trees and their growth; all above 0."""
 
-    trees: int = 48
+    trees: int = 32
     depth: int = 14
     """Questions from root to leaf at most."""
     fewest: int = 3

@@ -13,6 +13,7 @@ const ICONS: Readonly<Record<Finding['kind'], IconName>> = {
   stray: 'noise',
   jump: 'track',
   unlike: 'history',
+  predicted: 'object',
 };
 
 export function Findings() {

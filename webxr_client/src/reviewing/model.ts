@@ -29,7 +29,7 @@ export interface Overview {
 /** A suspicious thing. */
 export interface Finding {
   readonly id: string;
-  readonly kind: 'name' | 'few' | 'stray' | 'jump' | 'unlike';
+  readonly kind: 'name' | 'few' | 'stray' | 'jump' | 'unlike' | 'predicted';
   readonly text: string;
   readonly labels: readonly number[];
   readonly first: number | null;

@@ -9,7 +9,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit, FrameValues, LabelStore, Write
-from pointbrush.labels.types import PAINTED, TRACKED
+from pointbrush.labels.types import PAINTED, PREDICTED, TRACKED
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.part import Part
 
@@ -72,7 +72,8 @@ def _accepted(values: FrameValues, labels: Sequence[int]) -> Write:
 
 
 def _taken_back(values: FrameValues, labels: Sequence[int]) -> Write:
-    theirs = np.isin(values.label, labels) & (values.provenance == TRACKED)
+    found = np.isin(values.provenance, (TRACKED, PREDICTED))
+    theirs = np.isin(values.label, labels) & found
     return Write(np.flatnonzero(theirs & ~values.deleted), label=0, provenance=0, living=True)
 
 

@@ -145,7 +145,8 @@ class Classifiers:
         for each in recordings:
             self._checked(each)
         with self._guard(identifier):
-            taught = self._fresh(identifier, recordings)
+            taught = self._fresh(identifier, recordings).scored(self.options.forest)
+            self._known[identifier] = taught
             self._files.write(identifier, taught)
         return _about(identifier, taught)
 
@@ -303,7 +304,7 @@ class Classifiers:
     def _fresh(self, identifier: str, also: Sequence[str]) -> Classifier:
         """Bring a classifier up to date; its guard must be held."""
         known = self._read(identifier)
-        names = dict.fromkeys([*known.taught_by, *also])
+        names = tuple(dict.fromkeys([*known.taught_by, *also]))
         recordings: dict[str, Recording] = {}
         for name in names:
             try:
@@ -311,6 +312,8 @@ class Classifiers:
             except NotFoundError:  # taught elsewhere, or deleted since: its examples stay
                 continue
         fresh = self._teacher.fresh(known, recordings)
+        if fresh.recordings != names:
+            fresh = self._known[identifier] = replace(fresh, recordings=names)
         if fresh is not known or (fresh.trees is None and fresh.examples):
             fresh = fresh.learnt(self.options.forest)
             self._known[identifier] = fresh

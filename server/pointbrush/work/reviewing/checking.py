@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import DamagedError
-from pointbrush.labels import Label, LabelStore
+from pointbrush.labels import FrameValues, Label, LabelStore
+from pointbrush.labels.types import PREDICTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.reviewing.checks import counting, positions
 from pointbrush.work.reviewing.checks.counting import Counts
@@ -23,6 +24,10 @@ REMEMBERED = 8
 EXCUSED = ("occluded", "painted")
 """States of a track without points that a person, or the tracker, is sure of."""
 Sketches = dict[int, Mapping[int, Sketch]]
+Unsure = Mapping[int, tuple[int, int]]
+"""By label: predicted points of little confidence, and all predicted ones; only where many are."""
+Looked = tuple[int, Mapping[int, Sketch], Unsure]
+"""The revision of a frame's last change when it was looked at, and what was found."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +43,7 @@ class Checker:
 
     def __init__(self, store: LabelStore, options: CheckOptions | None = None) -> None:
         self._store, self._options = store, options or CheckOptions()
-        self._known: OrderedDict[str, dict[int, tuple[int, Mapping[int, Sketch]]]] = OrderedDict()
+        self._known: OrderedDict[str, dict[int, Looked]] = OrderedDict()
         self._lock = threading.Lock()
 
     def check(self, recording: Recording, frames: range) -> Checked:
@@ -46,13 +51,14 @@ class Checker:
         sequence, count = recording.manifest.id, len(recording)
         palette = self._store.palette(sequence)
         counts = _counts(self._store, sequence, palette, count)
-        sketches, unchecked = self._sketches(recording, counts, frames)
+        sketches, unsure, unchecked = self._sketches(recording, counts, frames)
         found = [
             *counting.same_names(palette, counts),
             *counting.few_points(palette, counts, self._options),
             *counting.unlike_neighbours(
                 palette, counts, count, _excused(self._store.tracks(sequence)), self._options
             ),
+            *counting.unsure_points(palette, unsure),
             *positions.stray_points(palette, sketches),
             *positions.jumps(palette, sketches, self._options),
         ]
@@ -62,25 +68,28 @@ class Checker:
 
     def _sketches(
         self, recording: Recording, counts: Mapping[int, Counts], frames: range
-    ) -> tuple[Sketches, list[str]]:
+    ) -> tuple[Sketches, dict[int, Unsure], list[str]]:
         """Look at the frames that have labels, and at as many beside as are neighbours."""
         if recording.manifest.large:
-            return {}, ["frames of an octree: places of points were not looked at"]
+            return {}, {}, ["frames of an octree: places of points were not looked at"]
         beside = self._options.window + 1
         near = range(max(0, frames.start - beside), min(len(recording), frames.stop + beside))
         found: Sketches = {}
+        unsure: dict[int, Unsure] = {}
         unchecked: list[str] = []
         changes = self._store.frame_changes(recording.manifest.id)
         for frame in near:
             if not any(mine[frame] for mine in counts.values()):
                 continue
             try:
-                found[frame] = self._sketch(recording, frame, changes.get(frame, 0))
+                found[frame], unsure[frame] = self._sketch(recording, frame, changes.get(frame, 0))
             except DamagedError as error:
                 unchecked.append(str(error))
-        return found, unchecked
+        return found, unsure, unchecked
 
-    def _sketch(self, recording: Recording, frame: int, changed: int) -> Mapping[int, Sketch]:
+    def _sketch(
+        self, recording: Recording, frame: int, changed: int
+    ) -> tuple[Mapping[int, Sketch], Unsure]:
         with self._lock:
             known = self._known.setdefault(recording.identity, {})
             self._known.move_to_end(recording.identity)
@@ -88,15 +97,26 @@ class Checker:
                 self._known.popitem(last=False)
             there = known.get(frame)
         if there is not None and there[0] == changed:
-            return there[1]
+            return there[1:]
         values = self._store.values(recording.manifest.id, frame)
         stored = recording[frame]
         label = np.where(values.deleted, np.uint16(0), values.label)
         shift = np.array(recording.manifest.shift)
         made = sketch_frame(stored.xyz, label, stored.pose, shift, self._options)
+        unsure = _unsure(values, self._options)
         with self._lock:
-            known[frame] = values.changed, made
-        return made
+            known[frame] = values.changed, made, unsure
+        return made, unsure
+
+
+def _unsure(values: FrameValues, options: CheckOptions) -> Unsure:
+    predicted = (values.provenance == PREDICTED) & ~values.deleted
+    every = np.bincount(values.label[predicted])
+    few = np.bincount(
+        values.label[predicted & (values.confidence < options.least_sure)], minlength=len(every)
+    )
+    many = np.flatnonzero((every > 0) & (few > options.unsure * every)).tolist()
+    return {label: (int(few[label]), int(every[label])) for label in many}
 
 
 def _counts(

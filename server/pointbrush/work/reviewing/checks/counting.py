@@ -74,6 +74,19 @@ def unlike_neighbours(
         yield from _odd_counts(label, mine, known, options)
 
 
+def unsure_points(
+    palette: Sequence[Label], unsure: Mapping[int, Mapping[int, tuple[int, int]]]
+) -> Iterator[Finding]:
+    """Yield labels of which a classifier was not sure; ``unsure``: by frame and label, points
+    that are so, and all that it labelled."""
+    names = {label.id: label.name for label in palette}
+    for frame, labels in unsure.items():
+        for label, (few, every) in labels.items():
+            if label in names:
+                text = f"“{names[label]}”: {few:,} of {every:,} predicted points are unsure"
+                yield Finding("predicted", text, (label,), frame, frame)
+
+
 def _odd_counts(
     label: Label, mine: Counts, known: set[int], options: CheckOptions
 ) -> Iterator[Finding]:

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Literal, get_args
 
-Kind = Literal["name", "few", "stray", "jump", "unlike"]
+Kind = Literal["name", "few", "stray", "jump", "unlike", "predicted"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 """Two labels of one name; a label of few points; points far from their object; a track that jumps;
-a frame unlike its neighbours."""
+a frame unlike its neighbours; points that a classifier labelled without being sure."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +69,8 @@ class CheckOptions:
     ``share``         a label with less than this share of its neighbours' points, or so much
                       more, is unlike them.
     ``sizable``       points below which a label's count may do what it likes.
+    ``unsure``        share of a label's predicted points in a frame from which on somebody should
+                      look, when their confidence, 0 to 255, is below ``least_sure``.
     ``gap``           frames that a label may be missing from between two that have it.
     """
 
@@ -83,6 +85,8 @@ class CheckOptions:
     window: int = 3
     share: float = 0.3
     sizable: int = 30
+    unsure: float = 0.2
+    least_sure: int = 100
     gap: int = 3
 
     def __post_init__(self) -> None:
