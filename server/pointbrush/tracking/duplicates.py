@@ -180,7 +180,7 @@ def _first_equal(bits: NDArray[np.uint32]) -> I64:
     size = 16
     while size < 2 * len(bits):
         size *= 2
-    table, first = np.full(size, -1), np.empty(len(bits), np.int64)
+    table, first = np.full(size, -1, np.int32), np.empty(len(bits), np.int64)
     for i in range(len(bits)):
         a, b, c = np.uint64(bits[i, 0]), np.uint64(bits[i, 1]), np.uint64(bits[i, 2])
         mixed = a * np.uint64(0x9E3779B97F4A7C15) + b * np.uint64(0xC2B2AE3D27D4EB4F)

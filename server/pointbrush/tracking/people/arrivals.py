@@ -297,11 +297,11 @@ def newcomers(
     fresh: list[Person] = []
     lowest = min([0, *(f.label for f in people)])
     middles = _middles(observation, people) if now else []
-    for number in np.unique(bodies[free]).tolist():
+    total = np.bincount(bodies[bodies >= 0])
+    least = np.maximum(options.body.seen_min_cells, options.arrivals.unclaimed_share * total)
+    count = np.bincount(bodies[free], minlength=len(total))
+    for number in np.flatnonzero((count > 0) & (count >= least)).tolist():
         cells = np.flatnonzero((bodies == number) & free)
-        total = np.count_nonzero(bodies == number)
-        if len(cells) < max(options.body.seen_min_cells, options.arrivals.unclaimed_share * total):
-            continue
         owner = _whose(observation, middles, cells)
         if owner is None and len(cells) >= max(
             options.arrivals.min_cells, options.arrivals.min_share * usual

@@ -58,7 +58,7 @@ def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = No
             world.reshape(-1, 3), options.register.occlusion_units * track.unit, own, size
         )
         seen = facing & ~hidden.reshape(facing.shape)
-    share = np.array([np.count_nonzero(row) for row in facing]) / max(len(sample), 1)
+    share = facing.sum(axis=1) / max(len(sample), 1)
     return Look(world, seen, through, share)
 
 
