@@ -227,6 +227,16 @@ class Track:
             options.bent_share_large if self.large and not self.scanned else options.bent_share
         )
 
+    @property
+    def rigid(self) -> bool:
+        """Whether one motion moves all of it: it is small, and does not bend."""
+        return not (self.bends or self.large)
+
+    @property
+    def stiff(self) -> bool:
+        """Whether its surface does not even move within itself."""
+        return not (self.bends or self.soft or self.large)
+
     def come_to(self, away: float) -> None:
         """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
         options = self.options.track

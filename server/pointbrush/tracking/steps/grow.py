@@ -202,7 +202,7 @@ def _outlined(
 
 
 def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    if track.bends or track.soft or track.large or fit.cost > track.options.claim.sharp_cost:
+    if not track.stiff or fit.cost > track.options.claim.sharp_cost:
         return np.zeros(len(points), np.bool_)
     return carved(track.carving_views, view, fit.pose, points, track.unit)
 

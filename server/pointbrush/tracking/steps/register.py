@@ -93,7 +93,7 @@ def register(search: Search) -> Registered:
     options = search.options.register
     motion, model = search.track.motion, search.track.model
     poses, scores = _repeated(search)
-    doubt = options.doubt_body if search.track.large or search.track.bends else options.doubt
+    doubt = options.doubt if search.track.rigid else options.doubt_body
     doubtful = min(scores) > doubt and _asked(search)
     failed = False
     unknown = motion.gap > 1 or (motion.fresh and min(scores) > options.clear_cost)

@@ -55,7 +55,7 @@ def _is_astray(track: Track, astray: dict[int, int], associations: Associations)
     """Whether an object is to be looked for in this frame; the frames in doubt are counted."""
     options = track.options.relocate
     view, fit = associations.view, _own(track, associations)
-    if view.lens is None or track.large or track.bends or track.lost:
+    if view.lens is None or track.lost or not track.rigid:
         return False
     if track.motion.rested is not None and _hidden_at_rest(track, view):
         return False

@@ -131,9 +131,9 @@ def settle(
     followed = (
         track.soft and fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     )
-    if fit.cost < options.teach_cost or track.bends or track.large or followed:
+    if fit.cost < options.teach_cost or followed or not track.rigid:
         learn(track, replace(observation, given=_lesson(track, observation)))
-    if fit.cost < options.teach_cost and not (track.bends or track.large):
+    if fit.cost < options.teach_cost and track.rigid:
         remember(track.carving_views, view, fit.pose, fit.world)
     rmse = float(np.sqrt(np.mean(claim.gap**2))) if len(claim.gap) else 0.0
     state = TrackState(fit.pose, rmse, verdict.inliers, track.confidence, len(points), "tracked")

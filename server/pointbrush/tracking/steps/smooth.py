@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.motion import Motion
@@ -27,7 +27,7 @@ from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
 from pointbrush.tracking.steps.settle import Outcome, settle
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Held:
     """The ``result`` of a frame that is not given away yet.
 
@@ -39,7 +39,7 @@ class Held:
     free: Mask
     result: FrameResult
     confidence_caps: Mapping[int, float]
-    done: set[int] = field(default_factory=set)
+    done: frozenset[int] = frozenset()
 
     def sure(self, label: int) -> bool:
         """Whether an object was found surely."""
@@ -49,18 +49,19 @@ class Held:
         """Whether an object is in doubt that was not looked at once more."""
         return label in self.result.tracks and label not in self.done and not self.sure(label)
 
-    def improve(self, label: int, state: TrackState, points: I64) -> None:
-        """Take another state of an object, and its points (M,), where they are surer."""
-        self.done.add(label)
-        if _confidence(state) <= _confidence(self.result.tracks.get(label)):
-            return
-        before = self.result.assignments.get(label, points[:0])
+    def improve(self, label: int, state: TrackState, points: I64) -> Held:
+        """The same, with another state of an object, and its points (M,), where they are surer."""
+        done, result = self.done | {label}, self.result
+        if _confidence(state) <= _confidence(result.tracks.get(label)):
+            return replace(self, done=done)
+        before = result.assignments.get(label, points[:0])
         points = together(points, before[~self.free[before]])  # what a person has painted of it
-        self.result = replace(
-            self.result,
-            assignments={**self.result.assignments, label: points},
-            tracks={**self.result.tracks, label: replace(state, points=len(points))},
+        result = replace(
+            result,
+            assignments={**result.assignments, label: points},
+            tracks={**result.tracks, label: replace(state, points=len(points))},
         )
+        return replace(self, result=result, done=done)
 
 
 class Smoother:
@@ -109,7 +110,7 @@ class Smoother:
                 return
             cap = new.confidence_caps.get(label, 1.0)
             outcome = _found_again(again, astray, held, background, cap, self._asked)
-            held.improve(label, outcome.state, outcome.points)
+            self._held[at] = held.improve(label, outcome.state, outcome.points)
 
 
 def _found_again(
@@ -146,7 +147,7 @@ def _found_again(
 
 def _stiff(track: Track) -> bool:
     """Whether what was learnt of a small object's shape later held before, too."""
-    return track.hand_sized and not (track.bends or track.soft)
+    return track.hand_sized and track.stiff
 
 
 def _confidence(state: TrackState | None) -> float:

@@ -200,8 +200,7 @@ def note_looseness(track: Track, observation: Observation) -> None:
 def note_strain(track: Track, observation: Observation) -> None:
     """Take note of how much of a small object bending alone explains."""
     options = track.options
-    stiff = not (track.bends or track.soft or track.large or track.scanned)
-    if stiff and _asked(track, observation):
+    if track.stiff and _asked(track, observation):
         most = (
             np.inf
             if track.size > options.track.dense_points
@@ -311,12 +310,7 @@ def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, no
 def corrected(track: Track, view: View, points: I64) -> F64 | None:
     """Learn from ``points`` (M,) that a person painted; the pose (4, 4), None where none fits."""
     options = track.options
-    if (
-        track.bends
-        or track.large
-        or track.frames_unseen
-        or len(points) < options.update.correction_min_points
-    ):
+    if not track.rigid or track.frames_unseen or len(points) < options.update.correction_min_points:
         return None
     fit = find(search_among(track, view, points))
     model, reach = track.model, options.update.new_surface_units * track.unit
