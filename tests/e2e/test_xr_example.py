@@ -1,0 +1,37 @@
+"""Label by example in the headset: learn, look, answer a doubt, apply."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.e2e.conftest import DATA
+from tests.e2e.headset import QUEST, VIVE, Wear
+from tests.e2e.recording import SEQUENCE
+from tests.e2e.server import LiveServer
+from tests.e2e.test_example import PREDICTED, paint_a_little
+
+
+@pytest.mark.parametrize("device", [QUEST, VIVE], ids=["quest", "vive"])
+def test_the_palette_teaches_asks_and_applies(
+    put_on: Wear, server: LiveServer, device: str
+) -> None:
+    headset = put_on(device)
+    with np.load(DATA / "0000.npz") as arrays:
+        truth = arrays["truth"]
+    paint_a_little(server, {"people": truth > 0, "room": truth == 0})
+    headset.until("pb.state.palette.value.length === 3")
+    headset.click("palette", "Example")
+    headset.click("palette", "Show what is predicted")
+    headset.click("palette", "Learn from what is painted")
+    headset.until(f"Object.keys(pb.drawnLabels()).some((id) => id >= {PREDICTED} && id < 65280)")
+    headset.click("palette", "Next doubt")
+    headset.until("pb.drawnLabels()[65344] > 0")
+    frame = headset.ask("pb.state.frame.value")
+    before = server.annotation(SEQUENCE, frame)
+    headset.click("palette", "room")
+    headset.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
+    frame = headset.ask("pb.state.frame.value")
+    headset.click("palette", "Apply to this frame")
+    headset.until(f"!(pb.labels({frame})[0] > 0)")
+    assert (server.annotation(SEQUENCE, frame) > 0).sum() > (before > 0).sum()
