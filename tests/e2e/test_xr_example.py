@@ -21,7 +21,7 @@ def test_the_palette_teaches_asks_and_applies(
         truth = arrays["truth"]
     paint_a_little(server, {"people": truth > 0, "room": truth == 0})
     headset.until("pb.state.palette.value.length === 3")
-    headset.click("palette", "Example")
+    headset.click("palette", "Teach")
     headset.click("palette", "Show what is predicted")
     headset.click("palette", "Learn from what is painted")
     headset.until(f"Object.keys(pb.drawnLabels()).some((id) => id >= {PREDICTED} && id < 65280)")

@@ -27,10 +27,13 @@ type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
 const TABS = [
   ['labels', 'Labels'],
   ['tools', 'Tools'],
-  ['example', 'Example'],
+  ['example', 'Teach'],
   ['view', 'View'],
   ['comfort', 'Comfort'],
 ] as const;
+
+/** Room beside a tab's text, in letters. */
+const TAB_PADDING = 3;
 
 /** The tab that a page is reached from. */
 function tabOf(page: Page): Tab {
@@ -163,13 +166,16 @@ export class PalettePanel extends Panel {
   }
 
   private drawTabs(ui: Ui, x: number, inner: number): void {
-    const w = inner / TABS.length;
-    TABS.forEach(([tab, text], i) => {
+    const letters = TABS.reduce((sum, [, text]) => sum + text.length + TAB_PADDING, 0);
+    let left = x;
+    for (const [tab, text] of TABS) {
+      const w = (inner * (text.length + TAB_PADDING)) / letters;
       const on = tabOf(this.page) === tab;
-      ui.button(x + i * w, ui.em * 0.5, w - ui.em * 0.2, ui.em * 2.2, { text, on }, () =>
+      ui.button(left, ui.em * 0.5, w - ui.em * 0.2, ui.em * 2.2, { text, on }, () =>
         this.show(tab),
       );
-    });
+      left += w;
+    }
   }
 
   private show(page: Page): void {
