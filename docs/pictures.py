@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from docs import headset_pictures  # noqa: E402
-from pointbrush.samples import generate  # noqa: E402
+from pointbrush.samples import Recording, generate  # noqa: E402
 from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
 from tests.e2e.desk import Desk, launch  # noqa: E402
 
@@ -47,6 +47,7 @@ class Options:
     written: int = 1200  # width of a picture, pixels
     floor: tuple[float, float, float] = (0.0, 1.1, 2.8)  # near what is pointed at, y down, metres
     flat: float = 0.03  # of the lowest point, metres
+    strokes: int = 3  # of a label to learn from; four times as many of the room
     dust: int = 60  # points of a label that cannot be followed
     most_bytes: int = 120_000  # of a picture
     patience: float = 180.0  # seconds for a job
@@ -160,11 +161,36 @@ def doubt(desk: Desk, server: Server, truth: NDArray[np.uint16]) -> int:
     return int(dust)
 
 
-def take(server: Server, browser: Browser, truth: NDArray[np.uint16], xyz: Points) -> int:
+def by_example(desk: Desk, server: Server, truth: NDArray[np.uint16], xyz: Points) -> None:
+    """Paint a little of each label and of the room in the last frame, and predict the rest."""
+    last = f"{server.path}/frames/{OPTIONS.frames - 1}"
+    labels = sorted(set(truth.tolist()))
+    server.api.post(f"{last}/clear", json={"labels": labels[1:]}).raise_for_status()
+    body = {"name": "room", "color": "#5ea2ff"}
+    room = server.api.post(f"{server.path}/labels", json=body).raise_for_status().json()["id"]
+    rng = np.random.default_rng(0)
+    for label in labels:
+        mine = np.flatnonzero(truth == label)
+        for at in xyz[rng.choice(mine, OPTIONS.strokes if label else 4 * OPTIONS.strokes)].tolist():
+            stroke = {"shape": "sphere", "radius": 0.06, "label": label or room, "tool": "paint"}
+            stroke |= {"only_unlabeled": True, "samples": [{"origin": at}]}
+            server.api.post(f"{last}/strokes", json=stroke).raise_for_status()
+    desk.press("End")
+    desk.page.get_by_role("button", name="By example").click()
+    desk.page.get_by_role("button", name="Learn from what is painted").click()
+    desk.page.get_by_text("in doubt").wait_for()
+    save(desk, "desk-example")
+    desk.page.get_by_role("button", name="By example").click()
+    server.api.delete(f"{server.path}/labels/{room}").raise_for_status()
+    desk.press("Home")
+
+
+def take(server: Server, browser: Browser, recording: Recording) -> int:
     """Walk through the views, from the first visit to the list of recordings.
 
     Returns the label that cannot be followed.
     """
+    truth, xyz = recording.truth[0], recording.frames[0].xyz
     size = (OPTIONS.width, OPTIONS.height)
     newcomer = launch(browser, server.page, *size, drawn=True, newcomer=True)
     newcomer.page.locator(".tour").wait_for(timeout=OPTIONS.patience * 1000)
@@ -191,6 +217,8 @@ def take(server: Server, browser: Browser, truth: NDArray[np.uint16], xyz: Point
     desk.page.get_by_role("button", name="Dark theme").click()
     dust = doubt(desk, server, truth)
     review(desk)
+    desk.page.get_by_role("button", name="Review").first.click()
+    by_example(desk, server, recording.truth[-1], recording.frames[-1].xyz)
     desk.ask("pb.engine.closeSequence()")
     desk.page.locator(".recording img").wait_for()
     desk.until("document.querySelector('.recording img').complete")
@@ -201,14 +229,14 @@ def take(server: Server, browser: Browser, truth: NDArray[np.uint16], xyz: Point
 
 def main() -> None:
     recording = generate("juggling", 0, OPTIONS.frames)
-    truth, xyz = recording.truth[0], recording.frames[0].xyz
+    xyz = recording.frames[0].xyz
     with (
         tempfile.TemporaryDirectory() as folder,
         serving(Path(folder) / "workspace") as server,
         sync_playwright() as playwright,
     ):
         chromium = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
-        dust = take(server, chromium, truth, xyz)
+        dust = take(server, chromium, recording)
         floor = xyz[xyz[:, 1] > xyz[:, 1].max() - OPTIONS.flat]
         nearest = floor[np.linalg.norm(floor - OPTIONS.floor, axis=1).argmin()]
         headset_pictures.take(server, chromium, IMAGES, dust, nearest.tolist())
