@@ -107,7 +107,10 @@ def serving(workspace: Path) -> Iterator[Server]:
 def save(desk: Desk, name: str, part: str = "body") -> None:
     """Write what a part of the page shows, as good as the size allows."""
     # Labels' names and rings fade in: a picture shows them as they stay.
-    desk.page.evaluate("document.getAnimations().forEach((each) => each.finish?.())")
+    ends = "each.effect.getComputedTiming().endTime !== Infinity"
+    desk.page.evaluate(
+        f"document.getAnimations().filter((each) => {ends}).forEach((each) => each.finish())"
+    )
     shown = Image.open(BytesIO(desk.page.locator(part).first.screenshot())).convert("RGB")
     if shown.width > OPTIONS.written:
         height = round(shown.height * OPTIONS.written / shown.width)
@@ -165,8 +168,9 @@ def by_example(desk: Desk, server: Server, truth: NDArray[np.uint16], xyz: Point
     """Paint a little of each label and of the room in the last frame, and predict the rest."""
     last = f"{server.path}/frames/{OPTIONS.frames - 1}"
     labels = sorted(set(truth.tolist()))
-    server.api.post(f"{last}/clear", json={"labels": labels[1:]}).raise_for_status()
-    body = {"name": "room", "color": "#5ea2ff"}
+    known = [label["id"] for label in server.api.get(f"{server.path}/labels").json()]
+    server.api.post(f"{last}/clear", json={"labels": known}).raise_for_status()
+    body = {"name": "room", "color": "#8fbf9a"}
     room = server.api.post(f"{server.path}/labels", json=body).raise_for_status().json()["id"]
     rng = np.random.default_rng(0)
     for label in labels:
@@ -179,6 +183,8 @@ def by_example(desk: Desk, server: Server, truth: NDArray[np.uint16], xyz: Point
     desk.page.get_by_role("button", name="By example").click()
     desk.page.get_by_role("button", name="Learn from what is painted").click()
     desk.page.get_by_text("in doubt").wait_for()
+    desk.page.locator(".example-told .spinner").wait_for(state="detached")
+    desk.page.mouse.move(0, OPTIONS.height / 2)  # without the button's tip
     save(desk, "desk-example")
     desk.page.get_by_role("button", name="By example").click()
     server.api.delete(f"{server.path}/labels/{room}").raise_for_status()
@@ -218,7 +224,8 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     dust = doubt(desk, server, truth)
     review(desk)
     desk.page.get_by_role("button", name="Review").first.click()
-    by_example(desk, server, recording.truth[-1], recording.frames[-1].xyz)
+    last = OPTIONS.frames - 1
+    by_example(desk, server, recording.truth[last], recording.frames[last].xyz)
     desk.ask("pb.engine.closeSequence()")
     desk.page.locator(".recording img").wait_for()
     desk.until("document.querySelector('.recording img').complete")
