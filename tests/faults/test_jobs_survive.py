@@ -76,6 +76,6 @@ def test_a_job_of_one_server_is_seen_and_cancelled_at_another(tmp_path: Path) ->
         job = here.imports.begin_sample(frames=500)
         assert there.jobs.get(job.id).state == "queued"
         eventually(lambda: any(getattr(event, "id", "") == job.id for event in told))
-        there.jobs.cancel(job.id)
+        there.jobs.cancel(job.id, keep=False)
         assert here.runner.wait(job.id, PATIENCE).state == "cancelled"
         eventually(lambda: there.jobs.get(job.id).state == "cancelled")

@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.objects import (
-    SENSOR_KINDS,
     Candidate,
     ObjectFrame,
     ObjectOptions,
     ObjectState,
-    SensorKind,
     candidates,
     prepare,
 )
 from pointbrush.selection.objects.options import CellOptions, LadderOptions
 from pointbrush.selection.objects.weights import FILE, load_weights, save_weights
+from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
 FLOOR, BALL, CRATE, POST = 0, 1, 2, 3
 

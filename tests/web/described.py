@@ -33,6 +33,7 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/export",
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
+    "POST /api/v1/classifiers/file",
     "POST /api/v1/sequences/{seq}/palette",
     "PUT /api/v1/sequences/{seq}/palette/order",
     "POST /api/v1/sequences/{seq}/frames/{i}/copy",

@@ -93,6 +93,14 @@ def test_a_page_gets_points_as_it_holds_them(client: Client, hall: Recording) ->
     )
 
 
+def test_what_is_near_a_place_is_predicted_alone(client: Client, hall: Recording) -> None:
+    made = client.classifiers.create("near", ["hall"])
+    near = hall.by_example.predict(made.id, 0, place=[1.5, 1.5, 0.0])
+    assert 0 < len(near.kind) <= FLAT + TALL
+    far = hall.by_example.predict(made.id, 0, place=[0.05, -4.5e9, 0.0])
+    assert len(far.kind) <= FLAT + TALL
+
+
 def test_a_classifier_is_taken_elsewhere(client: Client, hall: Recording, tmp_path: Path) -> None:
     made = client.classifiers.create("taken", ["hall"], ["floor", "wall"])
     file = client.classifiers.save(made.id, tmp_path / "taken.npz")

@@ -12,7 +12,7 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
 
 from pointbrush.classify.options import MOST_BYTES, MOST_CLASSES, NAME_LENGTH
-from pointbrush.streaming.messages import FrameIndex, Uuid
+from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
 from pointbrush.web.problems import responses
@@ -32,7 +32,6 @@ ClassifierId = Annotated[str, Field(pattern=ID, max_length=64, description="clas
 ClassName = Annotated[str, Field(min_length=1, max_length=NAME_LENGTH)]
 RecordingId = Annotated[str, Field(pattern=ID, max_length=64)]
 Recordings = Annotated[list[RecordingId], Field(max_length=1000)]
-Coordinate = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ClassifierBody(Body):
@@ -69,7 +68,7 @@ class PredictionBody(Body):
 
     classifier: ClassifierId
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
-    place: tuple[Coordinate, Coordinate, Coordinate] | None = None
+    place: Vec3 | None = None
 
 
 class ApplyBody(Body, ApplyOptions):
