@@ -34,6 +34,7 @@ export class PaletteTexture {
     this.texture.minFilter = NearestFilter;
     this.texture.magFilter = NearestFilter;
     this.texture.generateMipmaps = false;
+    for (let id = PREDICTED; id < SIDE * SIDE; id++) this.data[4 * id + 3] = FLAG_VISIBLE;
     this.data.set([255, 255, 255, FLAG_VISIBLE | FLAG_PREDICTED | FLAG_UNSURE], ASKED * 4);
     this.set([], null, []);
   }
