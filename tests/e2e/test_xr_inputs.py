@@ -55,6 +55,7 @@ def test_what_has_no_place_paints_where_its_ray_hits_and_drags_at_that_depth(
         source.select(True)
         headset.until(f"(pb.labels()[1] ?? 0) > {before}")
         source.look([x, y + up + 0.05, z])
+        headset.frames(3)
         source.select(False)
         source.go()
         headset.settled()
