@@ -21,6 +21,11 @@ export function mixed(from: string, to: string, share: number): string {
   return `#${parts.join('')}`;
 }
 
+/** A confidence, 0 to 1, from red over yellow to green. */
+export function sureColour(sure: number): string {
+  return sure < 0.5 ? mixed(UNSURE, BETWEEN, 2 * sure) : mixed(BETWEEN, SURE, 2 * sure - 1);
+}
+
 /** Confidence of tracking in a label of a frame. */
 export function confidenceColour(row: TimelineRow | undefined, frame: number): string {
   const points = row?.points[frame] ?? 0;
@@ -28,7 +33,7 @@ export function confidenceColour(row: TimelineRow | undefined, frame: number): s
   const sure = row.confidence[frame] ?? NaN;
   // Points that a person has painted are as sure as it gets.
   if (Number.isNaN(sure)) return (row.painted[frame] ?? 0) > 0 ? SURE : UNKNOWN;
-  return sure < 0.5 ? mixed(UNSURE, BETWEEN, 2 * sure) : mixed(BETWEEN, SURE, 2 * sure - 1);
+  return sureColour(sure);
 }
 
 /** Whether a label's points in a frame were painted or tracked. */

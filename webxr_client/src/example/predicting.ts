@@ -1,7 +1,7 @@
 /** Shows on the frame on screen what a classifier predicts of it, and paints answers to its doubts. */
 import { ASKED, DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
-import { BETWEEN, mixed, SURE, UNSURE } from '../engine/colouring';
+import { sureColour } from '../engine/colouring';
 import type { Engine } from '../engine/engine';
 import { ApiError } from '../net/rest';
 import { actions } from '../store/actions';
@@ -33,13 +33,14 @@ export class Predicting {
 
   constructor(private readonly engine: Engine) {
     const { palette } = engine.viewer;
-    const steps = Array.from({ length: DOUBT_STEPS }, (_, k) => doubtColour(k / (DOUBT_STEPS - 1)));
+    const steps = Array.from({ length: DOUBT_STEPS }, (_, k) => sureColour(k / (DOUBT_STEPS - 1)));
     palette.setPredicted(DOUBT, steps);
     follow(() => {
       const classes = classifier.value?.classes ?? [];
       palette.setPredicted(PREDICTED, coloursOf(classes, state.palette.value));
       engine.viewer.invalidate();
     });
+    watch([exampleOpen, classifier], () => this.clear());
     watch([exampleOpen, classifier, state.shown, state.counts, state.playing], () => this.ask());
     watch([shows, question], () => this.showAgain());
     watch([state.sequence], () => this.openedAnother());
@@ -61,10 +62,7 @@ export class Predicting {
   private ask(): void {
     clearTimeout(this.timer);
     const frame = this.engine.frame();
-    if (!exampleOpen.peek() || !classifier.peek() || !frame) {
-      this.clear();
-      return;
-    }
+    if (!exampleOpen.peek() || !classifier.peek() || !frame) return;
     const known = this.said.get(frame);
     predicted.value = known ? countOf(known) : null;
     if (state.playing.peek() || !frame.complete || frame.large) return;
@@ -117,12 +115,17 @@ export class Predicting {
     }
   }
 
+  /** Forget what was predicted: by another classifier, or until the bar was closed. */
   private clear(): void {
     this.request?.abort();
     predicted.value = null;
-    for (const frame of this.engine.playback.store.all()) frame.predict(null);
     const shown = this.engine.frame();
-    if (shown) this.engine.viewer.show(shown);
+    const predicts = shown?.predicted != null;
+    for (const frame of this.engine.playback.store.all()) {
+      this.said.delete(frame);
+      frame.predict(null);
+    }
+    if (shown && predicts) this.engine.viewer.show(shown);
   }
 
   /** Paint a ball of the first or second class at the place in doubt, and go to the next. */
@@ -150,11 +153,6 @@ export class Predicting {
     stroke?.end();
     void nextDoubt();
   }
-}
-
-/** From red over yellow to green: how sure, 0 to 1. */
-function doubtColour(sure: number): string {
-  return sure < 0.5 ? mixed(UNSURE, BETWEEN, 2 * sure) : mixed(BETWEEN, SURE, 2 * sure - 1);
 }
 
 /** Write `ASKED` for the points of a frame in a ball, local coordinates and metres. */
