@@ -215,7 +215,7 @@ class Track:
 
     @property
     def away(self) -> bool:
-        """Whether it has left the place where it was painted."""
+        """True once the object has left the place where it was painted."""
         went = np.linalg.norm(self.motion.place - self.motion.centre)
         return bool(went > self.model.radius)
 
@@ -229,12 +229,12 @@ class Track:
 
     @property
     def rigid(self) -> bool:
-        """Whether one motion moves all of it: it is small, and does not bend."""
+        """True for a small object that does not bend: one motion moves all of it."""
         return not (self.bends or self.large)
 
     @property
     def stiff(self) -> bool:
-        """Whether its surface does not even move within itself."""
+        """True for an object whose surface does not move within itself."""
         return not (self.bends or self.soft or self.large)
 
     def come_to(self, away: float) -> None:

@@ -98,7 +98,7 @@ def _away(track: Track, found: Association) -> float:
 
 
 def _beyond(track: Track, found: Association) -> bool:
-    """Whether what is carried was found farther off than an arm of who carries it reaches."""
+    """Test whether a carried object was found farther off than its bearer's arm reaches."""
     return _away(track, found) > track.options.relocate.arm_m
 
 

@@ -257,7 +257,7 @@ def hides(
 
 
 def _worn(track: Track, colour: F32) -> bool:
-    """Whether hardly any of the colours (M, 3) are clearly a carried object's, not clothes'."""
+    """Test whether few of the colours (M, 3) are clearly a carried object's, not clothes'."""
     options = track.options.body
     over = track.over_clothes(colour)
     clear = np.count_nonzero(over > options.distinct_log)
