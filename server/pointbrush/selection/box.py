@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.quaternions import quaternion_of, rotation_of
 from pointbrush.selection.points import Alive, Points
 from pointbrush.selection.shape import Numbers, Parameter, Parts, Selecting, Shape, Values
 
@@ -43,39 +44,6 @@ def inside(
     """Mark the points (n, 3) inside the box, its faces included."""
     off = np.abs((xyz.astype(np.float64) - center) @ rotation)
     return np.asarray((off <= size / 2).all(axis=1))
-
-
-def rotation_of(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation (3, 3) of a quaternion x, y, z, w.  Raises BadInputError for zero."""
-    norm = np.linalg.norm(quaternion)
-    if norm < 1e-9:
-        raise BadInputError(
-            f"quaternion: expected a rotation x, y, z, w, got {quaternion.tolist()}"
-        )
-    x, y, z, w = quaternion / norm
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
-def quaternion_of(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the quaternion x, y, z, w of a rotation (3, 3)."""
-    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
-    # The greatest component of the four, squared and times four, divides the others (Shepperd).
-    parts = np.array(
-        [
-            [1 + a - e - i, d + b, c + g, h - f],
-            [d + b, 1 - a + e - i, h + f, c - g],
-            [c + g, h + f, 1 - a - e + i, d - b],
-            [h - f, c - g, d - b, 1 + a + e + i],
-        ]
-    )
-    row = parts[int(np.argmax(np.diag(parts)))]
-    return np.asarray(row / np.linalg.norm(row))
 
 
 @dataclass(frozen=True, slots=True)
