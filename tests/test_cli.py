@@ -7,13 +7,17 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import plyfile
 import pytest
 
 from pointbrush.cli import main
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
 from tests.faults.server import running
 
 
@@ -206,6 +210,60 @@ def test_check_finds_a_flipped_byte(
     largest.write_bytes(data)
     assert run("check") == 1
     assert largest.name in capsys.readouterr().out
+
+
+def test_answers_come_as_json_too(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def answer(*arguments: object) -> Any:
+        assert run(*arguments, "--json") == 0
+        return json.loads(capsys.readouterr().out)
+
+    assert answer("import", recording, "--dry-run")["frames"] == 3
+    assert answer("import", recording, "--fps", 10)["sequence"] == "moving-ball"
+    (listed,) = answer("info")
+    assert (listed["id"], listed["frames"], listed["points"]) == ("moving-ball", 3, [3500] * 3)
+    assert answer("info", "moving-ball")["labels"] == []
+    assert answer("labels", "moving-ball") == []
+    assert answer("rename", "moving-ball", "A ball")["name"] == "A ball"
+    assert answer("info", "moving-ball")["name"] == "A ball"
+    assert answer("token", "list") == []
+    assert answer("check")["problems"] == []
+    assert answer("delete", "moving-ball") == {"sequence": "moving-ball"}
+    assert answer("info") == []
+    assert answer("undelete", "moving-ball") == {"sequence": "moving-ball"}
+    assert [each["id"] for each in answer("info")] == ["moving-ball"]
+
+
+def test_check_labels_fails_where_something_is_suspicious(
+    workspace: Path, recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("import", recording) == 0
+    with closing(Workspace(Settings(workspace=workspace))) as opened:
+        opened.labels.create_label("moving-ball", "me", name="ball")
+    capsys.readouterr()
+    assert run("check-labels", "moving-ball") == 0
+    assert "ball" in capsys.readouterr().out
+    assert run("check-labels", "moving-ball", "--fail") == 1
+    printed = capsys.readouterr()
+    assert "ball" in printed.out
+    assert printed.err == "pointbrush: 1 suspicious\n"
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_a_shell_completes_commands_and_flags(
+    shell: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("completion", shell) == 0
+    script = capsys.readouterr().out
+    assert "check-labels" in script
+    assert "wrong-tokens-per-minute" in script
+
+
+def test_help_of_serve_is_in_groups(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        run("serve", "--help")
+    printed = capsys.readouterr().out
+    heads = [line for line in printed.splitlines() if line.endswith(":") and line[0] != " "]
+    assert heads == ["options:", "workspace:", "address and TLS:", "access:", "work:", "limits:"]
 
 
 def test_tokens_are_added_listed_and_revoked(capsys: pytest.CaptureFixture[str]) -> None:

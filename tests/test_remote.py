@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -64,6 +65,13 @@ def test_the_whole_way_on_a_server(
     assert len(list((tmp_path / "training" / "val").iterdir())) == 1
     assert run("report", "drift", "--out", tmp_path / "drift.html").startswith("wrote")
     assert "suspicious" in run("check-labels", "drift")
+    assert "source     drift\n" in run("info", "drift"), "no path of the server's"
+    assert run("labels", "drift").split("\t")[2] == "cube"
+    run("rename", "drift", "Drifting cube")
+    assert json.loads(run("info", "--json"))[0]["name"] == "Drifting cube"
+    run("delete", "drift")
+    assert run("info") == ""
+    assert run("undelete", "drift") == "drift is back\n"
     assert not (tmp_path / "here").exists()
 
 

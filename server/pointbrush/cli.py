@@ -19,22 +19,31 @@ from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.options import UNBOUNDED, Option, hide_password, options_of
 from pointbrush.permissions import private_files
+from pointbrush.printing import Answer
 from pointbrush.roles import ROLES
-from pointbrush.settings import REMOTE, Settings, options
+from pointbrush.settings import GROUPS, REMOTE, Settings, options
 from pointbrush.work.imports.options import SAMPLES, LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 
-Command = Callable[[argparse.Namespace, Settings], None]
+Command = Callable[[argparse.Namespace, Settings], Answer | None]
 COLLECT_AFTER = (10_000, 20, 20)
 """Objects more than before until the youngest are looked through, and how often the older are:
 modules and models are 160,000 that stay, and to import them is a third slower at Python's own."""
 SEQUENCE = "a recording's id, as `pointbrush info` lists it"
+SERVING = ("demo", "serve", "review")
+"""Commands that go on until they are interrupted; the others answer, with ``--json`` as JSON."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code: 0, 2 for a usage error, 1 for any other."""
-    given = parser().parse_args(arguments)
+    grammar = parser()
+    given = grammar.parse_args(arguments)
     try:
+        if given.command == "completion":
+            import shtab
+
+            print(shtab.complete(grammar, given.shell))
+            return 0
         if arguments is None:
             hide_password(given.database if "database" in given else None)
         settings = Settings.load({o.name: getattr(given, o.name, None) for o in options()})
@@ -45,7 +54,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         command: Command = getattr(module, _function(given.command))
         # What is exported is its user's to share.
         with nullcontext() if given.command in ("export", "report") else private_files():
-            command(given, settings)
+            answer = command(given, settings)
+        if answer is not None:
+            answer.show(as_json=given.json)
+            if answer.error:
+                raise PointbrushError(answer.error)
     except PointbrushError as error:
         print(f"pointbrush: {error.whole}", file=sys.stderr)
         return 1
@@ -191,6 +204,7 @@ def parser() -> argparse.ArgumentParser:
     suspicious = _command(commands, "check-labels", "list suspicious labels, frame by frame")
     suspicious.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     suspicious.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
+    suspicious.add_argument("--fail", action="store_true", help="exit with 1 where there are any")
     suspicious.add_argument("--all", action="store_true", help="what a reviewer has accepted too")
 
     report_ = _command(commands, "report", "write how far a recording is, and who spent what")
@@ -199,6 +213,17 @@ def parser() -> argparse.ArgumentParser:
     report_.add_argument(
         "--table", choices=("frames", "labels", "people"), default="frames", help="of a .csv"
     )
+
+    for name, text in (
+        ("labels", "list the labels of a recording"),
+        ("delete", "delete a recording; it can be brought back for 30 days"),
+        ("undelete", "bring a deleted recording back"),
+        ("rename", "give a recording another name; its id stays"),
+    ):
+        command_ = _command(commands, name, text)
+        command_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+        if name == "rename":
+            command_.add_argument("name", metavar="NAME", help="the new one")
 
     headset_ = _command(
         commands, "headset-report", "say what a file of the page /check-headset tells of a headset"
@@ -221,6 +246,11 @@ def parser() -> argparse.ArgumentParser:
 
     for name, command in commands.choices.items():
         _add_settings(name, command)
+        if name not in SERVING:
+            command.add_argument("--json", action="store_true", help="answer as one JSON document")
+
+    completion_ = _command(commands, "completion", "print what completes commands in a shell")
+    completion_.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="the shell")
 
     bench_ = _command(commands, "bench", "run the benchmarks of a checkout")
     bench_.add_argument("name", nargs="?", help="one of them; all unless given")
@@ -259,16 +289,22 @@ def _command(
 
 
 def _add_settings(name: str, command: argparse.ArgumentParser) -> None:
-    """Add the flags that a command takes, see ``Settings``."""
-    for option in options():
-        if not option.taken_by(name):
-            continue
-        text = option.definition.help
-        if option.kind is bool:
-            command.add_argument(option.flag, action="store_true", default=None, help=text)
-            continue
-        text += f" (default: {option.shown_default})" if option.shown_default else ""
-        command.add_argument(option.flag, type=partial(_setting, option), default=None, help=text)
+    """Add the flags that a command takes in their groups, see ``Settings``."""
+    taken = [option for option in options() if option.taken_by(name)]
+    for title in GROUPS:
+        group = command.add_argument_group(title)
+        for option in taken:
+            if option.definition.group == title:
+                _add_setting(group, option)
+
+
+def _add_setting(group: argparse._ArgumentGroup, option: Option) -> None:
+    text = option.definition.help
+    if option.kind is bool:
+        group.add_argument(option.flag, action="store_true", default=None, help=text)
+        return
+    text += f" (default: {option.shown_default})" if option.shown_default else ""
+    group.add_argument(option.flag, type=partial(_setting, option), default=None, help=text)
 
 
 def _setting(option: Option, text: str) -> Any:

@@ -17,7 +17,7 @@ from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
 from pointbrush.labels import check_database
 from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
-from pointbrush.printing import follow
+from pointbrush.printing import Answer, follow
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, own_url, restore_backup
 from pointbrush.work.imports.options import LabelOptions
@@ -55,7 +55,7 @@ def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG00
         run(workspace, settings)
 
 
-def import_(given: argparse.Namespace, settings: Settings) -> None:
+def import_(given: argparse.Namespace, settings: Settings) -> Answer:
     """Import files as one recording and print its id, or what would be imported."""
     from pointbrush.formats import Limits
     from pointbrush.formats.corrections import Corrections, parse_corrections
@@ -65,23 +65,21 @@ def import_(given: argparse.Namespace, settings: Settings) -> None:
     how = parse_corrections(chosen(Corrections, given))
     if given.dry_run:
         request = ImportRequest(tuple(given.paths), given.name, given.fps, how)
-        printing.preview(asdict(preview(request, Limits(settings.max_frame_points))))
-        return
+        return printing.preview(asdict(preview(request, Limits(settings.max_frame_points))))
     with closing(Workspace(settings)) as workspace:
         job = workspace.imports.begin(given.paths, name=given.name, fps=given.fps, chosen=how)
         result = follow(workspace.jobs.get, job)
-        printing.imported(result)
+        return printing.imported(result)
 
 
-def import_labels(given: argparse.Namespace, settings: Settings) -> None:
+def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:
     """Import labels made elsewhere and print what was found."""
     from pointbrush.formats.class_maps import read_map
 
     with closing(Workspace(settings)) as workspace:
         if given.path is None:
             workspace.imports.bring_labels(given.sequence, AUTHOR)
-            printing.source_labels_imported(given.sequence)
-            return
+            return printing.source_labels_imported(given.sequence)
         job = workspace.imports.begin_labels(
             given.sequence,
             given.path,
@@ -92,10 +90,10 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
         )
         result = follow(workspace.jobs.get, job)
         frames = len(workspace.recording(given.sequence))
-        printing.labels_imported(result, frames, dry_run=given.dry_run)
+        return printing.labels_imported(result, frames, dry_run=given.dry_run)
 
 
-def track(given: argparse.Namespace, settings: Settings) -> None:
+def track(given: argparse.Namespace, settings: Settings) -> Answer:
     """Track labels and print how it ended."""
     with closing(Workspace(settings)) as workspace:
         labels = None
@@ -111,35 +109,31 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             **RunOptions.of(given),
         )
         result = follow(workspace.jobs.get, job)
-        printing.tracked(result)
+        return printing.tracked(result)
 
 
-def example(given: argparse.Namespace, settings: Settings) -> None:
+def example(given: argparse.Namespace, settings: Settings) -> Answer:
     """Teach a classifier by what is painted, apply it, or list what there is."""
     with closing(Workspace(settings)) as workspace:
         known = workspace.classifiers
         if given.load is not None:
-            printing.classifier(known.bring(given.load.read_bytes(), given.name))
-            return
+            return printing.classifier(known.bring(given.load.read_bytes(), given.name))
         if given.sequence is None and given.classifier is None:
-            for each in known.listing():
-                printing.classifier(each)
-            return
+            return printing.classifiers(known.listing())
         if given.delete:
             known.delete(printing.required("--classifier", given.classifier))
-            print(f"deleted {given.classifier}")
-            return
+            return printing.said(f"deleted {given.classifier}", classifier=given.classifier)
         taught = _taught(workspace, given)
-        printing.classifier(taught)
         if given.save is not None:
             given.save.write_bytes(known.file(taught.id))
-        if given.apply is not None:
-            sequence = printing.required("SEQ", given.sequence)
-            frames = "" if given.apply == "all" else given.apply
-            job = known.apply(
-                sequence, author=AUTHOR, classifier=taught.id, frames=frames, above=given.above
-            )
-            printing.predicted(follow(workspace.jobs.get, job))
+        if given.apply is None:
+            return printing.classifier(taught)
+        sequence = printing.required("SEQ", given.sequence)
+        frames = "" if given.apply == "all" else given.apply
+        job = known.apply(
+            sequence, author=AUTHOR, classifier=taught.id, frames=frames, above=given.above
+        )
+        return printing.applied(taught, follow(workspace.jobs.get, job))
 
 
 def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
@@ -151,49 +145,73 @@ def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
     return workspace.classifiers.create(given.name or given.sequence, names, classes)
 
 
-def export(given: argparse.Namespace, settings: Settings) -> None:
+def export(given: argparse.Namespace, settings: Settings) -> Answer:
     """Export a sequence to a folder or file."""
     with closing(Workspace(settings)) as workspace:
         workspace.recording(given.sequence)
         from pointbrush.formats import EXPORTS  # takes its time to import
 
-        if given.format in EXPORTS:
-            printing.not_held(EXPORTS[given.format])
         workspace.export(
             given.sequence, given.format, given.out, given.frames, given.val, given.above
         )
-        print(f"exported {given.sequence} to {given.out}")
+        return printing.exported(given.sequence, given.out, EXPORTS[given.format])
 
 
-def info(given: argparse.Namespace, settings: Settings) -> None:
+def info(given: argparse.Namespace, settings: Settings) -> Answer:
     """List the recordings, or describe one."""
     with closing(Workspace(settings)) as workspace:
         if given.sequence is None:
-            for entry in workspace.listing.all():
-                printing.line(entry.id, entry.manifest, entry.damaged, entry.labels_missing)
-            return
+            return printing.recordings(
+                printing.Row(entry.id, entry.manifest, entry.damaged, entry.labels_missing)
+                for entry in workspace.listing.all()
+            )
         manifest = workspace.recording(given.sequence).manifest
         revision = workspace.labels.revision(manifest.id)
-        printing.facts(manifest, revision, workspace.labels.palette(given.sequence))
+        return printing.facts(manifest, revision, workspace.labels.palette(given.sequence))
 
 
-def token(given: argparse.Namespace, settings: Settings) -> None:
+def delete(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Delete a recording; it can be brought back for 30 days."""
+    with closing(Workspace(settings)) as workspace:
+        workspace.recording(given.sequence)
+        workspace.deletion.delete(given.sequence)
+        return printing.deleted(given.sequence)
+
+
+def undelete(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Bring a deleted recording back."""
+    with closing(Workspace(settings)) as workspace:
+        return printing.undeleted(workspace.deletion.restore(given.sequence))
+
+
+def rename(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Give a recording another name; its id stays."""
+    with closing(Workspace(settings)) as workspace:
+        manifest = workspace.update_sequence(given.sequence, name=given.name)
+        return printing.renamed(manifest.id, manifest.name)
+
+
+def labels(given: argparse.Namespace, settings: Settings) -> Answer:
+    """List the labels of a recording."""
+    with closing(Workspace(settings)) as workspace:
+        workspace.recording(given.sequence)
+        return printing.labels(workspace.labels.palette(given.sequence))
+
+
+def token(given: argparse.Namespace, settings: Settings) -> Answer:
     """Add, list or revoke tokens."""
     with closing(Workspace(settings)) as workspace:
         tokens = workspace.labels.tokens
         if given.action == "list":
-            for entry in tokens.list():
-                status = "valid" if entry.valid else "revoked" if entry.revoked else "expired"
-                print(f"{entry.id}\t{entry.role}\t{entry.name}\t{status}")
-            return
+            return printing.tokens(tokens.list())
         if not given.name:
             raise BadInputError(f"token {given.action}: expected a name, got none")
         if given.action == "revoke":
             tokens.revoke(given.name)
-            print(f"revoked {given.name}")
-        else:
-            expires = None if given.days is None else time.time() + given.days * 86_400
-            print(tokens.add(given.role, given.name, expires))
+            return printing.said(f"revoked {given.name}", token=given.name)
+        expires = None if given.days is None else time.time() + given.days * 86_400
+        secret = tokens.add(given.role, given.name, expires)
+        return printing.said(secret, token=secret)
 
 
 def review(given: argparse.Namespace, settings: Settings) -> None:
@@ -216,8 +234,8 @@ def review(given: argparse.Namespace, settings: Settings) -> None:
         threading.Event().wait()
 
 
-def check(given: argparse.Namespace, settings: Settings) -> None:
-    """Print what is wrong in the workspace, mend it if told to; an error when anything is left."""
+def check(given: argparse.Namespace, settings: Settings) -> Answer:
+    """List the faults of the workspace, mended if told to; fails where any is left."""
     try:
         workspace = Workspace(settings)
     except UnavailableError:
@@ -228,33 +246,31 @@ def check(given: argparse.Namespace, settings: Settings) -> None:
         wanted = (
             [given.sequence] if given.sequence else [entry.id for entry in workspace.listing.all()]
         )
+        rebuilt: list[str] = []
         if given.repair:
             repaired = workspace.listing.repair(wanted)
-            for line in repaired.rebuilt:
-                print(f"rebuilt: {line}")
+            rebuilt = [f"rebuilt: {line}" for line in repaired.rebuilt]
             problems = [f"cannot be rebuilt: {line}" for line in repaired.lost]
         else:
             problems = workspace.labels.integrity()
             problems += [
                 f"{name}: {line}" for name in wanted for line in workspace.listing.problems(name)
             ]
-        for problem in problems:
-            print(problem)
-        if problems:
-            raise PointbrushError(f"{len(problems)} problems found")
-        print(f"{len(wanted)} recordings and their labels are sound")
-        if open_to_others(settings.workspace):
-            print("other users of this machine may read the workspace: chmod -R go= it")
+        return printing.checked(
+            len(wanted), problems, rebuilt, readable=open_to_others(settings.workspace)
+        )
 
 
-def check_labels(given: argparse.Namespace, settings: Settings) -> None:
-    """Print the suspicious things in the labels of a recording, one a line."""
+def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
+    """List the suspicious things in the labels of a recording."""
     with closing(Workspace(settings)) as workspace:
         checked = workspace.reviewing.checks(given.sequence, given.frames)
-        printing.findings(checked.findings, checked.unchecked, settled=given.all)
+    return printing.findings(
+        checked.findings, checked.unchecked, settled=given.all, fail=given.fail
+    )
 
 
-def report(given: argparse.Namespace, settings: Settings) -> None:
+def report(given: argparse.Namespace, settings: Settings) -> Answer:
     """Write a report of a recording's labels."""
     from pointbrush.work.reviewing import to_csv, to_html
 
@@ -263,42 +279,43 @@ def report(given: argparse.Namespace, settings: Settings) -> None:
         found = workspace.reviewing.report(given.sequence)
     text = to_html(found) if suffix == ".html" else to_csv(found, given.table)
     given.out.write_text(text, encoding="utf-8")
-    print(f"wrote {given.out}")
+    return printing.said(f"wrote {given.out}", file=str(given.out))
 
 
-def headset_report(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001
-    """Print what a report of a headset tells."""
+def headset_report(given: argparse.Namespace, settings: Settings) -> Answer:  # noqa: ARG001
+    """Put a report of a headset in words."""
     from pointbrush.headset_report.model import read_report
     from pointbrush.headset_report.words import report_lines
 
-    print(*report_lines(read_report(given.file)), sep="\n")
+    found = read_report(given.file)
+    return Answer(found, report_lines(found))
 
 
-def backup(given: argparse.Namespace, settings: Settings) -> None:
+def backup(given: argparse.Namespace, settings: Settings) -> Answer:
     """Copy recordings and labels into a new folder."""
     from pointbrush.work.backup import make_backup
 
     with closing(Workspace(settings)) as workspace:
         make_backup(workspace.labels, workspace.library, given.target)
-    print(f"backed up to {given.target}")
+    return printing.said(f"backed up to {given.target}", target=str(given.target))
 
 
-def restore(given: argparse.Namespace, settings: Settings) -> None:
+def restore(given: argparse.Namespace, settings: Settings) -> Answer:
     """Bring a backup back as a new workspace, or one recording of it into this one."""
     if given.only:
         with closing(Workspace(settings)) as workspace:
-            print(f"restored {workspace.restore_from_backup(given.source, given.only)}")
-        return
+            restored = workspace.restore_from_backup(given.source, given.only)
+            return printing.said(f"restored {restored}", sequence=restored)
     if settings.sequences:
         raise BadInputError(
             "restore: expected no --sequences: a backup becomes a folder, whose `sequences` can "
             "be copied to a bucket then"
         )
     restore_backup(given.source, settings.workspace, settings.database and settings.database_url)
-    print(f"restored to {settings.workspace}")
+    return printing.said(f"restored to {settings.workspace}", workspace=str(settings.workspace))
 
 
-def move(given: argparse.Namespace, settings: Settings) -> None:
+def move(given: argparse.Namespace, settings: Settings) -> Answer:
     """Move the labels into another database."""
     if has_password(given.target):
         raise BadInputError("move: expected a URL without a password; give that by PGPASSFILE")
@@ -306,7 +323,7 @@ def move(given: argparse.Namespace, settings: Settings) -> None:
     Workspace(settings).close()  # it can be opened, and its schema is up to date
     move_labels(settings.workspace, settings.database_url, target)
     start = "without --database" if given.target == "sqlite" else f"with --database {target}"
-    print(f"moved the labels; start the server {start} from now on")
+    return printing.said(f"moved the labels; start the server {start} from now on", target=target)
 
 
 def bench(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001

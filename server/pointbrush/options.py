@@ -17,6 +17,7 @@ from pointbrush.errors import BadInputError
 
 PREFIX = "POINTBRUSH_"
 UNBOUNDED = sys.maxsize
+WORKSPACE = "workspace"
 HEAD = ("| flag | variable | default | |", "|---|---|---|---|")
 DATABASE_VARIABLE = f"{PREFIX}DATABASE"
 
@@ -32,6 +33,8 @@ class Definition:
     """Of a number: bytes, seconds, points; empty where it counts what the help names."""
     least: int = 1
     most: int = UNBOUNDED
+    group: str = WORKSPACE
+    """Heading in a command's help."""
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,15 @@
-"""Lines that commands print, of a workspace here and of one behind a server alike.
+"""Answers of commands, of a workspace here and of one behind a server alike.
 
 A job is followed on the command line: a bar on a terminal, plain lines elsewhere.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -17,6 +19,38 @@ from pointbrush.job import ENDED
 TICK = 0.1
 LINE_STEP = 0.1
 """Share of the work between two plain lines."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """Answer of a command.
+
+    ``value`` is what `--json` prints; ``lines`` and, on standard error, ``warnings`` are for
+    people, ``head`` names the columns of lines on a terminal; with an ``error`` the command fails
+    after it has answered.
+    """
+
+    value: Any
+    lines: Sequence[str]
+    warnings: Sequence[str] = ()
+    head: str = ""
+    error: str = ""
+
+    def show(self, *, as_json: bool) -> None:
+        """Print the answer as one JSON document, or in lines."""
+        if as_json:
+            print(json.dumps(self.value, default=_plain, ensure_ascii=False, indent=1))
+            return
+        for warning in self.warnings:
+            print(warning, file=sys.stderr)
+        for line in (self.head, *self.lines) if sys.stdout.isatty() else self.lines:
+            if line:
+                print(line)
+
+
+def _plain(value: object) -> object:
+    """Turn a value that JSON does not know into one that it does."""
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else str(value)
 
 
 class About(Protocol):
@@ -47,6 +81,23 @@ class Entry(Protocol):
     def name(self) -> str: ...  # noqa: D102
     @property
     def color(self) -> str: ...  # noqa: D102
+    @property
+    def category(self) -> str: ...  # noqa: D102
+
+
+class TokenEntry(Protocol):
+    """A token's record."""
+
+    @property
+    def id(self) -> str: ...  # noqa: D102
+    @property
+    def role(self) -> str: ...  # noqa: D102
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def valid(self) -> bool: ...  # noqa: D102
+    @property
+    def revoked(self) -> float | None: ...  # noqa: D102
 
 
 class ExportFormat(Protocol):
@@ -71,8 +122,8 @@ class Suspicious(Protocol):
     def settled(self) -> bool: ...  # noqa: D102
 
 
-def preview(found: Mapping[str, Any]) -> None:
-    """Print what an import would do."""
+def preview(found: Mapping[str, Any]) -> Answer:
+    """Describe an import that was not carried out."""
     points = ", ".join(f"{frame['points']:,}" for frame in found["points"])
     said = found["fps_from"]
     rate_from = said if said in ("given", "assumed") else f"from {said}"
@@ -102,73 +153,158 @@ def preview(found: Mapping[str, Any]) -> None:
         "up": found["up"],
         "labels": "come with the points" if found["labels"] else "none",
     }
-    for name, value in told.items():
-        if value:
-            print(f"{name:10} {value}")
-    for warning in found["warnings"]:
-        print(f"warning    {warning}")
-    print("nothing was written: this is what an import would do")
+    lines = [f"{name:10} {value}" for name, value in told.items() if value]
+    lines += [f"warning    {warning}" for warning in found["warnings"]]
+    lines.append("nothing was written: this is what an import would do")
+    return Answer(found, lines)
 
 
-def imported(result: Mapping[str, Any]) -> None:
-    """Print the result of an import's job."""
-    for warning in result["warnings"]:
-        print(f"warning: {warning}", file=sys.stderr)
+def imported(result: Mapping[str, Any]) -> Answer:
+    """Describe the result of an import's job."""
     dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
     frames = "1 frame" if result["frames"] == 1 else f"{result['frames']} frames"
     points = "1 point" if result["points"] == 1 else f"{result['points']:,} points"
-    print(f"imported {result['sequence']}: {frames}, {points}{dropped}")
+    line = f"imported {result['sequence']}: {frames}, {points}{dropped}"
+    return Answer(result, [line], _warnings(result))
 
 
-def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -> None:
-    """Print the report of labels that were imported into a recording of ``frames`` frames."""
-    for warning in result.get("warnings", ()):
-        print(f"warning: {warning}", file=sys.stderr)
-    for told in result["frames"]:
-        print(f"frame {told['frame']}: {told['points']:,} points of {told['file']}")
-    for number in result["unknown_classes"]:
-        print(f"class {number} has no name: --map FILE gives it one")
+def _warnings(result: Mapping[str, Any]) -> list[str]:
+    return [f"warning: {warning}" for warning in result.get("warnings", ())]
+
+
+def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -> Answer:
+    """Describe labels that were imported into a recording of ``frames`` frames."""
+    lines = [
+        f"frame {told['frame']}: {told['points']:,} points of {told['file']}"
+        for told in result["frames"]
+    ]
+    lines += [
+        f"class {number} has no name: --map FILE gives it one"
+        for number in result["unknown_classes"]
+    ]
     if result["unmatched_frames"]:
-        print(f"frames without labels: {', '.join(map(str, result['unmatched_frames']))}")
+        lines.append(f"frames without labels: {', '.join(map(str, result['unmatched_frames']))}")
     if result["unmatched_files"]:
-        print(f"files of no frame: {', '.join(result['unmatched_files'])}")
+        lines.append(f"files of no frame: {', '.join(result['unmatched_files'])}")
     done = "found" if dry_run else "imported"
     count = result["labelled"] if dry_run else result.get("changed", 0)
     if locked := result.get("locked"):
-        print(f"points of locked labels stayed: {', '.join(locked)}")
-    print(
+        lines.append(f"points of locked labels stayed: {', '.join(locked)}")
+    lines.append(
         f"{done} {count:,} labelled points in {result['matched']} of {frames} "
         f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
     )
+    return Answer(result, lines, _warnings(result))
 
 
-def tracked(result: Mapping[str, Any]) -> None:
-    """Print the result of a tracking run's job."""
-    print(f"tracked {result['frames']} frames, {result['changed']:,} points labelled")
+def tracked(result: Mapping[str, Any]) -> Answer:
+    """Describe the result of a tracking run's job."""
+    line = f"tracked {result['frames']} frames, {result['changed']:,} points labelled"
+    return Answer(result, [line])
 
 
-def line(
-    sequence: str, known: About | None, damaged: str | None, labels_missing: str | None
-) -> None:
-    """Print a recording's line of the list; of a damaged one perhaps only the id is known."""
-    parts = [sequence]
-    if known is not None:
-        points = f"{sum(known.points):,} points"
-        parts += [f"{known.frames} frames", f"{known.fps:g} fps", points, known.name]
-    if damaged is not None:
-        parts.append(f"damaged: {damaged}")
-    if labels_missing is not None:
-        parts.append(f"labels did not come in: {labels_missing}")
-    print("\t".join(parts))
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A recording's row of the list; of a damaged one perhaps only the id is known."""
+
+    id: str
+    known: About | None
+    damaged: str | None
+    labels_missing: str | None
+
+    @property
+    def line(self) -> str:
+        """Join what is known by tabs."""
+        parts = [self.id]
+        if self.known is not None:
+            points = f"{sum(self.known.points):,} points"
+            parts += [f"{self.known.frames} frames", f"{self.known.fps:g} fps", points]
+            parts.append(self.known.name)
+        if self.damaged is not None:
+            parts.append(f"damaged: {self.damaged}")
+        if self.labels_missing is not None:
+            parts.append(f"labels did not come in: {self.labels_missing}")
+        return "\t".join(parts)
 
 
-def source_labels_imported(sequence: str) -> None:
-    """Print that the labels in a recording's own files are in."""
-    print(f"the labels in the files of {sequence} are in")
+def recordings(rows: Iterable[Row]) -> Answer:
+    """List the recordings of a workspace."""
+    listed = list(rows)
+    value = [
+        (_facts(row.known) if row.known else {"id": row.id})
+        | {"damaged": row.damaged, "labels_missing": row.labels_missing}
+        for row in listed
+    ]
+    head = "ID\tFRAMES\tRATE\tPOINTS\tNAME"
+    return Answer(value, [row.line for row in listed], head=head if listed else "")
 
 
-def facts(known: About, revision: int, palette: Iterable[Entry]) -> None:
-    """Print what is known of a recording."""
+def _facts(known: About) -> dict[str, Any]:
+    return {
+        "id": known.id,
+        "name": known.name,
+        "source": known.source,
+        "frames": known.frames,
+        "fps": known.fps,
+        "points": list(known.points),
+        "fields": list(known.fields),
+    }
+
+
+def said(line: str, **value: Any) -> Answer:
+    """Answer with one line, and with ``value`` as JSON."""
+    return Answer(value, [line])
+
+
+def deleted(sequence: str) -> Answer:
+    """Confirm that a recording is deleted."""
+    return said(
+        f"deleted {sequence}; `pointbrush undelete {sequence}` brings it back for 30 days",
+        sequence=sequence,
+    )
+
+
+def undeleted(sequence: str) -> Answer:
+    """Confirm that a recording is back."""
+    return said(f"{sequence} is back", sequence=sequence)
+
+
+def renamed(sequence: str, name: str) -> Answer:
+    """Confirm a recording's new name."""
+    return said(f"{sequence} is called {name!r}", sequence=sequence, name=name)
+
+
+def tokens(found: Iterable[TokenEntry]) -> Answer:
+    """List tokens, without their secrets."""
+    rows = [
+        {"id": each.id, "role": each.role, "name": each.name, "status": _status(each)}
+        for each in found
+    ]
+    lines = ["\t".join(row.values()) for row in rows]
+    if not rows:
+        lines = ["no tokens; `pointbrush token add NAME --role annotator` makes one"]
+    return Answer(rows, lines, head="ID\tROLE\tNAME\tSTATUS" if rows else "")
+
+
+def _status(token: TokenEntry) -> str:
+    return "valid" if token.valid else "revoked" if token.revoked else "expired"
+
+
+def source_labels_imported(sequence: str) -> Answer:
+    """Confirm that the labels in a recording's own files are in."""
+    return said(f"the labels in the files of {sequence} are in", sequence=sequence)
+
+
+def labels(palette: Iterable[Entry]) -> Answer:
+    """List the labels of a palette."""
+    listed = list(palette)
+    lines = [f"{label.id}\t{label.color}\t{label.name}\t{label.category}" for label in listed]
+    return Answer(listed, lines, head="ID\tCOLOUR\tNAME\tCATEGORY" if listed else "")
+
+
+def facts(known: About, revision: int, palette: Iterable[Entry]) -> Answer:
+    """Describe a recording."""
+    listed = list(palette)
     told: dict[str, Any] = {
         "id": known.id,
         "name": known.name,
@@ -179,23 +315,42 @@ def facts(known: About, revision: int, palette: Iterable[Entry]) -> None:
         "fields": ", ".join(known.fields),
         "revision": revision,
     }
-    for name, value in told.items():
-        print(f"{name:10} {value}")
-    for label in palette:
-        print(f"label {label.id:<4} {label.color} {label.name}")
+    lines = [f"{name:10} {value}" for name, value in told.items()]
+    lines += [f"label {label.id:<4} {label.color} {label.name}" for label in listed]
+    return Answer(_facts(known) | {"revision": revision, "labels": listed}, lines)
 
 
-def findings(found: Iterable[Suspicious], unchecked: Iterable[str], *, settled: bool) -> None:
-    """Print suspicious things, with ``settled`` also those that a reviewer has accepted."""
+def findings(
+    found: Iterable[Suspicious], unchecked: Sequence[str], *, settled: bool, fail: bool
+) -> Answer:
+    """List suspicious things, with ``settled`` also those that a reviewer has accepted.
+
+    ``fail``: the command fails where there are any.
+    """
     wanted = [each for each in found if settled or not each.settled]
+    lines = []
     for each in wanted:
         frames = "palette" if each.first is None else f"frame {each.first}"
         if each.last != each.first:
             frames = f"frames {each.first} to {each.last}"
-        print(f"{frames}: {each.text}")
-    for sentence in unchecked:
-        print(f"not looked at: {sentence}", file=sys.stderr)
-    print(f"{len(wanted)} suspicious")
+        lines.append(f"{frames}: {each.text}")
+    lines.append(f"{len(wanted)} suspicious")
+    value = {"findings": wanted, "unchecked": list(unchecked)}
+    error = f"{len(wanted)} suspicious" if fail and wanted else ""
+    return Answer(value, lines, [f"not looked at: {each}" for each in unchecked], error=error)
+
+
+def checked(
+    recordings: int, problems: Sequence[str], rebuilt: Sequence[str], *, readable: bool
+) -> Answer:
+    """Describe the faults of a workspace; ``readable``: by other users of the machine."""
+    lines = [*rebuilt, *problems]
+    if not problems:
+        lines.append(f"{recordings} recordings and their labels are sound")
+        if readable:
+            lines.append("other users of this machine may read the workspace: chmod -R go= it")
+    value = {"recordings": recordings, "problems": problems, "rebuilt": rebuilt}
+    return Answer(value, lines, error=f"{len(problems)} problems found" if problems else "")
 
 
 def report_suffix(out: Path) -> str:
@@ -276,10 +431,13 @@ def _lines(look: Look, job: Followed) -> Followed:
     return job
 
 
-def not_held(entry: ExportFormat) -> None:
-    """Print what an export in this format leaves out, before it is written."""
+def exported(sequence: str, out: Path, entry: ExportFormat) -> Answer:
+    """Name the place of an export, and list the content that its format leaves out."""
+    lines = [f"exported {sequence} to {out}"]
     if entry.cannot_hold:
-        print(f"{entry.title} does not hold: {', '.join(entry.cannot_hold)}")
+        lines.insert(0, f"{entry.title} does not hold: {', '.join(entry.cannot_hold)}")
+    value = {"sequence": sequence, "out": str(out), "cannot_hold": list(entry.cannot_hold)}
+    return Answer(value, lines)
 
 
 # ── labels by example ────────────────────────────────────────────────────────────────────────
@@ -298,16 +456,27 @@ class Taught(Protocol):
     def score(self) -> float | None: ...  # noqa: D102
 
 
-def classifier(found: Taught) -> None:
-    """Print a classifier: what taught it, and how it scores."""
+def classifiers(found: Iterable[Taught]) -> Answer:
+    """List classifiers with their examples, teachers and scores."""
+    listed = list(found)
+    return Answer(listed, [_classifier(each) for each in listed])
+
+
+def classifier(found: Taught) -> Answer:
+    """Describe a classifier: its examples, its teachers and its score."""
+    return Answer(found, [_classifier(found)])
+
+
+def _classifier(found: Taught) -> str:
     examples = ", ".join(f"{name} {count}" for name, count in found.examples.items())
     score = "" if found.score is None else f"\tscore {found.score:.2f}"
-    print(f"{found.id}\t{examples}\tby {', '.join(found.taught_by) or 'nobody'}{score}")
+    return f"{found.id}\t{examples}\tby {', '.join(found.taught_by) or 'nobody'}{score}"
 
 
-def predicted(result: Mapping[str, Any]) -> None:
-    """Print what a job that applied a classifier did."""
-    print(f"labelled {result['changed']:,} points in {result.get('frames', 0)} frames")
+def applied(found: Taught, result: Mapping[str, Any]) -> Answer:
+    """Describe a classifier and the result of a job that applied it."""
+    done = f"labelled {result['changed']:,} points in {result.get('frames', 0)} frames"
+    return Answer({"classifier": found, "applied": result}, [_classifier(found), done])
 
 
 def listed(text: str) -> list[str]:

@@ -16,7 +16,7 @@ from pointbrush.client import PATIENCE, Classifier, Client, Job, Recording
 from pointbrush.errors import BadInputError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.options import chosen
-from pointbrush.printing import follow
+from pointbrush.printing import Answer, follow
 from pointbrush.settings import Settings
 from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
@@ -43,24 +43,22 @@ def _followed(client: Client, job: Job) -> dict[str, Any]:
     return follow(partial(client.job, patience=PATIENCE), job)
 
 
-def import_(given: argparse.Namespace, settings: Settings) -> None:
+def import_(given: argparse.Namespace, settings: Settings) -> Answer:
     """Upload files, import them as one recording, and print its id or what would be imported."""
     options = chosen(Corrections, given) | {"name": given.name, "fps": given.fps}
     with client_of(settings) as client:
         if given.dry_run:
-            printing.preview(client.preview(given.paths, **options))
-        else:
-            printing.imported(_followed(client, client.start_import(given.paths, **options)))
+            return printing.preview(client.preview(given.paths, **options))
+        return printing.imported(_followed(client, client.start_import(given.paths, **options)))
 
 
-def import_labels(given: argparse.Namespace, settings: Settings) -> None:
+def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:
     """Upload labels made elsewhere and print what was found."""
     with client_of(settings) as client:
         recording = client[given.sequence]
         if given.path is None:
             recording.import_source_labels()
-            printing.source_labels_imported(given.sequence)
-            return
+            return printing.source_labels_imported(given.sequence)
         job = recording.start_label_import(
             [given.path],
             map=None if given.map is None else _text(given.map),
@@ -68,7 +66,7 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> None:
             **chosen(LabelOptions, given),
         )
         result = _followed(client, job)
-        printing.labels_imported(result, len(recording.frames), dry_run=given.dry_run)
+        return printing.labels_imported(result, len(recording.frames), dry_run=given.dry_run)
 
 
 def _text(path: Path) -> str:
@@ -78,7 +76,7 @@ def _text(path: Path) -> str:
         raise BadInputError(f"--map: expected a readable text file, got {path}: {error}") from None
 
 
-def track(given: argparse.Namespace, settings: Settings) -> None:
+def track(given: argparse.Namespace, settings: Settings) -> Answer:
     """Track labels and print how it ended."""
     with client_of(settings) as client:
         recording = client[given.sequence]
@@ -87,33 +85,29 @@ def track(given: argparse.Namespace, settings: Settings) -> None:
             palette = recording.labels()
             labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
         job = recording.start_tracking(labels, given.start, given.stop, **RunOptions.of(given))
-        printing.tracked(_followed(client, job))
+        return printing.tracked(_followed(client, job))
 
 
-def example(given: argparse.Namespace, settings: Settings) -> None:
+def example(given: argparse.Namespace, settings: Settings) -> Answer:
     """Teach a classifier by what is painted, apply it, or list what there is."""
     with client_of(settings) as client:
         known = client.classifiers
         if given.load is not None:
-            printing.classifier(known.load(given.load, given.name))
-            return
+            return printing.classifier(known.load(given.load, given.name))
         if given.sequence is None and given.classifier is None:
-            for each in known.all():
-                printing.classifier(each)
-            return
+            return printing.classifiers(known.all())
         if given.delete:
             known.delete(printing.required("--classifier", given.classifier))
-            print(f"deleted {given.classifier}")
-            return
+            return printing.said(f"deleted {given.classifier}", classifier=given.classifier)
         taught = _taught(client, given)
-        printing.classifier(taught)
         if given.save is not None:
             known.save(taught.id, given.save)
-        if given.apply is not None:
-            recording = client[printing.required("SEQ", given.sequence)]
-            frames = "" if given.apply == "all" else given.apply
-            job = recording.by_example.start(taught.id, frames, given.above)
-            printing.predicted(_followed(client, job))
+        if given.apply is None:
+            return printing.classifier(taught)
+        recording = client[printing.required("SEQ", given.sequence)]
+        frames = "" if given.apply == "all" else given.apply
+        job = recording.by_example.start(taught.id, frames, given.above)
+        return printing.applied(taught, _followed(client, job))
 
 
 def _taught(client: Client, given: argparse.Namespace) -> Classifier:
@@ -125,7 +119,7 @@ def _taught(client: Client, given: argparse.Namespace) -> Classifier:
     return client.classifiers.create(given.name or given.sequence, names, classes)
 
 
-def export(given: argparse.Namespace, settings: Settings) -> None:
+def export(given: argparse.Namespace, settings: Settings) -> Answer:
     """Export a recording to a .zip, or a new folder."""
     out: Path = given.out
     zipped = out.suffix.lower() == ".zip"
@@ -134,14 +128,12 @@ def export(given: argparse.Namespace, settings: Settings) -> None:
     with client_of(settings) as client:
         recording = client[given.sequence]
         out.parent.mkdir(parents=True, exist_ok=True)
-        for entry in client.export_formats():
-            if entry.format == given.format:
-                printing.not_held(entry)
+        known = {entry.format: entry for entry in client.export_formats()}
         if zipped:
             recording.export(given.format, out, given.frames, given.val, given.above)
         else:
             _export_folder(recording, given, out)
-    print(f"exported {given.sequence} to {out}")
+        return printing.exported(given.sequence, out, known[given.format])
 
 
 def _export_folder(recording: Recording, given: argparse.Namespace, out: Path) -> None:
@@ -157,28 +149,56 @@ def _export_folder(recording: Recording, given: argparse.Namespace, out: Path) -
         shutil.move(folder, out)
 
 
-def info(given: argparse.Namespace, settings: Settings) -> None:
+def info(given: argparse.Namespace, settings: Settings) -> Answer:
     """List the recordings, or describe one."""
     with client_of(settings) as client:
         if given.sequence is None:
-            for known in client.manifests():
-                facts = known if known.frames else None
-                printing.line(known.id, facts, known.damaged, known.labels_missing)
-            return
+            return printing.recordings(
+                printing.Row(
+                    known.id, known if known.frames else None, known.damaged, known.labels_missing
+                )
+                for known in client.manifests()
+            )
         recording = client[given.sequence]
-        printing.facts(recording.manifest, recording.manifest.revision, recording.labels())
+        return printing.facts(recording.manifest, recording.manifest.revision, recording.labels())
 
 
-def check_labels(given: argparse.Namespace, settings: Settings) -> None:
-    """Print the suspicious things in the labels of a recording, one a line."""
+def delete(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Delete a recording; it can be brought back for 30 days."""
+    with client_of(settings) as client:
+        client[given.sequence].delete()
+    return printing.deleted(given.sequence)
+
+
+def undelete(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Bring a deleted recording back."""
+    with client_of(settings) as client:
+        return printing.undeleted(client.restore(given.sequence).id)
+
+
+def rename(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Give a recording another name; its id stays."""
+    with client_of(settings) as client:
+        manifest = client[given.sequence].update(name=given.name)
+    return printing.renamed(manifest.id, manifest.name)
+
+
+def labels(given: argparse.Namespace, settings: Settings) -> Answer:
+    """List the labels of a recording."""
+    with client_of(settings) as client:
+        return printing.labels(client[given.sequence].labels())
+
+
+def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
+    """List the suspicious things in the labels of a recording."""
     with client_of(settings) as client:
         found = client[given.sequence].review.check(given.frames)
-    printing.findings(found.findings, found.unchecked, settled=given.all)
+    return printing.findings(found.findings, found.unchecked, settled=given.all, fail=given.fail)
 
 
-def report(given: argparse.Namespace, settings: Settings) -> None:
+def report(given: argparse.Namespace, settings: Settings) -> Answer:
     """Write a report of a recording's labels."""
     printing.report_suffix(given.out)
     with client_of(settings) as client:
         client[given.sequence].review.report(given.out, given.table)
-    print(f"wrote {given.out}")
+    return printing.said(f"wrote {given.out}", file=str(given.out))

@@ -15,7 +15,7 @@ from typing import Any
 from urllib.parse import quote
 
 from pointbrush.errors import BadInputError
-from pointbrush.options import Option, markdown, option, options_of
+from pointbrush.options import WORKSPACE, Option, markdown, option, options_of
 
 EVERYWHERE: tuple[str, ...] = ()
 SERVERS = ("demo", "serve")
@@ -24,9 +24,13 @@ READERS = ("import", "import-labels", *SERVERS)
 RUNNERS = ("track", "example", *SERVERS)
 """Commands that run jobs."""
 REMOTE = (
-    "import", "import-labels", "track", "example", "export", "info", "check-labels", "report",
+    "import", "import-labels", "track", "example", "export", "info", "labels", "delete", "undelete",
+    "rename", "check-labels", "report",
 )  # fmt: skip
 """Commands that work on the workspace of a server as well."""
+ADDRESS, ACCESS, JOBS, LIMITS = "address and TLS", "access", "work", "limits"
+GROUPS = (WORKSPACE, ADDRESS, ACCESS, JOBS, LIMITS)
+"""Headings in the help of commands, in their order."""
 
 DOCS = Path(__file__).parents[2] / "docs" / "options.md"
 BEGIN, END = "<!-- Written by `python -m pointbrush.settings`. -->\n", "<!-- End. -->\n"
@@ -70,100 +74,152 @@ class Settings:
         unit="bytes",
     )
     max_frame_points: int = option(
-        500_000_000, "greatest number of points in a frame", where=READERS
+        500_000_000, "greatest number of points in a frame", where=READERS, group=LIMITS
     )
-    workers: int = option(2, "local processes for jobs", where=RUNNERS)
+    workers: int = option(2, "local processes for jobs", where=RUNNERS, group=JOBS)
     scheduler: str = option(
-        "", "Dask scheduler (tcp://host:port) whose workers run jobs instead", where=RUNNERS
+        "",
+        "Dask scheduler (tcp://host:port) whose workers run jobs instead",
+        where=RUNNERS,
+        group=JOBS,
     )
-    host: str = option("127.0.0.1", "address to listen on", where=SERVERS)
+    host: str = option("127.0.0.1", "address to listen on", where=SERVERS, group=ADDRESS)
     port: int = option(
-        8080, "port to listen on; 0 takes a free one", where=SERVERS, least=0, most=65_535
+        8080,
+        "port to listen on; 0 takes a free one",
+        where=SERVERS,
+        least=0,
+        most=65_535,
+        group=ADDRESS,
     )
-    server: str = option("", "http(s) address of a server, whose workspace is meant", where=REMOTE)
+    server: str = option(
+        "", "http(s) address of a server, whose workspace is meant", where=REMOTE, group=ACCESS
+    )
     token: str = option(
         "",
         "admin token, empty makes a new one at each start; for a server elsewhere your own",
         where=(*REMOTE, *SERVERS),
+        group=ACCESS,
     )
     token_file: str = option(
-        "", "file that holds the admin token, in place of `token`", where=SERVERS
+        "", "file that holds the admin token, in place of `token`", where=SERVERS, group=ACCESS
     )
     log_format: str = option(
         "text",
         "what the log is: text, or json, a line for each request, edit and job",
         where=SERVERS,
+        group=JOBS,
     )
     selector: str = option(
         "tree",
         "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
         "http(s) address of a service; RECORDING=NAME for one recording, several with commas",
         where=SERVERS,
+        group=JOBS,
     )
     tls: bool = option(
-        False, "serve HTTPS with a certificate of pointbrush's own authority", where=SERVERS
+        False,
+        "serve HTTPS with a certificate of pointbrush's own authority",
+        where=SERVERS,
+        group=ADDRESS,
     )
     certfile: str = option(
-        "", "certificate to serve HTTPS with, in place of our own", where=SERVERS
+        "", "certificate to serve HTTPS with, in place of our own", where=SERVERS, group=ADDRESS
     )
-    keyfile: str = option("", "private key of the certificate", where=SERVERS)
-    insecure: bool = option(False, "listen off loopback without TLS all the same", where=SERVERS)
+    keyfile: str = option("", "private key of the certificate", where=SERVERS, group=ADDRESS)
+    insecure: bool = option(
+        False, "listen off loopback without TLS all the same", where=SERVERS, group=ADDRESS
+    )
     import_roots: str = option(
         "",
         f"folders REST may import from, separated by '{os.pathsep}'; empty is the current "
         "folder and the home folder, for the admin token on this machine only",
         where=SERVERS,
+        group=ACCESS,
     )
     allowed_hosts: str = option(
-        "", "further host names the page may be reached by, with commas", where=SERVERS
+        "",
+        "further host names the page may be reached by, with commas",
+        where=SERVERS,
+        group=ADDRESS,
     )
     trusted_proxies: str = option(
         "",
         "addresses or networks of proxies whose X-Forwarded-For and X-Forwarded-Proto are "
         "believed, with commas",
         where=SERVERS,
+        group=ADDRESS,
     )
     max_body: int = option(
-        64 * 2**20, "greatest body of a request (uploads apart)", where=SERVERS, unit="bytes"
+        64 * 2**20,
+        "greatest body of a request (uploads apart)",
+        where=SERVERS,
+        unit="bytes",
+        group=LIMITS,
     )
-    max_upload: int = option(8 * 2**30, "greatest upload", where=SERVERS, unit="bytes")
+    max_upload: int = option(
+        8 * 2**30, "greatest upload", where=SERVERS, unit="bytes", group=LIMITS
+    )
     max_message: int = option(
-        4 * 2**20, "greatest WebSocket message from a client", where=SERVERS, unit="bytes"
+        4 * 2**20,
+        "greatest WebSocket message from a client",
+        where=SERVERS,
+        unit="bytes",
+        group=LIMITS,
     )
     wrong_tokens_per_minute: int = option(
-        20, "wrong tokens that one address may try in a minute until it has to wait", where=SERVERS
+        20,
+        "wrong tokens that one address may try in a minute until it has to wait",
+        where=SERVERS,
+        group=LIMITS,
     )
     requests_per_second: int = option(
-        200, "requests a second that one client may sustain", where=SERVERS
+        200, "requests a second that one client may sustain", where=SERVERS, group=LIMITS
     )
     body_seconds: int = option(
         600,
         "time in which a body must have come whole (uploads apart)",
         where=SERVERS,
         unit="seconds",
+        group=LIMITS,
     )
     upload_seconds: int = option(
-        14_400, "time in which an upload must have come whole", where=SERVERS, unit="seconds"
+        14_400,
+        "time in which an upload must have come whole",
+        where=SERVERS,
+        unit="seconds",
+        group=LIMITS,
     )
     stall_seconds: int = option(
         60,
         "time for which a client may read nothing of an answer until it is given up",
         where=SERVERS,
         unit="seconds",
+        group=LIMITS,
     )
     waiting_edits: int = option(
-        6_000, "edits of all viewers that may wait; new strokes are refused then", where=SERVERS
+        6_000,
+        "edits of all viewers that may wait; new strokes are refused then",
+        where=SERVERS,
+        group=LIMITS,
     )
-    exports: int = option(4, "exports under way at once, in all", where=SERVERS)
-    exports_per_person: int = option(2, "exports under way at once, of one person", where=SERVERS)
+    exports: int = option(4, "exports under way at once, in all", where=SERVERS, group=LIMITS)
+    exports_per_person: int = option(
+        2, "exports under way at once, of one person", where=SERVERS, group=LIMITS
+    )
     statement_seconds: int = option(
-        60, "time that one statement of PostgreSQL may take", where=SERVERS, unit="seconds"
+        60,
+        "time that one statement of PostgreSQL may take",
+        where=SERVERS,
+        unit="seconds",
+        group=LIMITS,
     )
     keepalive_seconds: int = option(
         30,
         "silence after which a connection to PostgreSQL is probed",
         where=SERVERS,
         unit="seconds",
+        group=LIMITS,
     )
 
     @classmethod

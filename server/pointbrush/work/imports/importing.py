@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ SAMPLE = "sample recording"
 
 @dataclass(frozen=True)
 class ImportWork:
-    """Picklable import of ``paths`` as the new recording ``target``."""
+    """Picklable import of ``paths`` as the new recording ``target``; ``source`` names them."""
 
     paths: tuple[Path, ...]
     target: ImportTarget
@@ -41,6 +41,7 @@ class ImportWork:
     chosen: Corrections = field(default_factory=Corrections)
     max_points: int = 500_000_000
     roots: tuple[Path, ...] = ()
+    source: str = ""
 
     def __call__(self, channel: Channel) -> None:
         """Read, reorder and store every frame; the readers' warnings are an item.
@@ -60,7 +61,7 @@ class ImportWork:
     def _import(self, channel: Channel, folder: Path) -> list[str]:
         about: dict[str, Any] = {
             "sequence_id": self.sequence_id,
-            "source": source_of(self.paths),
+            "source": self.source,
             "up": self.chosen.up,
         }
         limits = Limits(self.max_points, roots=self.roots)
@@ -125,11 +126,6 @@ class SampleWork:
                 progress=channel.progress,
                 source=f"{SAMPLE}, {self.kind}, seed {self.seed}",
             )
-
-
-def source_of(paths: Iterable[Path]) -> str:
-    """Name the files a recording is from, for its manifest."""
-    return ", ".join(map(str, paths))
 
 
 def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:

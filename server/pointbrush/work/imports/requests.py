@@ -10,7 +10,6 @@ from typing import Any
 
 from pointbrush.formats.corrections import Corrections
 from pointbrush.job import ENDED, Job
-from pointbrush.work.imports import importing
 
 UPLOAD = "upload"
 """Of a job's request: the folder of its uploaded files, or None."""
@@ -35,8 +34,9 @@ class ImportRequest:
 
     @property
     def source(self) -> str:
-        """Origin of the recording as its manifest says."""
-        return importing.source_of(self.paths)
+        """Origin of the recording as its manifest says; of uploaded files their names alone."""
+        shown = (path.name if self.upload else str(path) for path in self.paths)
+        return ", ".join(shown)
 
     def as_json(self) -> dict[str, Any]:
         """Return the record a job keeps, to be begun again by ``Imports.again``."""

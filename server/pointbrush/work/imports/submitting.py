@@ -214,6 +214,7 @@ class Imports:
             chosen=request.chosen,
             max_points=self._max_points,
             roots=request.roots,
+            source=request.source,
         )
         return self._submit(guard, work, self.source_labels.bring, job, request.upload)
 
