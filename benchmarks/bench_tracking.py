@@ -1,6 +1,6 @@
 """Tracking: paint frame 0 with the truth, track to the end without help, compare.
 
-    python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2]
+    python benchmarks/bench_tracking.py [--frames 120] [--every 6] [--seeds 1,2] [--draws 3]
                                         [--methods auto,icp]
                                         [--kinds table-top,3-pins,6-pins,walking]
                                         [--seen colourless|turned|noisy|elsewhere|nowhere]
@@ -16,6 +16,8 @@ happens and the share at 0.5 or more in their last visible frame; CPU millisecon
 with IoU over 0.8, and how many those are; of the frames with IoU under 0.5 the share that is
 flagged (lost, occluded or confidence under 0.5), and of those over 0.8 the share flagged for
 nothing.  The ablation ends with one table in place of that: what changes without each idea.
+``--draws N`` tracks each recording N times, but for the first with a micrometre of noise: what
+changes then is chance, and so is a change of that size.
 Open3D and small_gicp are installed for this benchmark only (tracking_peers.py).
 """
 
@@ -45,6 +47,7 @@ from tracking_recordings import (
     STREETS,
     Frame,
     crowd,
+    drawn,
     generated,
     real,
     street,
@@ -71,6 +74,12 @@ def method_named(name: str) -> Callable[[], Method]:
 
 def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
     """One at a time: a recording of 120 frames takes two gigabytes."""
+    for frames in _recorded(kind, given):
+        for number in range(given.draws):
+            yield drawn(frames, number)
+
+
+def _recorded(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
     if kind in SCENES:
         yield real(kind)
         return
@@ -111,6 +120,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=120)
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--seeds", default="1,2")
+    parser.add_argument("--draws", type=int, default=1)
     parser.add_argument("--methods", default=",".join(ALL))
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--seen", default="camera", choices=SEEN)

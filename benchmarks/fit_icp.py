@@ -21,7 +21,7 @@ from tracking_score import GOOD, LEAST, SURVIVING
 from pointbrush.tracking import Seed, TrackOptions
 from pointbrush.tracking.icp import PaperTracker
 from pointbrush.tracking.model.icp_confidence import IcpEvidence
-from pointbrush.tracking.options import IcpConfidenceOptions
+from pointbrush.tracking.options.confidence import IcpConfidenceOptions
 from pointbrush.tracking.registry import COLOUR_NEIGHBOURS
 
 Samples = list[tuple[dict[str, float], float]]

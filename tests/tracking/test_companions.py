@@ -13,7 +13,7 @@ import scenes
 from pointbrush.tracking import METHODS, FrameKnowledge, FrameResult, Seed, TrackOptions, TrackState
 from pointbrush.tracking.bidirectional import BothSides
 from pointbrush.tracking.interface import PAINTED, Frames, Known
-from pointbrush.tracking.options import CompanionOptions
+from pointbrush.tracking.options.tracks import CompanionOptions
 from pointbrush.tracking.permissions import Companions, FrameRules
 from pointbrush.tracking.tracker import Run
 

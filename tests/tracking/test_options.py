@@ -10,16 +10,11 @@ import pytest
 
 import pointbrush.tracking
 from pointbrush.errors import BadInputError
-from pointbrush.tracking.options import (
-    CompanionOptions,
-    ContextOptions,
-    JumpOptions,
-    Options,
-    RegistrationOptions,
-    ScanOdometryOptions,
-    TrackerOptions,
-    VisualOdometryOptions,
-)
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.base import Options
+from pointbrush.tracking.options.sensors import ScanOdometryOptions, VisualOdometryOptions
+from pointbrush.tracking.options.steps import ContextOptions, RegistrationOptions
+from pointbrush.tracking.options.tracks import CompanionOptions, JumpOptions
 
 ROOT = Path(pointbrush.tracking.__file__).parent
 DEFINITIONS = {

@@ -29,7 +29,7 @@ from pointbrush.tracking.interface import (
     TrackState,
 )
 from pointbrush.tracking.model.icp_confidence import IcpEvidence
-from pointbrush.tracking.options import IcpConfidenceOptions
+from pointbrush.tracking.options.confidence import IcpConfidenceOptions
 from pointbrush.tracking.permissions import FrameRules
 
 LONE, FINEST = 0.01, 1e-4

@@ -26,7 +26,9 @@ from pointbrush.tracking.interface import (
     TrackOptions,
     TrackState,
 )
-from pointbrush.tracking.options import JumpOptions, ScanOdometryOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import ScanOdometryOptions
+from pointbrush.tracking.options.tracks import JumpOptions
 from pointbrush.tracking.sensors.scan_odometry import Planes, in_place, planes_of, register
 from pointbrush.tracking.sensors.trajectory import recorded_pose
 

@@ -18,7 +18,7 @@ from pointbrush.tracking.interface import (
     Seed,
     TrackOptions,
 )
-from pointbrush.tracking.options import CompanionOptions
+from pointbrush.tracking.options.tracks import CompanionOptions
 
 FEWEST = 10
 """Painted points under which a label does not count as painted in a frame."""

@@ -79,11 +79,7 @@ def with_options(options: TrackerOptions) -> Method:
     return _both_sides(_auto(options=options))
 
 
-_BUILT_IN: dict[str, Callable[[], Method]] = {
-    "auto": _auto,
-    "icp": _icp,
-    "color-icp": _colour_icp,
-}
+_BUILT_IN: dict[str, Callable[[], Method]] = {"auto": _auto, "icp": _icp, "color-icp": _colour_icp}
 
 
 @cache

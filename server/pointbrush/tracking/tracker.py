@@ -315,11 +315,7 @@ class Run:
         return expected, margin + near.near_steps * track.motion.speed * track.motion.gap
 
     def _conclude(
-        self,
-        view: View,
-        rules: FrameRules,
-        fixed: Mapping[int, I64],
-        outcomes: FrameOutcomes,
+        self, view: View, rules: FrameRules, fixed: Mapping[int, I64], outcomes: FrameOutcomes
     ) -> dict[int, TrackState]:
         """Conclude the state of each track; its points go to ``view.labels``."""
         states: dict[int, TrackState] = {}

@@ -163,12 +163,7 @@ def _square(grid: Columns, at: int, point: Triple, tint: Triple) -> float:
 
 @innermost
 def nearest_one(
-    grid: Columns,
-    point: Triple,
-    tint: Triple,
-    most: float,
-    room: I64,
-    likely: int = -1,
+    grid: Columns, point: Triple, tint: Triple, most: float, room: I64, likely: int = -1
 ) -> tuple[float, int]:
     """Square of the distance to the nearest point, and where it is sorted; -1 for none.
 

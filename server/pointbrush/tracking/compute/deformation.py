@@ -11,7 +11,7 @@ from pointbrush.tracking.compute.columns import Columns, nearest_one, spans, ton
 from pointbrush.tracking.compute.grid import cells_of, means_of
 from pointbrush.tracking.compute.rigid import Source, Target
 from pointbrush.tracking.interface import F32, F64, I64
-from pointbrush.tracking.options import DeformationOptions
+from pointbrush.tracking.options.steps import DeformationOptions
 
 
 def nodes_of(xyz: F64, apart: float) -> F64:

@@ -11,7 +11,7 @@ from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.compute.columns import pairs
 from pointbrush.tracking.compute.grid import cells_of, means_of
 from pointbrush.tracking.interface import F64, I64, Mask
-from pointbrush.tracking.options import ComponentOptions
+from pointbrush.tracking.options.steps import ComponentOptions
 
 
 class Paths(NamedTuple):

@@ -24,7 +24,7 @@ from pointbrush.tracking.compute.columns import (
 )
 from pointbrush.tracking.compute.grid import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import RegistrationOptions
+from pointbrush.tracking.options.steps import RegistrationOptions
 
 Pair = Callable[[F64], tuple[F64, I64]]
 """Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""

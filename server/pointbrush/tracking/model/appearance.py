@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter
 from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.options import AppearanceOptions
+from pointbrush.tracking.options.tracks import AppearanceOptions
 
 BIN = 0.028
 """Width of a bin, in the units of ``View.colour``."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pointbrush.tracking.options import ConfidenceOptions
+from pointbrush.tracking.options.confidence import ConfidenceOptions
 
 RATIO_LEAST = 1e-3
 """Ratio of which the logarithm is taken at least."""
@@ -105,16 +105,7 @@ def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float
 def squashed(odds: float, stretch: float, options: ConfidenceOptions) -> float:
     """The probability 0..1 of log odds that are stretched first: the logistic function."""
     return 1.0 / (
-        1.0
-        + float(
-            np.exp(
-                np.clip(
-                    -stretch * odds,
-                    -options.max_log_odds,
-                    options.max_log_odds,
-                )
-            )
-        )
+        1.0 + float(np.exp(np.clip(-stretch * odds, -options.max_log_odds, options.max_log_odds)))
     )
 
 

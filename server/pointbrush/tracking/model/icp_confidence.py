@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.model.confidence import log_ratio
-from pointbrush.tracking.options import IcpConfidenceOptions
+from pointbrush.tracking.options.confidence import IcpConfidenceOptions
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64
-from pointbrush.tracking.options import SearchOptions
+from pointbrush.tracking.options.steps import SearchOptions
 
 
 @dataclass(frozen=True, eq=False)

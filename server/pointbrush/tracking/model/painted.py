@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pointbrush.tracking.interface import F32, F64, I64
-from pointbrush.tracking.options import ObjectOptions
+from pointbrush.tracking.options.tracks import ObjectOptions
 from pointbrush.tracking.sensors.view import View
 
 

@@ -11,7 +11,8 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.grid import bounds, middle, numbered
 from pointbrush.tracking.compute.rigid import carried, inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import LensOptions, SurfaceOptions
+from pointbrush.tracking.options.sensors import LensOptions
+from pointbrush.tracking.options.tracks import SurfaceOptions
 from pointbrush.tracking.sensors.camera import Lens, Pixels, pixel
 from pointbrush.tracking.sensors.view import View
 

@@ -16,12 +16,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import Evidence
 from pointbrush.tracking.model.motion import Motion
-from pointbrush.tracking.model.painted import (
-    Painted,
-    across_rings,
-    colourless,
-    texture,
-)
+from pointbrush.tracking.model.painted import Painted, across_rings, colourless, texture
 from pointbrush.tracking.model.surface import CarvingView, Model
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.view import View
@@ -243,11 +238,7 @@ class Track:
         grain = self.sampling.grain
         if self.sampling.away > 0.0 and away > 0.0:
             closer = float(
-                np.clip(
-                    self.sampling.away / away,
-                    1 / options.max_approach,
-                    options.max_approach,
-                )
+                np.clip(self.sampling.away / away, 1 / options.max_approach, options.max_approach)
             )
             self.size *= closer**2
             grain /= closer
@@ -361,11 +352,7 @@ def _made(
     spacing, speckle = texture(xyz, colour, options=options.track)
     if not view.scans:  # nothing that is asked of an object asks more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
-    unit = max(
-        spacing,
-        noise,
-        options.track.ring_share * across_rings(xyz, options=options.track),
-    )
+    unit = max(spacing, noise, options.track.ring_share * across_rings(xyz, options=options.track))
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
         weight = options.track.colour_units * unit / max(speckle, options.track.min_colour_noise)

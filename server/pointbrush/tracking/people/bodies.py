@@ -14,7 +14,8 @@ from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import OtherMovers, Track
-from pointbrush.tracking.options import ArrivalOptions, BackgroundOptions, BodyOptions
+from pointbrush.tracking.options.people import ArrivalOptions, BodyOptions
+from pointbrush.tracking.options.sensors import BackgroundOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Associations, LabelledPoints

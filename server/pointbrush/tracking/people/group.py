@@ -189,11 +189,7 @@ def cell_size(view: View, track: Track, background: PictureBackground) -> float:
     options = view.options.body
     noise = float(np.median(background.noise(view.cells[1][view.labels[track.label]])))
     calm = min(options.cell_sigmas * noise, options.limb_share * track.span)
-    return max(
-        options.cell_units * track.unit,
-        options.cell_radius_share * track.span,
-        calm,
-    )
+    return max(options.cell_units * track.unit, options.cell_radius_share * track.span, calm)
 
 
 def _looks(

@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import log_ratio, squashed
-from pointbrush.tracking.options import PersonConfidenceOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.confidence import PersonConfidenceOptions
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.stature import Stature, top_of
 

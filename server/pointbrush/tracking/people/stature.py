@@ -15,7 +15,7 @@ from pointbrush.compiled import compiled
 from pointbrush.tracking.compute.graph import Paths, paths_into, root_of
 from pointbrush.tracking.compute.grid import cells_of
 from pointbrush.tracking.interface import F64, I64
-from pointbrush.tracking.options import StatureOptions
+from pointbrush.tracking.options.people import StatureOptions
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.sensors.view import View
 

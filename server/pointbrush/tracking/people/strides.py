@@ -14,7 +14,7 @@ from pointbrush.tracking.compute.graph import agreed, parts
 from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.compute.rigid import carried
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import StrideOptions
+from pointbrush.tracking.options.people import StrideOptions
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.sensors.camera import I32, Pixels, pixel
@@ -268,8 +268,7 @@ def _mended(
     off = ((seen - there[near[cells]]) * weight[:, None]).sum(axis=0) / weight.sum()
     shown = observation.shows(there)
     gap, nearest = map(
-        np.asarray,
-        cKDTree(seen).query(there[shown], 1, 0, 2, options.step.met_swings * swing),
+        np.asarray, cKDTree(seen).query(there[shown], 1, 0, 2, options.step.met_swings * swing)
     )
     met = np.isfinite(gap)
     if np.count_nonzero(met) > options.body.seen_min_cells:

@@ -221,17 +221,11 @@ class ImageBackground:
         """
         options = self.options.background
         scene, count = farthest(
-            (view.depth[:-1] for view in [first, *others]),
-            self.noise,
-            options=options,
+            (view.depth[:-1] for view in [first, *others]), self.noise, options=options
         )
-        scene[
-            count
-            < max(
-                options.min_showing_frames,
-                options.seldom_share * (1 + len(others)),
-            )
-        ] = np.nan
+        scene[count < max(options.min_showing_frames, options.seldom_share * (1 + len(others)))] = (
+            np.nan
+        )
         shape = first.camera.shape
         known = np.isfinite(scene)
         for points in first.labels.values():
@@ -313,12 +307,7 @@ class ImageBackground:
     def uncovered(self, view: View) -> tuple[I64, I64]:
         """See ``Background``."""
         options = self.options.background
-        points = uncovered(
-            view.cells,
-            self._images,
-            options.hidden_share,
-            options.near_sigmas,
-        )
+        points = uncovered(view.cells, self._images, options.hidden_share, options.near_sigmas)
         return points, self.hider[view.cells.cell[points]].astype(np.int64)
 
     def again(self, view: View, indices: I64) -> I64:
@@ -357,13 +346,9 @@ class ImageBackground:
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(view.camera.shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
-            top, left = (
-                max(rows[0] - options.rim_px, 0),
-                max(columns[0] - options.rim_px, 0),
-            )
+            top, left = (max(rows[0] - options.rim_px, 0), max(columns[0] - options.rim_px, 0))
             part = image[
-                top : rows[-1] + options.rim_px + 1,
-                left : columns[-1] + options.rim_px + 1,
+                top : rows[-1] + options.rim_px + 1, left : columns[-1] + options.rim_px + 1
             ]
             part[...] = widened(part, options.rim_px)
         seen[labelled] = np.nan

@@ -14,7 +14,7 @@ from scipy.sparse.linalg import spsolve
 
 from pointbrush.tracking.compute.grid import blocks, widened
 from pointbrush.tracking.interface import F32, Mask
-from pointbrush.tracking.options import BackgroundOptions, DepthNoiseOptions
+from pointbrush.tracking.options.sensors import BackgroundOptions, DepthNoiseOptions
 
 DEVIATION = 1.05
 """Standard deviation of a depth, over the median difference of two of them: 1.4826 / sqrt(2)."""
@@ -84,10 +84,7 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: Backgrou
     height, width = shape
     hidden = widened(hidden.reshape(shape), 2).ravel()
     open_ = np.where(hidden, np.nan, 1.0 / depth)
-    rows, columns = (
-        -(-height // options.fill_cell_px),
-        -(-width // options.fill_cell_px),
-    )
+    rows, columns = (-(-height // options.fill_cell_px), -(-width // options.fill_cell_px))
     cells = blocks(open_, shape, options.fill_cell_px)
     known = np.isfinite(cells).sum(axis=1) > options.fill_cell_px
     coarse = np.full(len(cells), np.nan)
@@ -99,10 +96,7 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: Backgrou
     if filled is None:
         return np.full(len(depth), np.nan, np.float32)
     v, u = np.divmod(np.flatnonzero(~np.isfinite(open_)), width)
-    at = [
-        (v + 0.5) / options.fill_cell_px - 0.5,
-        (u + 0.5) / options.fill_cell_px - 0.5,
-    ]
+    at = [(v + 0.5) / options.fill_cell_px - 0.5, (u + 0.5) / options.fill_cell_px - 0.5]
     result = np.full(len(depth), np.nan, np.float32)
     inverse = map_coordinates(filled.reshape(rows, columns), at, order=1, mode="nearest")
     result[v * width + u] = 1.0 / np.maximum(inverse, 1 / options.far_m)
@@ -191,10 +185,7 @@ def wavering(
     calmest pair of frames counts, since what passes is no noise.
     """
     height, width = shape
-    rows, columns = (
-        -(-height // options.block_px),
-        -(-width // options.block_px),
-    )
+    rows, columns = (-(-height // options.block_px), -(-width // options.block_px))
     found = []
     for one, other in pairwise(images):
         with np.errstate(invalid="ignore"):

@@ -8,7 +8,7 @@ import numpy as np
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.options import BackgroundOptions
+from pointbrush.tracking.options.sensors import BackgroundOptions
 from pointbrush.tracking.scene.images import DepthNoise
 from pointbrush.tracking.sensors.camera import I32, Projection
 
@@ -133,12 +133,7 @@ def again(
 
 @compiled
 def furniture(
-    points: Projection,
-    indices: I64,
-    known: F32,
-    scene: F32,
-    noise: DepthNoise,
-    near_sigmas: float,
+    points: Projection, indices: I64, known: F32, scene: F32, noise: DepthNoise, near_sigmas: float
 ) -> Mask:
     """See ``PictureBackground.furniture``: ``known`` depths, and those of the ``scene``."""
     cells, depths = points

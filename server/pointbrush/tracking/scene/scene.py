@@ -26,10 +26,7 @@ from pointbrush.tracking.scene.scans import PointBackground
 from pointbrush.tracking.sensors.camera import Lens, find_lens, steadied
 from pointbrush.tracking.sensors.examination import lens_at_rest
 from pointbrush.tracking.sensors.scan_odometry import find_trajectory
-from pointbrush.tracking.sensors.scanner import (
-    find_eye,
-    range_image_of,
-)
+from pointbrush.tracking.sensors.scanner import find_eye, range_image_of
 from pointbrush.tracking.sensors.trajectory import Trajectory
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.sensors.visual_odometry import framed

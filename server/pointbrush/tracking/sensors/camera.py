@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, PixelLattice, TrackFrame
-from pointbrush.tracking.options import LensOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import LensOptions
 from pointbrush.tracking.sensors.scanner import reach_of
 
 I32 = NDArray[np.int32]

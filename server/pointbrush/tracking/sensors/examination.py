@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64, Frames, KnownSensor, TrackFrame
-from pointbrush.tracking.options import TrackerOptions, ViewpointOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import ViewpointOptions
 from pointbrush.tracking.sensors.camera import Lens, axes_along, find_lens
 from pointbrush.tracking.sensors.scan_odometry import shown_at_rest, told_trajectory
 from pointbrush.tracking.sensors.scanner import reach_of

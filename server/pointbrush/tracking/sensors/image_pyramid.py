@@ -13,7 +13,8 @@ import numpy as np
 
 from pointbrush.compiled import compiled, innermost
 from pointbrush.tracking.interface import F32, F64, I64, TrackFrame
-from pointbrush.tracking.options import TrackerOptions, VisualOdometryOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import VisualOdometryOptions
 from pointbrush.tracking.sensors.camera import Lens
 from pointbrush.tracking.sensors.view import View
 

@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 from pointbrush.tracking.compute.deformation import nodes_of
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64, I64, Frames, TrackFrame
-from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import ScanOdometryOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.scanner import find_eye, reach_of
 from pointbrush.tracking.sensors.trajectory import (
@@ -57,21 +58,11 @@ def likely_shifts(
     for number in range(count):
         row, column = (int(i) for i in np.unravel_index(likeness.argmax(), likeness.shape))
         shifts[number] = wide @ (
-            np.array(
-                [
-                    row - options.shift_max_px,
-                    column - options.shift_max_px,
-                ]
-            )
-            * pixel
+            np.array([row - options.shift_max_px, column - options.shift_max_px]) * pixel
         )
-        rows = slice(
-            max(0, row - options.shift_same_px),
-            row + options.shift_same_px + 1,
-        )
+        rows = slice(max(0, row - options.shift_same_px), row + options.shift_same_px + 1)
         likeness[
-            rows,
-            max(0, column - options.shift_same_px) : column + options.shift_same_px + 1,
+            rows, max(0, column - options.shift_same_px) : column + options.shift_same_px + 1
         ] = -np.inf
     return shifts
 

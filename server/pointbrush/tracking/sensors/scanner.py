@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pointbrush.tracking.interface import F32, F64, I64, Mask
-from pointbrush.tracking.options import GroundOptions, RangeImageOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import GroundOptions, RangeImageOptions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,9 +177,7 @@ def _behind(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
     """Share of the points (N, 3) that lie well behind another in their direction."""
     cell, away = _cells(local, up, options.elevations_deg[0], options.azimuth_deg)
     nearest = np.full(
-        int(180 / options.elevations_deg[0] + 1) * _width(options.azimuth_deg),
-        np.inf,
-        np.float32,
+        int(180 / options.elevations_deg[0] + 1) * _width(options.azimuth_deg), np.inf, np.float32
     )
     np.minimum.at(nearest, cell, away.astype(np.float32))
     return float((away > options.behind_ratio * nearest[cell]).mean())

@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from pointbrush.tracking.interface import F64, Frames, TrackFrame
-from pointbrush.tracking.options import ScanOdometryOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import ScanOdometryOptions
 
 Motion = Literal["moves", "rests", "unclear"]
 """Motion of a sensor between two frames, as far as they show it."""

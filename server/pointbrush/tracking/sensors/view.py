@@ -96,13 +96,7 @@ class View:
         options = self.options.tint
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
-        return _tints(
-            self._rgb,
-            indices,
-            options.red_weight,
-            options.dark_sum,
-            options.brightness,
-        )
+        return _tints(self._rgb, indices, options.red_weight, options.dark_sum, options.brightness)
 
     @cached_property
     def _rgb(self) -> NDArray[np.uint8]:

@@ -18,7 +18,8 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F32, F64, I64, Frames, TrackFrame
-from pointbrush.tracking.options import LensOptions, TrackerOptions, VisualOdometryOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.sensors import LensOptions, VisualOdometryOptions
 from pointbrush.tracking.sensors.camera import Lens
 from pointbrush.tracking.sensors.image_pyramid import Image, Layer, compared, equations, picture_of
 from pointbrush.tracking.sensors.trajectory import Motion, RegisteredTrajectory, Trajectory

@@ -62,11 +62,7 @@ def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
     options = view.options.flying
     cell, depth = view.cells.pick(points)
     rule = FlyingRule(
-        options.behind_units * unit,
-        options.level_units * unit,
-        reach=1,
-        few=0,
-        margin=0,
+        options.behind_units * unit, options.level_units * unit, reach=1, few=0, margin=0
     )
     return lies_behind(cell, depth, view.depth, own, view.camera.shape[1], rule)
 

@@ -86,8 +86,7 @@ def set_other_movers_around(track: Track, view: View, world: F64) -> None:
 def _beside(track: Track, world: F64) -> tuple[F64, F64]:
     options = track.options.context
     return _box_around(
-        world,
-        options.beside_radii * track.model.radius + options.beside_units * track.unit,
+        world, options.beside_radii * track.model.radius + options.beside_units * track.unit
     )
 
 

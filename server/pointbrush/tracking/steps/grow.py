@@ -14,13 +14,7 @@ from pointbrush.tracking.model.surface import carved
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Association, Associations, LabelledPoints
-from pointbrush.tracking.steps.claim import (
-    claim,
-    cut_off,
-    flying,
-    outline,
-    together,
-)
+from pointbrush.tracking.steps.claim import claim, cut_off, flying, outline, together
 from pointbrush.tracking.steps.connectivity import Limits, blob, connected
 from pointbrush.tracking.steps.context import contested, step_of, unexplained, was_there
 from pointbrush.tracking.steps.pieces import lost_pieces
@@ -226,12 +220,7 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
         front = np.concatenate([core, rest[joined]])
         more = np.flatnonzero(own & ~joined)
         at, beside = (view.xyz[points].astype(np.float64) for points in (front, rest[more]))
-        on = connected(
-            at,
-            beside,
-            options.coloured_units * track.unit,
-            options.uncovered_steps,
-        )
+        on = connected(at, beside, options.coloured_units * track.unit, options.uncovered_steps)
         joined[more[on]] = True
     return rest[joined]
 
@@ -248,10 +237,7 @@ def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
         return shown[:0]
     front, rest = (_place_and_colour(view, points, track.weight) for points in (core, shown))
     joined = connected(
-        front,
-        rest,
-        options.growth.step_units * track.unit,
-        options.claim.uncovered_steps,
+        front, rest, options.growth.step_units * track.unit, options.claim.uncovered_steps
     )
     own, every = (np.bincount(h, minlength=LABELS) for h in (hider[joined], hider))
     return np.asarray(shown[joined & (own > options.claim.uncovered_share * every)[hider]])
@@ -290,10 +276,7 @@ def closed_component(
     other[core] = False
     more = options.new_share_moving_scanner if view.roams else options.new_share
     most = int(
-        max(
-            more * len(core) + options.new_points,
-            options.new_size_share * track.size - len(core),
-        )
+        max(more * len(core) + options.new_points, options.new_size_share * track.size - len(core))
     )
     new = blob(view, core, *_searched(track, view, fit, other, most))
     if new is None or not len(new):

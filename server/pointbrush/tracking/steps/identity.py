@@ -16,7 +16,7 @@ import numpy as np
 from pointbrush.tracking.interface import F64
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.options import IdentityOptions
+from pointbrush.tracking.options.tracks import IdentityOptions
 
 Pair = tuple[int, int]
 

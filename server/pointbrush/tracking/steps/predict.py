@@ -15,7 +15,8 @@ from pointbrush.tracking.compute.grid import bounds
 from pointbrush.tracking.compute.rigid import Target, transform, transform_each
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.options import SearchOptions, TrackerOptions
+from pointbrush.tracking.options import TrackerOptions
+from pointbrush.tracking.options.steps import SearchOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.verdict import Look, costs_of, look
@@ -72,11 +73,7 @@ class Search:
         """(K,) what each of the hypotheses costs, by the target as it is."""
         track = self.track
         return costs_of(
-            track,
-            self.target,
-            self.few,
-            self.at,
-            self.options.search.judged_units * track.unit,
+            track, self.target, self.few, self.at, self.options.search.judged_units * track.unit
         )
 
     @cached_property

@@ -12,7 +12,7 @@ from pointbrush.tracking.compute.rigid import Target, transform
 from pointbrush.tracking.interface import F32, F64, Mask
 from pointbrush.tracking.model.surface import Model
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.options import ProposalOptions
+from pointbrush.tracking.options.steps import ProposalOptions
 
 AS_IT_WAS = np.eye(3)[None]
 """No rotation (1, 3, 3)."""
@@ -57,8 +57,7 @@ def shifts(model: F64, target: F64, pose: F64, unit: float, options: ProposalOpt
     world = transform(pose, model)
     both = np.vstack([target, world])
     step = max(
-        options.vote_step_units * unit,
-        float(np.ptp(both, axis=0).max()) / options.max_steps_across,
+        options.vote_step_units * unit, float(np.ptp(both, axis=0).max()) / options.max_steps_across
     )
     cells = np.unique(np.floor(target / step).astype(np.int64), axis=0)
     votes = (cells[:, None] - np.floor(world / step).astype(np.int64)).reshape(-1, 3)

@@ -123,9 +123,7 @@ def register(search: Search) -> Registered:
     # What no point can be paired with is left out.
     world = transform(best, model.xyz)
     near = search.target.around(
-        world,
-        options.target_scales * options.final_scales[0] * search.track.unit,
-        options=options,
+        world, options.target_scales * options.final_scales[0] * search.track.unit, options=options
     )
     fit = _fits(search, search.many, best[None], options.final_scales, target=near)
     return Registered(fit.T[0], float(fit.cost[0]), poses, scores, bool(failed))

@@ -250,8 +250,7 @@ def hides(
     if not track.appearance.unlike(colour):
         return False
     known = ColourHistogram.of(
-        track.model.colour[track.model.hits >= options.surface.sure_hits],
-        track.options.appearance,
+        track.model.colour[track.model.hits >= options.surface.sure_hits], track.options.appearance
     )
     return known.likeness(colour) < known.usual - options.update.hiding_log_colour
 

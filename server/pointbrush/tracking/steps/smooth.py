@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.options import SmoothingOptions
+from pointbrush.tracking.options.tracks import SmoothingOptions
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Associations
