@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
+from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -18,7 +17,6 @@ BoxProvenance = Literal["fitted", "drawn", "imported"]
 """Origins of a box, or of its pose in a frame."""
 AttributeValue = str | float | bool
 Attributes = Mapping[str, AttributeValue]
-NO_ATTRIBUTES: Attributes = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +33,7 @@ class BoxPose:
     quaternion: Floats
     provenance: BoxProvenance = "drawn"
     confidence: float = 1.0
-    attributes: Attributes = NO_ATTRIBUTES
+    attributes: Attributes = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the pose.  Raises BadInputError."""
@@ -69,7 +67,7 @@ class OrientedBox:
     label: int
     size: Floats
     poses: Mapping[int, BoxPose]
-    attributes: Attributes = NO_ATTRIBUTES
+    attributes: Attributes = field(default_factory=dict)
     provenance: BoxProvenance = "drawn"
 
     def __post_init__(self) -> None:
