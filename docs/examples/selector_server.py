@@ -13,8 +13,9 @@ from __future__ import annotations
 import argparse
 import io
 from collections import OrderedDict
+from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -59,16 +60,18 @@ def distance(xyz: np.ndarray, clicks: np.ndarray) -> np.ndarray:
     return np.min(away, axis=0) if away else np.full(len(xyz), np.inf)
 
 
-CALLS = {"/v1/prepare": prepare, "/v1/candidates": candidates}
+Calls = Mapping[str, Callable[[dict[str, np.ndarray]], dict[str, np.ndarray]]]
 
 
 class Handler(BaseHTTPRequestHandler):
     """POST with an .npz body, answered with one."""
 
+    calls: ClassVar[Calls] = {}
+
     def do_POST(self) -> None:
         """Answer a call."""
         length = int(self.headers.get("Content-Length", "0"))
-        call = CALLS.get(self.path)
+        call = self.calls.get(self.path)
         if call is None or not 0 < length <= LONGEST_BODY:
             self.send_error(404 if call is None else 400)
             return
@@ -90,14 +93,15 @@ class Handler(BaseHTTPRequestHandler):
         """Say nothing for each call."""
 
 
-def main() -> None:
-    """Serve on loopback until interrupted."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--port", type=int, default=9000)
-    server = ThreadingHTTPServer(("127.0.0.1", parser.parse_args().port), Handler)
-    print(f"selector ready at http://127.0.0.1:{server.server_port}", flush=True)
+def serve(calls: Calls, name: str, port: int) -> None:
+    """Serve on loopback until interrupted; ``port`` unless ``--port`` gives another."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--port", type=int, default=port)
+    handler = type("Calls", (Handler,), {"calls": calls})
+    server = ThreadingHTTPServer(("127.0.0.1", parser.parse_args().port), handler)
+    print(f"{name} ready at http://127.0.0.1:{server.server_port}", flush=True)
     server.serve_forever()
 
 
 if __name__ == "__main__":
-    main()
+    serve({"/v1/prepare": prepare, "/v1/candidates": candidates}, "selector", 9000)

@@ -140,6 +140,9 @@ def parser() -> argparse.ArgumentParser:
     example_.add_argument("--name", help="of a new one (default: the recording's id)")
     example_.add_argument("--classes", help="with commas (default: all of the palette)")
     example_.add_argument(
+        "--model", default="", metavar="NAME", help="plug-in or service that answers for a new one"
+    )
+    example_.add_argument(
         "--apply", metavar="I:J", help="label frames I to J - 1, or all, where nobody did"
     )
     example_.add_argument(

@@ -142,7 +142,7 @@ def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
     if given.classifier is not None:
         return workspace.classifiers.teach(given.classifier, names)
     classes = None if given.classes is None else printing.listed(given.classes)
-    return workspace.classifiers.create(given.name or given.sequence, names, classes)
+    return workspace.classifiers.create(given.name or given.sequence, names, classes, given.model)
 
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:

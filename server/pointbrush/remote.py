@@ -116,7 +116,7 @@ def _taught(client: Client, given: argparse.Namespace) -> Classifier:
     if given.classifier is not None:
         return client.classifiers.teach(given.classifier, names)
     classes = None if given.classes is None else printing.listed(given.classes)
-    return client.classifiers.create(given.name or given.sequence, names, classes)
+    return client.classifiers.create(given.name or given.sequence, names, classes, given.model)
 
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:

@@ -117,6 +117,12 @@ class Settings:
         where=SERVERS,
         group=JOBS,
     )
+    models: str = option(
+        "",
+        "services that score classes for label by example: NAME=http://host:port, several with "
+        "commas; plug-ins are there by their names",
+        where=SERVERS,
+    )
     tls: bool = option(
         False,
         "serve HTTPS with a certificate of pointbrush's own authority",

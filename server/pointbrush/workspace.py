@@ -162,10 +162,12 @@ class Workspace:
     @once
     def classifiers(self) -> ClassifierFront:
         """Classifiers taught by example: kept, asked, applied."""
+        from pointbrush.classify.models import Models
         from pointbrush.work.classifiers.front import ClassifierFront
 
         folder = self.settings.workspace.absolute() / "classifiers"
-        return ClassifierFront(self.labels, self.library, self.runner, self.jobs, folder)
+        models = Models.parse(self.settings.models)
+        return ClassifierFront(self.labels, self.library, self.runner, self.jobs, folder, models)
 
     @once
     def reviewing(self) -> Reviewing:

@@ -5,17 +5,21 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import closing
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pointbrush.classify import models
+from pointbrush.classify.models import Question
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
 from pointbrush.sequences import import_frames
+from pointbrush.work.classifiers.applying import predicted
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -224,3 +228,35 @@ def test_unsure_predictions_are_suspicious_until_somebody_vouches(workspace: Wor
     found = workspace.reviewing.checks("room").findings
     assert not [each for each in found if each.kind == "predicted"]
     assert (layer(workspace, 1, "provenance") == PAINTED).all()
+
+
+class Floors:
+    """A plug-in that knows floors and walls by height, whatever is painted."""
+
+    takes, classes, learns = "points", ("floor", "wall"), False
+
+    def scores(self, question: Question) -> NDArray[np.float32]:
+        tall = (question.points.xyz[:, 2] > 0.1).astype(np.float32)
+        return np.stack([1 - tall, tall], axis=1)
+
+
+def test_a_model_of_ones_own_answers_in_place_of_trees(
+    workspace: Workspace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    group = "pointbrush.classifiers"
+    entries = (EntryPoint("floors", f"{__name__}:Floors", group),)
+    monkeypatch.setattr(models, "entry_points", lambda **_: entries)
+    with pytest.raises(BadInputError, match="model: expected one of floors"):
+        workspace.classifiers.create("rooms", ["room"], model="other")
+    made = workspace.classifiers.create("network", ["room"], model="floors")
+    assert (made.model, made.classes) == ("floors", ("floor", "wall"))
+    found = workspace.classifiers.predict(made.id, "room", 1)
+    right = (workspace.recording("room")[1].to_source(found.label) == WALL) == IS_WALL
+    assert right.mean() > 0.95
+    again = workspace.classifiers.bring(workspace.classifiers.file(made.id))
+    assert again.model == "floors"
+    assert workspace.classifiers.doubt(made.id, "room")
+    recording, known = workspace.recording("room"), workspace.classifiers.current(made.id)
+    own = workspace.classifiers.models.make("floors")
+    applied, _ = next(predicted(recording, 1, known, workspace.classifiers.options, own))
+    assert np.array_equal(applied.kind.values(), found.kind)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,8 +16,9 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from pointbrush.classify.features import Described, feature_names
+from pointbrush.classify.features import Described, ExampleFrame, feature_names
 from pointbrush.classify.forest import Trees, learn, probabilities
+from pointbrush.classify.models import BUILT_IN, Model, chances_of
 from pointbrush.classify.options import (
     MOST_BYTES,
     MOST_CLASSES,
@@ -25,7 +26,7 @@ from pointbrush.classify.options import (
     FeatureOptions,
     ForestOptions,
 )
-from pointbrush.classify.smoothing import Chances, decided, smoothed
+from pointbrush.classify.smoothing import Chances, smoothed
 from pointbrush.errors import BadInputError
 
 Floats = NDArray[np.float64]
@@ -62,7 +63,8 @@ class Classifier:
 
     ``recordings`` teach it, ``examples`` are those by recording and frame; ``size`` of a cell,
     metres, 0 before anything taught; ``score``: of examples that were held out, None where there
-    were too few.
+    were too few.  ``model``: name of the one that answers in place of the trees, and what it
+    learnt, None before.
     """
 
     name: str
@@ -72,6 +74,13 @@ class Classifier:
     examples: Mapping[tuple[str, int], Examples] = field(default_factory=dict)
     trees: Trees | None = None
     score: float | None = None
+    model: str = BUILT_IN
+    state: bytes | None = None
+
+    @property
+    def ready(self) -> bool:
+        """Whether it can tell classes apart."""
+        return self.trees is not None or self.state is not None
 
     @property
     def taught_by(self) -> dict[str, int]:
@@ -108,34 +117,37 @@ class Classifier:
         kept = balanced(classes, most)
         return features[kept], classes[kept], place[kept]
 
-    def learnt(self, options: ForestOptions) -> Classifier:
-        """Return the same with trees that know all examples."""
+    def learnt(self, options: ForestOptions, model: Model | None = None) -> Classifier:
+        """Return the same with trees, or its ``model``'s state, that know all examples."""
+        if model is not None and not model.learns:
+            return replace(self, state=b"")
         features, classes, _ = self.taught(options.most)
         if not len(features):
-            return replace(self, trees=None, score=None)
+            return replace(self, trees=None, state=None, score=None)
+        if model is not None:
+            return replace(self, state=model.learn(features, classes, self.classes))
         trees = learn(features, classes, len(self.classes), self.spread, options)
         return replace(self, trees=trees)
 
     def scored(self, options: ForestOptions) -> Classifier:
-        """Return the same with the score of examples that are held out."""
+        """Return the same with the score of examples that are held out; of its trees alone."""
+        if self.model:
+            return self
         features, classes, place = self.taught(options.most)
         count = len(self.classes)
         score = _score(features, classes, place, count, self.spread, options)
         return replace(self, score=score)
 
-    def chances(self, place: Described) -> Chances:
-        """Return the chance (C, K) of each class in each cell of a frame."""
+    def chances(
+        self, place: Described, points: Callable[[], ExampleFrame], model: Model | None = None
+    ) -> Chances:
+        """Return the chance (C, K) of each class in each cell of a frame of ``points``."""
+        if self.state is not None and model is not None:
+            return chances_of(model, self.classes, self.state, place, points())
         if self.trees is None:
             count = len(self.classes)
             return np.full((len(place.center), count), 1 / count, np.float32)
         return smoothed(probabilities(self.trees, place.features), place.near)
-
-    def answer(self, place: Described) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
-        """Return the class (N,) of each point, from 1, and the confidence (N,) 0 to 255."""
-        best, margin = decided(self.chances(place))
-        at = place.of_point
-        sure = np.clip(margin * 255, 0, 255).astype(np.uint8)
-        return (best + 1).astype(np.uint8)[at], sure[at]
 
 
 def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
@@ -189,6 +201,7 @@ def to_file(classifier: Classifier) -> bytes:
         "features": feature_names(FeatureOptions()),
         "size": classifier.size,
         "score": classifier.score,
+        "model": classifier.model,
         "recordings": classifier.recordings,
         "examples": [
             [recording, frame, len(some), some.identity, some.revision]
@@ -203,6 +216,8 @@ def to_file(classifier: Classifier) -> bytes:
         arrays["example_spreads"] = np.stack([each.spread for each in every])
     if classifier.trees is not None:
         arrays |= classifier.trees._asdict()
+    if classifier.state is not None:
+        arrays["state"] = np.frombuffer(classifier.state, np.uint8)
     out = io.BytesIO()
     np.savez_compressed(out, **arrays)  # type: ignore[arg-type]  # numpy's stub takes no mapping
     return out.getvalue()
@@ -248,7 +263,11 @@ def _checked(told: Any, arrays: Mapping[str, NDArray[Any]]) -> Classifier:
     examples = _examples(told["examples"], arrays, len(names), len(classes))
     trees = _trees(arrays, len(names), len(classes)) if "roots" in arrays else None
     name = check_name(told["name"])
-    return Classifier(name, classes, size, recordings, examples, trees, score)
+    state = arrays["state"].astype(np.uint8).tobytes() if "state" in arrays else None
+    model = told.get("model") and check_name(told["model"])
+    return Classifier(
+        name, classes, size, recordings, examples, trees, score, model or BUILT_IN, state
+    )
 
 
 def _examples(

@@ -35,3 +35,12 @@ def decided(chance: Chances) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         return best, np.ones(len(chance), np.float32)
     two = np.partition(chance, -2, axis=1)[:, -2:]
     return best, two[:, 1] - two[:, 0]
+
+
+def answered(
+    chance: Chances, of_point: NDArray[np.int32]
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Return the class (N,) of each point, from 1, and the confidence (N,) 0 to 255."""
+    best, margin = decided(chance)
+    sure = np.clip(margin * 255, 0, 255).astype(np.uint8)
+    return (best + 1).astype(np.uint8)[of_point], sure[of_point]

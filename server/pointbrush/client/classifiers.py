@@ -42,6 +42,7 @@ class Classifier:
     examples: Mapping[str, int]
     score: float | None
     cell: float
+    model: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,13 +94,15 @@ class Classifiers(Part[L]):
 
     @steps
     def create(
-        self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None
-    ) -> Steps[Classifier]:
+        self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
+        model: str = "",
+    ) -> Steps[Classifier]:  # fmt: skip
         """Make one, taught by what is painted in recordings, now and later.
 
-        ``classes`` None: all of the recordings' palettes.
+        ``classes`` None: all of the recordings' palettes.  ``model``: name of a plug-in or
+        service of the server that answers in place of the trees.
         """
-        body: dict[str, Any] = {"name": name, "recordings": list(recordings)}
+        body: dict[str, Any] = {"name": name, "recordings": list(recordings), "model": model}
         if classes is not None:
             body["classes"] = list(classes)
         answer = yield from send(Request("POST", "/classifiers", {"json": body}))

@@ -35,11 +35,15 @@ Recordings = Annotated[list[RecordingId], Field(max_length=1000)]
 
 
 class ClassifierBody(Body):
-    """A new classifier; ``classes`` None: all of the palettes of the recordings that teach it."""
+    """A new classifier; ``classes`` None: all of the palettes of the recordings that teach it.
+
+    ``model``: name of a plug-in or service of this server that answers in place of the trees.
+    """
 
     name: ClassName
     recordings: Annotated[Recordings, Field(min_length=1)]
     classes: Annotated[list[ClassName], Field(min_length=1, max_length=MOST_CLASSES)] | None = None
+    model: Annotated[str, Field(max_length=NAME_LENGTH)] = ""
 
 
 class TeachBody(Body):
@@ -61,6 +65,7 @@ class ClassifierOut(Out):
     examples: dict[str, int]
     score: float | None
     cell: float
+    model: str
 
 
 class PredictionBody(Body):
@@ -104,7 +109,7 @@ def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
 @router.post("/classifiers", status_code=201, responses=responses(404))
 def create_classifier(body: ClassifierBody, workspace: Ws) -> ClassifierOut:
     """Make a classifier; what is painted in ``recordings`` teaches it at once, and later too."""
-    made = workspace.classifiers.create(body.name, body.recordings, body.classes)
+    made = workspace.classifiers.create(body.name, body.recordings, body.classes, body.model)
     return ClassifierOut.of(made)
 
 

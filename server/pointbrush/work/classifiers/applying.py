@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.classify.classifier import Classifier, from_file, to_file
-from pointbrush.classify.features import describe, scale_of
+from pointbrush.classify.features import ExampleFrame, describe
+from pointbrush.classify.models import Model, Models
+from pointbrush.classify.smoothing import answered
 from pointbrush.errors import BadInputError
 from pointbrush.job import MESSAGE, Job
 from pointbrush.jobs import JobRunner
@@ -49,39 +51,47 @@ class PredictingWork:
     classifier: bytes = field(repr=False)
     frames: tuple[int, ...]
     options: ClassifierOptions
+    models: Models
 
     def __call__(self, channel: Channel) -> None:
         """Predict frame by frame, large ones piece by piece."""
         recording, model = open_sequence(self.files), from_file(self.classifier)
+        own = self.models.make(model.model) if model.model else None
         total = sum(recording[frame].count for frame in self.frames) or 1
         done = 0
         for frame in self.frames:
-            for found, count in predicted(recording, frame, model, self.options):
+            for found, count in predicted(recording, frame, model, self.options, own):
                 channel.item(found)
                 done += count
                 channel.progress(min(done / total, 1.0), f"frame {frame}")
 
 
 def predicted(
-    recording: Recording, frame: int, model: Classifier, options: ClassifierOptions
-) -> Iterator[tuple[Found, int]]:
-    """Yield the classes of a frame by a classifier, and the number of points."""
+    recording: Recording, frame: int, model: Classifier, options: ClassifierOptions,
+    own: Model | None = None,
+) -> Iterator[tuple[Found, int]]:  # fmt: skip
+    """Yield the classes of a frame by a classifier, and the number of points.
+
+    ``own``: the model that answers in place of its trees.
+    """
+
+    def said(made: ExampleFrame) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+        place = describe(made, model.size, options.features)
+        return answered(model.chances(place, lambda: made, own), place.of_point)
+
     count = recording[frame].count
     if count == 0:
         return
     if count <= options.whole_points:
-        made = example_frame(recording, frame)
-        place = describe(made, model.size or scale_of(made.xyz, options.features), options.features)
-        kind, sure = model.answer(place)
+        kind, sure = said(example_frame(recording, frame))
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
         return
     for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
-        made = example_frame(recording, frame, piece.members)
-        kind, sure = model.answer(describe(made, model.size, options.features))
-        own = piece.inside
+        kind, sure = said(example_frame(recording, frame, piece.members))
+        inside = piece.inside
         yield (
-            Found(frame, piece.members[own], Packed.of(kind[own]), Packed.of(sure[own])),
-            int(own.sum()),
+            Found(frame, piece.members[inside], Packed.of(kind[inside]), Packed.of(sure[inside])),
+            int(inside.sum()),
         )
 
 
@@ -111,8 +121,10 @@ class Predictions:
         runner: JobRunner,
         current: Callable[[str], Classifier],
         options: ClassifierOptions,
+        models: Models,
     ) -> None:
         """``current`` gives a classifier as it is now by its id."""
+        self._models = models
         self._store, self._runner = store, runner
         self._current, self._options = current, options
 
@@ -140,11 +152,13 @@ class Predictions:
         for frame in request.frames:
             _ = recording[frame]
         model = self._current(request.options.classifier)
-        if model.trees is None:
+        if not model.ready:
             raise BadInputError("classifier: expected one that was taught, nothing is painted yet")
         found: list[Found] = []
         pending = _Pending(self._store, recording, model, request, found)
-        work = PredictingWork(recording.files, to_file(model), request.frames, self._options)
+        work = PredictingWork(
+            recording.files, to_file(model), request.frames, self._options, self._models
+        )
         author, edit = job.owner or "", job.edit or job.id
 
         def finish(_: Job, cancelled: bool) -> dict[str, Any]:

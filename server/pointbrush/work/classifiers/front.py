@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from pointbrush.classify.models import Models
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
@@ -21,12 +22,13 @@ class ClassifierFront(Classifiers):
     """Classifiers of a workspace, and the jobs that apply them."""
 
     def __init__(
-        self, store: LabelStore, library: Library, runner: JobRunner, jobs: JobBook, folder: Path
-    ) -> None:
+        self, store: LabelStore, library: Library, runner: JobRunner, jobs: JobBook, folder: Path,
+        models: Models,
+    ) -> None:  # fmt: skip
         """``folder``: where their files are."""
-        super().__init__(store, folder, library.recording, library.ids)
+        super().__init__(store, folder, library.recording, library.ids, models=models)
         self._jobs = jobs
-        self._predictions = Predictions(store, runner, self.current, self.options)
+        self._predictions = Predictions(store, runner, self.current, self.options, models)
 
     def apply(self, sequence: str, *, author: str, edit: str | None = None, **chosen: Any) -> Job:
         """Label what nobody has labelled in frames of a recording, in a job; it is one edit.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,14 +19,16 @@ from pointbrush.classify.classifier import (
     to_file,
 )
 from pointbrush.classify.doubt import doubts
-from pointbrush.classify.smoothing import Chances, decided
+from pointbrush.classify.features import Described
+from pointbrush.classify.models import BUILT_IN, Model, Models
+from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
-from pointbrush.work.classifiers.frames import level_rotation
+from pointbrush.work.classifiers.frames import example_frame, level_rotation
 from pointbrush.work.classifiers.naming import classes_of, label_of
 from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.teaching import Teacher, cell_classes
@@ -46,6 +49,7 @@ class About:
     examples: Mapping[str, int]
     score: float | None
     cell: float
+    model: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,8 +95,13 @@ class Classifiers:
         recording: Callable[[str], Recording],
         recordings: Callable[[], Sequence[str]],
         options: ClassifierOptions | None = None,
+        models: Models | None = None,
     ) -> None:
-        """``recording`` opens one by its id; ``recordings`` lists their ids."""
+        """``recording`` opens one by its id; ``recordings`` lists their ids.
+
+        ``models``: those that may answer in place of trees.
+        """
+        self.models = models or Models()
         self.options = options or ClassifierOptions()
         self.options.check()
         self._store, self._recording, self._recordings = store, recording, recordings
@@ -120,20 +129,26 @@ class Classifiers:
         return _about(identifier, self._read(identifier))
 
     def create(
-        self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None
-    ) -> About:
+        self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
+        model: str = BUILT_IN,
+    ) -> About:  # fmt: skip
         """Make a classifier, taught by what is painted in recordings.
 
-        ``classes``: all of the recordings' palettes unless given.  Raises BadInputError,
-        NotFoundError (a recording).
+        ``classes``: the model's, or all of the recordings' palettes, unless given; ``model``: the
+        name of one that answers in place of trees.  Raises BadInputError, NotFoundError (a
+        recording), UnavailableError (the model).
         """
         self._require_writable()
         if not recordings:
             raise BadInputError("recordings: expected at least one, got none")
+        if classes is None and model:
+            classes = self.models.make(model).classes or None
         if classes is None:
             palettes = [self._store.palette(each) for each in map(self._checked, recordings)]
             classes = list(dict.fromkeys(name for one in palettes for name in classes_of(one)))
-        made = Classifier(check_name(name), check_classes(list(classes)))
+        first = self._recording(recordings[0])
+        size = self._frames.scale(first, 0) if model else 0.0  # others find it in what is painted
+        made = Classifier(check_name(name), check_classes(list(classes)), size, model=model)
         with self._lock:
             identifier = self._files.free_id(name)
             self._files.write(identifier, made)
@@ -206,16 +221,26 @@ class Classifiers:
             at = np.asarray(place, np.float64) - np.asarray(recording.manifest.shift)
             described, found = self._frames.round(recording, frame, size, at)
             numbers = found if len(found) < recording[frame].count else None
-        chances = classifier.chances(described)
+        chances = self._chances(classifier, recording, frame, described, numbers)
         ids = self._label_ids(sequence, classifier)
         if labels is not None:
             chances = _only(chances, np.isin(ids[1:], list(labels)))
-        best, margin = decided(chances)
-        known = classifier.trees is not None
-        kind = ((best + 1) * known).astype(np.uint8)[described.of_point]
-        sure = np.clip(margin * 255 * known, 0, 255).astype(np.uint8)[described.of_point]
+        kind, sure = answered(chances, described.of_point)
+        if not classifier.ready:
+            kind, sure = np.zeros_like(kind), np.zeros_like(sure)
         named = tuple(ids[1:].tolist())
         return Prediction(numbers, ids[kind], kind, sure, classifier.classes, named)
+
+    def _chances(
+        self, classifier: Classifier, recording: Recording, frame: int, place: Described,
+        members: Numbers | None,
+    ) -> Chances:  # fmt: skip
+        """Ask a classifier about a frame, or about its points ``members``."""
+        points = partial(example_frame, recording, frame, members)
+        return classifier.chances(place, points, self._own(classifier))
+
+    def _own(self, classifier: Classifier) -> Model | None:
+        return self.models.make(classifier.model) if classifier.model else None
 
     def _size(self, classifier: Classifier, recording: Recording, frame: int) -> float:
         return classifier.size or self._frames.scale(recording, frame)
@@ -264,10 +289,11 @@ class Classifiers:
         place, members = self._frames.round(recording, frame, size, first)
         values = self._store.values(sequence, frame)
         painted = ((values.provenance == PAINTED) | values.deleted)[members]
-        answered = cell_classes(place, painted.astype(np.uint8)) > 0
+        done = cell_classes(place, painted.astype(np.uint8)) > 0
         taught = classifier.taught(self.options.forest.most)[0]
         found = doubts(
-            place, classifier.chances(place), answered, taught, classifier.spread,
+            place, self._chances(classifier, recording, frame, place, members), done, taught,
+            classifier.spread,
             self.options.doubt, most,
         )  # fmt: skip
         level = level_rotation(recording.manifest)
@@ -314,8 +340,8 @@ class Classifiers:
         fresh = self._teacher.fresh(known, recordings)
         if fresh.recordings != names:
             fresh = self._known[identifier] = replace(fresh, recordings=names)
-        if fresh is not known or (fresh.trees is None and fresh.examples):
-            fresh = fresh.learnt(self.options.forest)
+        if fresh is not known or (not fresh.ready and (fresh.examples or fresh.model)):
+            fresh = fresh.learnt(self.options.forest, self._own(fresh))
             self._known[identifier] = fresh
         return fresh
 
@@ -324,7 +350,7 @@ def _about(identifier: str, classifier: Classifier) -> About:
     counts = dict(zip(classifier.classes, classifier.counts.tolist(), strict=True))
     return About(
         identifier, classifier.name, classifier.classes, classifier.taught_by, counts,
-        classifier.score, classifier.size,
+        classifier.score, classifier.size, classifier.model,
     )  # fmt: skip
 
 

@@ -1,0 +1,188 @@
+"""Models of one's own that score classes in place of the trees: plug-ins, and services over HTTP.
+
+A package adds one with an entry point of the group ``pointbrush.classifiers`` that names a class
+(or function) whose call without arguments gives a ``Model``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from importlib.metadata import entry_points
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.classify.features import Described, ExampleFrame
+from pointbrush.classify.grid import means
+from pointbrush.errors import BadInputError, UnavailableError
+from pointbrush.npz_service import NpzService
+
+Features = NDArray[np.float32]
+GROUP = "pointbrush.classifiers"
+BUILT_IN = ""
+"""Name of the trees, which are no model of one's own."""
+POINTS, FEATURES = "points", "features"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Question:
+    """A frame to be scored: its ``points``, z up, and its cells' ``features`` (C, F).
+
+    ``of_point`` (N,) the cell of each point; ``classes`` names (K,) of the columns of scores;
+    ``state`` as ``learn`` returned it, empty where nothing taught.
+    """
+
+    classes: tuple[str, ...]
+    state: bytes
+    points: ExampleFrame
+    features: Features
+    of_point: NDArray[np.int32]
+
+
+class Model(Protocol):
+    """Scores the classes of points or cells; called from several threads and processes."""
+
+    takes: str
+    """``points``: a row of scores is a point; ``features``: it is a cell."""
+    classes: tuple[str, ...]
+    """Names that it knows, which a new classifier has then; empty: any."""
+    learns: bool
+    """Whether ``learn`` is called with what people painted."""
+
+    def learn(self, features: Features, classes: NDArray[np.int64], names: Sequence[str]) -> bytes:
+        """Learn from painted cells (n, F) and their classes (n,), from 0; return what is learnt."""
+
+    def scores(self, question: Question) -> NDArray[np.float32]:
+        """Return scores (N, K) or (C, K) from 0; the share of each in its row counts."""
+
+
+@dataclass(frozen=True, slots=True)
+class HttpOptions:
+    """Bounds of a call."""
+
+    seconds: float = 120.0
+    """Longest wait for an answer."""
+    answer_bytes: int = 512 * 2**20
+    """Greatest answer."""
+
+
+class HttpModel:
+    """A ``Model`` on another machine: version 1 of the calls, each a POST of .npz, .npz back.
+
+    ``{address}/v1/about``   ``version``.  Answer: ``takes`` text, ``learns`` bool, ``classes``
+                             text (K,).
+    ``{address}/v1/learn``   ``features`` float32 (n, F), ``classes`` int64 (n,), ``names`` text
+                             (K,).  Answer: ``state`` uint8 (any length), opaque to pointbrush.
+    ``{address}/v1/scores``  ``names``, ``state``; for points ``xyz`` float32 (N, 3) and where the
+                             frame has them ``rgb`` uint8, ``intensity`` float32, ``returns``; or
+                             ``features``.  Answer: ``scores`` float32 (rows, K).
+    """
+
+    def __init__(self, address: str, options: HttpOptions | None = None) -> None:
+        self._seconds = (options or HttpOptions()).seconds
+        most = (options or HttpOptions()).answer_bytes
+        self._service = NpzService(address, "model", most)
+        told = self._service.ask("about", {"version": np.array(1)}, self._seconds)
+        self.takes, self.learns = str(told.get("takes")), bool(told.get("learns", False))
+        known: Any = told.get("classes", np.empty(0, str))
+        self.classes = tuple(str(name) for name in known.ravel())
+
+    def learn(self, features: Features, classes: NDArray[np.int64], names: Sequence[str]) -> bytes:
+        """Have the service learn; see ``Model``."""
+        given: dict[str, NDArray[Any]] = {
+            "features": features,
+            "classes": classes,
+            "names": np.array(names),
+        }
+        answer = self._service.ask("learn", given, self._seconds)
+        return bytes(self._service.array(answer, "state", np.uint8).tobytes())
+
+    def scores(self, question: Question) -> NDArray[np.float32]:
+        """Ask for scores; see ``Model``."""
+        given: dict[str, NDArray[Any]] = {
+            "names": np.array(question.classes),
+            "state": np.frombuffer(question.state, np.uint8),
+        }
+        if self.takes == FEATURES:
+            given["features"] = question.features
+        else:
+            points = question.points
+            given["xyz"] = np.asarray(points.xyz, np.float32)
+            for name in ("rgb", "intensity", "returns"):
+                column = getattr(points, name)
+                if column is not None:
+                    given[name] = column
+        answer = self._service.ask("scores", given, self._seconds)
+        if "scores" not in answer or answer["scores"].dtype.kind not in "iuf":
+            raise UnavailableError("model: expected scores, numbers, in the answer")
+        return answer["scores"].astype(np.float32, copy=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Models:
+    """Models that the operator allows by name: ``addresses`` of services, and plug-ins."""
+
+    addresses: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def parse(cls, text: str) -> Models:
+        """Read ``NAME=ADDRESS``, separated by commas; raises BadInputError."""
+        found: dict[str, str] = {}
+        for entry in filter(None, (part.strip() for part in text.split(","))):
+            name, _, address = entry.partition("=")
+            if not name.isidentifier() or not address.startswith(("http://", "https://")):
+                raise BadInputError(f"models: expected NAME=http://host…, got {entry!r}")
+            if name in found:
+                raise BadInputError(f"models: expected one for {name}, got two")
+            found[name] = address
+        return cls(found)
+
+    def names(self) -> list[str]:
+        """List the models that can be chosen."""
+        return sorted({*self.addresses, *(entry.name for entry in entry_points(group=GROUP))})
+
+    def make(self, name: str) -> Model:
+        """Return the model of a name; raises BadInputError (unknown), UnavailableError."""
+        if name not in self.names():
+            expected = ", ".join(self.names()) or "none, as this server has none"
+            raise BadInputError(f"model: expected one of {expected}; got {name!r}")
+        return _made(name, self.addresses.get(name))
+
+
+@lru_cache(maxsize=64)
+def _made(name: str, address: str | None) -> Model:
+    """Make a model once a process: its weights may be large, a service is asked what it is."""
+    if address is None:
+        model: Model = next(iter(entry_points(group=GROUP, name=name))).load()()
+    else:
+        model = HttpModel(address)
+    if model.takes not in (POINTS, FEATURES):
+        raise UnavailableError(f"model {name}: expected points or features, got {model.takes!r}")
+    return model
+
+
+def chances_of(
+    model: Model, classes: tuple[str, ...], state: bytes, place: Described, points: ExampleFrame
+) -> NDArray[np.float32]:
+    """Return the chance (C, K) of each class in each cell by a model; points' mean in their cell.
+
+    Raises UnavailableError for scores that are none.
+    """
+    question = Question(classes, state, points, place.features, place.of_point)
+    scores = np.asarray(model.scores(question), np.float64)
+    cells = len(place.center)
+    rows = cells if model.takes == FEATURES else len(place.of_point)
+    if scores.shape != (rows, len(classes)):
+        raise UnavailableError(
+            f"model: expected scores {(rows, len(classes))} of {model.takes}, got {scores.shape}"
+        )
+    if not (np.isfinite(scores).all() and (scores >= 0).all()):
+        raise UnavailableError("model: expected finite scores from 0")
+    if model.takes == POINTS:
+        scores = means(place.of_point, np.ascontiguousarray(scores), cells)
+    whole = scores.sum(axis=1, keepdims=True)
+    share = np.divide(scores, whole, out=np.full_like(scores, 1 / len(classes)), where=whole > 0)
+    return np.asarray(share, np.float32)
