@@ -6,8 +6,10 @@ and takes the one that parts the classes best.  Classes weigh the same, however 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,9 @@ Floats = NDArray[np.float64]
 Grown = tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]
 """One tree: features, thresholds, links and chances of its leaves."""
 LEAF = -1
+MOST_THREADS = 4
+T = TypeVar("T")
+R = TypeVar("R")
 
 
 class Trees(NamedTuple):
@@ -60,14 +65,21 @@ def learn(
     held = np.bincount(classes, minlength=count)
     weight = len(classes) / (np.maximum(held, 1) * max((held > 0).sum(), 1))
     seeds = rng.integers(1, 2**31, options.trees)
-    made = [
-        _grow(
-            columns, classes, weight, int(each), options.depth, options.fewest, options.tried,
+
+    def grown(seed: int) -> Grown:
+        return _grow(
+            columns, classes, weight, seed, options.depth, options.fewest, options.tried,
             options.smoothing,
-        )
-        for each in seeds
-    ]  # fmt: skip
+        )  # fmt: skip
+
+    made = _threaded(grown, seeds.tolist())
     return _joined(made)
+
+
+def _threaded(work: Callable[[T], R], parts: Sequence[T]) -> list[R]:
+    """Call compiled ``work`` of each part in threads, so that nobody waits for one processor."""
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, MOST_THREADS)) as pool:
+        return list(pool.map(work, parts))
 
 
 def _joined(made: Sequence[Grown]) -> Trees:
@@ -209,12 +221,20 @@ ROWS = 512
 """Rows that go through one tree after another, so that both stay near the processor."""
 
 
-@compiled
 def probabilities(trees: Trees, features: Features) -> NDArray[np.float32]:
     """Return the chance (n, classes) of each class by the mean of all trees."""
+    out = np.zeros((len(features), trees.chance.shape[1]), np.float32)
+    share = -(-len(features) // MOST_THREADS) or 1
+    starts = range(0, len(features), share)
+    _threaded(lambda at: _add(trees, features[at : at + share], out[at : at + share]), starts)
+    return out
+
+
+@compiled
+def _add(trees: Trees, features: Features, out: NDArray[np.float32]) -> None:
+    """Add the mean chance (n, classes) of all trees to ``out``."""
     feature, threshold, left, roots, chance = trees
     kinds = chance.shape[1]
-    out = np.zeros((len(features), kinds), np.float32)
     share = np.float32(1.0 / len(roots))
     for start in range(0, len(features), ROWS):
         stop = min(start + ROWS, len(features))
@@ -225,4 +245,3 @@ def probabilities(trees: Trees, features: Features) -> NDArray[np.float32]:
                     at = left[at] + (features[i, feature[at]] > threshold[at])
                 for k in range(kinds):
                     out[i, k] += share * chance[left[at], k]
-    return out
