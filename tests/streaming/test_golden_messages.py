@@ -143,6 +143,30 @@ SERVER: list[m.Message] = [
             m.TimelineCell(frame=2, label=1, points=0, painted=0, confidence=None, state=None),
         ],
     ),
+    m.Boxes(
+        sequence="juggling",
+        revision=9,
+        whole=False,
+        boxes=[
+            m.Box(
+                id=3,
+                label=65534,
+                size=[4.5, 1.75, 1.5],
+                poses={
+                    "7": m.BoxPose(
+                        centre=[500010.5, -4000000.25, 0.75],
+                        quaternion=[0.0, 0.0, 0.6, 0.8],
+                        provenance="fitted",
+                        confidence=0.5,
+                        attributes={"truncated": 0.25},
+                    )
+                },
+                attributes={"parked": True, "occluded": 2.0, "note": "rot ☃"},
+                provenance="drawn",
+            )
+        ],
+        removed=[1, 2],
+    ),
     m.Job(
         id="job1",
         kind="tracking",

@@ -12,6 +12,7 @@ from pointbrush.lazy import lazily
 if TYPE_CHECKING:
     from pointbrush.labels.accounts import Token
     from pointbrush.labels.backup import move, restore
+    from pointbrush.labels.boxes import BoxEdit, BoxList, Made
     from pointbrush.labels.database import Limits
     from pointbrush.labels.integrity import check_database
     from pointbrush.labels.reading import View
@@ -35,6 +36,7 @@ if not TYPE_CHECKING:
         {
             "accounts": "Token",
             "backup": "move restore",
+            "boxes": "BoxEdit BoxList Made",
             "database": "Limits",
             "integrity": "check_database",
             "reading": "View",

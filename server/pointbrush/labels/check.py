@@ -1,7 +1,7 @@
 """Check that the database agrees with itself, and make anew what derives from the journal.
 
-Everything is compared with a replay of the journal; snapshots, counts, palette, tracks and frame
-changes can be rebuilt from it.
+Everything is compared with a replay of the journal; snapshots, counts, palette, tracks, boxes and
+frame changes can be rebuilt from it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from sqlalchemy import ColumnElement, Connection, Table, and_, delete, func, insert, select
 from sqlalchemy.sql.base import ReadOnlyColumnCollection
 
-from pointbrush.labels import palette
+from pointbrush.labels import box_journal, palette
 from pointbrush.labels.blocks import Place, block_size
 from pointbrush.labels.effect import tally_labels
 from pointbrush.labels.packing import (
@@ -35,6 +35,7 @@ from pointbrush.labels.packing import (
 from pointbrush.labels.palette import FIELDS
 from pointbrush.labels.schema import (
     IN_FORCE,
+    boxes,
     counts,
     edit_blocks,
     edit_labels,
@@ -68,6 +69,7 @@ def check(connection: Connection, state: SequenceState) -> list[Finding]:
         *_check_counts(connection, state, tally.counts),
         *_check_palette(connection, state),
         *_check_tracks(connection, state),
+        *_check_boxes(connection, state),
         *_check_frame_changes(connection, state),
     ]
 
@@ -222,6 +224,14 @@ def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[Find
             yield Finding(what, derived=True)
 
 
+def _check_boxes(connection: Connection, state: SequenceState) -> Iterator[Finding]:
+    expected = box_journal.fold(connection, state.number)
+    kept = box_journal.stored(connection, state.number)
+    for box in sorted(expected.keys() | kept.keys()):
+        if expected.get(box) != kept.get(box):
+            yield Finding(f"boxes: box {box} differs from the journal", derived=True)
+
+
 def expected_frame_changes(connection: Connection, state: SequenceState) -> dict[int, int]:
     """The revision of each frame's last change, as the journal has it."""
     query = select(edits.c.revision, edits.c.frames).where(edits.c.sequence == state.number)
@@ -277,6 +287,7 @@ def repair(connection: Connection, state: SequenceState) -> tuple[list[str], lis
     _replace(connection, state, counts, _count_rows(connection, state))
     _replace(connection, state, labels, _label_rows(connection, state))
     _replace(connection, state, tracks, _track_rows(connection, state))
+    _replace(connection, state, boxes, _box_rows(connection, state))
     _replace(connection, state, frame_changes, _frame_rows(connection, state))
     return derived, []
 
@@ -347,6 +358,14 @@ def _track_rows(connection: Connection, state: SequenceState) -> list[dict[str, 
     return [
         {"frame": frame, "label": label, "data": data}
         for (frame, label), data in expected_tracks(connection, state).items()
+    ]
+
+
+def _box_rows(connection: Connection, state: SequenceState) -> list[dict[str, Any]]:
+    return [
+        {"id": box, "label": fields["label"], "data": json.dumps(fields)}
+        for box, fields in box_journal.fold(connection, state.number).items()
+        if fields is not None
     ]
 
 

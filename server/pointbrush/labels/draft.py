@@ -101,6 +101,10 @@ class Draft:
     """Labels that an undo or redo leaves out of the palette, unless points hold them."""
     tracks: dict[tuple[int, int], str | None] = field(default_factory=dict)
     """Tracks by frame and label that it sets (JSON) or, None, removes."""
+    boxes: dict[int, dict[str, Any] | None] = field(default_factory=dict)
+    """Boxes that it sets, by their fields, or, None, removes."""
+    box_changes: dict[int, dict[str, Any]] = field(default_factory=dict)
+    """The part that the edit changes itself, for the journal."""
     own_tracks: bool = False
     """The tracks are of its own making, and not what an undo uncovered."""
 

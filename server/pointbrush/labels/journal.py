@@ -1,7 +1,7 @@
 """The journal: appending edits and reading them back; only an edit's ``state`` ever changes.
 
-Tables derived from it (palette, tracks, counts, each frame's last change) are kept beside it, so
-that nobody has to replay it.
+Tables derived from it (palette, tracks, boxes, counts, each frame's last change) are kept beside
+it, so that nobody has to replay it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from pointbrush.labels.database import CHUNK
 from pointbrush.labels.draft import Changes, Draft
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change
-from pointbrush.labels.schema import edit_blocks, edit_labels, edit_tracks, edits
+from pointbrush.labels.schema import edit_blocks, edit_boxes, edit_labels, edit_tracks, edits
 from pointbrush.labels.statements import Driver, Statement, upsert
 from pointbrush.labels.types import Commit, Label
 
@@ -80,6 +80,7 @@ _FIRST = Statement(_STACK.order_by(edits.c.revision))
 _LAST = Statement(_STACK.order_by(edits.c.revision.desc()))
 _INSERT_EDIT, _INSERT_BLOCK = Statement(insert(edits)), Statement(insert(edit_blocks))
 _INSERT_LABEL, _INSERT_TRACK = Statement(insert(edit_labels)), Statement(insert(edit_tracks))
+_INSERT_BOX = Statement(insert(edit_boxes))
 
 BLOCKS_AT_ONCE = 256
 
@@ -88,9 +89,15 @@ Told = str | Callable[[int, int], str]
 """A sentence of the history, or what makes it of the numbers of points and frames changed."""
 _PUT_LABEL, _PUT_TRACK = upsert(schema.labels), upsert(schema.tracks)
 _PUT_COUNT, _PUT_CHANGE = upsert(schema.counts), upsert(schema.frame_changes)
+_PUT_BOX = upsert(schema.boxes)
 _DROP_LABEL = Statement(
     delete(schema.labels).where(
         schema.labels.c.sequence == bindparam("sequence"), schema.labels.c.id == bindparam("id")
+    )
+)
+_DROP_BOX = Statement(
+    delete(schema.boxes).where(
+        schema.boxes.c.sequence == bindparam("sequence"), schema.boxes.c.id == bindparam("id")
     )
 )
 _DROP_TRACK = Statement(
@@ -141,6 +148,7 @@ def append(driver: Driver, draft: Draft, entry: Entry, commit: Commit, effect: E
             "frames": json.dumps(sorted(effect.frames)),
             "labels": json.dumps(sorted({*draft.labels, *draft.label_fields})),
             "tracks": bool(draft.tracks),
+            "boxes": bool(draft.boxes or draft.box_changes),
             "target": entry.target,
             "state": entry.state,
             "redone": 0,
@@ -179,6 +187,13 @@ def _append_parts(driver: Driver, draft: Draft, key: dict[str, Any]) -> None:
         [
             {**key, "label": label, "fields": json.dumps(fields)}
             for label, fields in draft.label_fields.items()
+        ],
+    )
+    _INSERT_BOX.run_each(
+        driver,
+        [
+            {**key, "box": box, "data": json.dumps(change, allow_nan=False)}
+            for box, change in draft.box_changes.items()
         ],
     )
     if draft.own_tracks:
@@ -287,7 +302,7 @@ def set_state(connection: Connection, number: int, revision: int, **values: int)
 
 
 def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
-    """Bring the palette, the tracks, the counts and the frames' last changes up to date."""
+    """Bring the palette, tracks, boxes, counts and the frames' last changes up to date."""
     here = {"sequence": draft.state.number}
 
     def row(**columns: Any) -> dict[str, Any]:
@@ -300,6 +315,16 @@ def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
     tracks = [row(frame=f, label=n, data=data) for (f, n), data in draft.tracks.items()]
     _PUT_TRACK.run_each(driver, [one for one in tracks if one["data"] is not None])
     _DROP_TRACK.run_each(driver, [one for one in tracks if one["data"] is None])
+    boxes = draft.boxes.items()
+    _PUT_BOX.run_each(
+        driver,
+        [
+            row(id=n, label=fields["label"], data=json.dumps(fields, allow_nan=False))
+            for n, fields in boxes
+            if fields is not None
+        ],
+    )
+    _DROP_BOX.run_each(driver, [row(id=n) for n, fields in boxes if fields is None])
     counts = effect.counts.items()
     _PUT_COUNT.run_each(
         driver,

@@ -11,7 +11,7 @@ from typing import Any
 from sqlalchemy import Connection
 
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import journal, palette, schema, undo
+from pointbrush.labels import box_journal, journal, palette, schema, undo
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry, Told
 from pointbrush.labels.palette import Palette, free_name_and_color
@@ -110,6 +110,7 @@ def remove(entry: Entry, label_id: int) -> Plan:
         if label.locked:
             raise locked_error(draft.palette, label_id)
         draft.clear_label(label_id)
+        box_journal.remove_of(draft, {label_id})
         draft.labels[label_id] = None
         draft.label_fields[label_id] = {"exists": False}
         return replace(entry, summary=f"delete label '{label.name}'")
@@ -125,6 +126,7 @@ def merge(entry: Entry, label_id: int, others: Sequence[int]) -> Plan:
         for label in named:
             if label.locked:
                 raise locked_error(draft.palette, label.id)
+        box_journal.give(draft, set(others), label_id)
         for other in others:
             draft.give_label(other, label_id)
             draft.labels[other] = None
@@ -136,8 +138,9 @@ def merge(entry: Entry, label_id: int, others: Sequence[int]) -> Plan:
 
 
 def add_label(draft: Draft, label: Label) -> None:
-    """Put a label into the palette; points that an earlier one of its id left are freed."""
+    """Put a label into the palette; what an earlier one of its id left is freed."""
     draft.clear_label(label.id)
+    box_journal.remove_of(draft, {label.id})
     draft.labels[label.id] = label
     draft.label_fields[label.id] = palette.fields_of(label)
 

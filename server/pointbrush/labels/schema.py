@@ -24,6 +24,7 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    false,
     inspect,
     text,
 )
@@ -31,7 +32,7 @@ from sqlalchemy import (
 from pointbrush.errors import BadInputError
 from pointbrush.labels.database import Database
 
-HEAD = "0013"
+HEAD = "0014"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -87,6 +88,7 @@ edits = Table(
     Column("frames", Text, nullable=False),  # JSON list of frame numbers
     Column("labels", Text, nullable=False),  # JSON list of palette entries it changed
     Column("tracks", Boolean, nullable=False),
+    Column("boxes", Boolean, nullable=False, server_default=false()),
     Column("target", BigInteger),  # revision that an undo or redo is about
     Column("state", SmallInteger, nullable=False),
     Column("redone", BigInteger, nullable=False),  # revision of its last redo, or 0
@@ -128,6 +130,16 @@ edit_tracks = Table(
     Index("edit_tracks_place", "sequence", "frame", "label", "revision"),
 )
 
+edit_boxes = Table(
+    "edit_boxes",
+    metadata,
+    _sequence(),
+    Column("revision", BigInteger, primary_key=True, autoincrement=False),
+    Column("box", Integer, primary_key=True, autoincrement=False),
+    Column("data", Text, nullable=False),  # JSON object of what it changed
+    Index("edit_boxes_box", "sequence", "box", "revision"),
+)
+
 snapshots = Table(
     "snapshots",
     metadata,
@@ -160,6 +172,15 @@ tracks = Table(
     Column("frame", Integer, primary_key=True, autoincrement=False),
     Column("label", Integer, primary_key=True, autoincrement=False),
     Column("data", Text, nullable=False),
+)
+
+boxes = Table(
+    "boxes",
+    metadata,
+    _sequence(),
+    Column("id", Integer, primary_key=True, autoincrement=False),
+    Column("label", Integer, nullable=False),
+    Column("data", Text, nullable=False),  # JSON object: label, size, poses, …
 )
 
 counts = Table(
@@ -296,9 +317,11 @@ PER_SEQUENCE = (
     edit_blocks,
     edit_labels,
     edit_tracks,
+    edit_boxes,
     snapshots,
     labels,
     tracks,
+    boxes,
     counts,
     frame_changes,
     reviews,

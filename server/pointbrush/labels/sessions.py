@@ -13,7 +13,7 @@ from typing import Any
 from sqlalchemy import Connection, Row
 
 from pointbrush.errors import NotFoundError, UnavailableError
-from pointbrush.labels import journal
+from pointbrush.labels import box_journal, journal
 from pointbrush.labels.blocks import BlockCache
 from pointbrush.labels.database import Database
 from pointbrush.labels.effect import deltas_of, labels_in
@@ -270,6 +270,8 @@ class Sessions:
         changes = journal.changes_of(connection, state.number, row.revision)
         turned = journal.labels_that_came_or_went(connection, row) if labels else set()
         frames = deltas_of(connection, state, changes, turned)
+        boxes = box_journal.changed_in(connection, row) if row.boxes else set()
+        boxes |= box_journal.of_labels(connection, state.number, turned).keys()
         cells = labels_in(changes, frames) | state.counts_of(turned).keys()
         return Commit(
             sequence=state.id,
@@ -284,6 +286,7 @@ class Sessions:
             frames=frames,
             palette_changed=bool(labels),
             tracks_changed=bool(row.tracks),
+            boxes=tuple(sorted(boxes)),
             cells=tuple(state.cell(key) for key in sorted(cells)),
         )
 

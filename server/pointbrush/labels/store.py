@@ -9,6 +9,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import check, integrity, palette, plans, reading
 from pointbrush.labels.accounts import Accounts, SignIns, Tokens
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
+from pointbrush.labels.boxes import Boxes
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
@@ -57,6 +58,7 @@ class LabelStore:
         self.taxonomy = Taxonomy(self.database)
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)
+        self.boxes = Boxes(self._sessions, self._writer)
         self.guards = Guards(self.database)
         self.jobs = JobRecords(self.database, self.guards.owner)
 

@@ -137,6 +137,7 @@ class Commit:
     ``revision`` is the sequence's after it and ``base`` the one before it; ``changed`` counts
     points whose visible value changed; ``target`` is the edit that an undo or redo was about;
     ``label`` is the one that it made or changed, as it left it, unless it is read from the journal;
+    ``boxes`` are the ids of those that changed, came or went;
     ``repeated`` is True when this edit's id had been committed before and nothing was done now.
     """
 
@@ -154,6 +155,7 @@ class Commit:
     frames: Deltas = field(default_factory=dict)
     palette_changed: bool = False
     tracks_changed: bool = False
+    boxes: tuple[int, ...] = ()
     cells: tuple[Cell, ...] = ()
 
     @property

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sqlalchemy import Connection, Row, and_, select
 
 from pointbrush.errors import UnavailableError
-from pointbrush.labels import journal, schema
+from pointbrush.labels import box_journal, journal, schema
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.draft import Draft, match_sorted
 from pointbrush.labels.effect import Effect
@@ -68,6 +68,7 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
     _require_unlocked(draft)
     _palette(draft, edit)
     _tracks(draft, edit)
+    box_journal.turn(draft, edit, "undo")
 
 
 def redo(draft: Draft, edit: Row[Any]) -> None:
@@ -84,6 +85,7 @@ def redo(draft: Draft, edit: Row[Any]) -> None:
     _require_unlocked(draft)
     _palette(draft, edit)
     _tracks(draft, edit)
+    box_journal.turn(draft, edit, "redo")
 
 
 def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[int]) -> None:
@@ -160,16 +162,19 @@ def _palette(draft: Draft, edit: Row[Any]) -> None:
 
 
 def keep_used_labels(draft: Draft, effect: Effect, kind: str) -> bool:
-    """Keep labels that points hold; returns whether any would be gone but for that.
+    """Keep labels that points or boxes hold; returns whether any would be gone but for that.
 
     Undoing the creation of a label must not take other people's work with it, and what an undo
     or redo brings to light must not stay without its label because that was undone meanwhile.
     """
-    missing = (draft.doubtful | {label for _, label in effect.counts}) - draft.palette.keys()
+    boxes = {fields["label"] for fields in draft.boxes.values() if fields is not None}
+    held = {label for _, label in effect.counts}
+    missing = (draft.doubtful | held | boxes) - draft.palette.keys()
     if not missing:
         return False
     counts = {**draft.state.counts_of(missing), **effect.counts}
     used = {label for (_, label), count in counts.items() if count[2]}
+    used |= box_journal.labels_used(draft, missing)
     before = draft.state.palette if kind == "undo" else {}
     for label_id in sorted(missing & used):
         label = before.get(label_id) or as_last_made(draft.connection, draft.state.number, label_id)

@@ -13,7 +13,7 @@ from weakref import WeakKeyDictionary
 from sqlalchemy import Connection
 
 from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
-from pointbrush.labels import journal, schema
+from pointbrush.labels import box_journal, journal, schema
 from pointbrush.labels.blocks import SNAPSHOT_EVERY, Place
 from pointbrush.labels.database import Database
 from pointbrush.labels.draft import Draft
@@ -212,7 +212,9 @@ class Writer:
     def settled(self, draft: Draft, entry: Entry) -> tuple[Entry, Effect]:
         """An entry as it will be journalled, and what it does for those who look."""
         effect = effect_of(draft)
-        if entry.target is not None and keep_used_labels(draft, effect, entry.kind):
+        if entry.target is not None and (
+            keep_used_labels(draft, effect, entry.kind) or draft.box_changes
+        ):
             entry, effect = replace(entry, state=schema.KEPT), effect_of(draft)
         if entry.state == schema.ACTIVE and _is_idle(draft, entry, effect):
             draft.changes.clear()
@@ -236,6 +238,7 @@ class Writer:
             frames=effect.frames,
             palette_changed=bool(draft.labels),
             tracks_changed=bool(draft.tracks),
+            boxes=box_journal.changed_by_edit(draft),
             cells=tuple(cell_of(key, count, palette) for key, count in sorted(counts.items())),
         )
 
@@ -274,7 +277,7 @@ def _batch(waiting: deque[Request]) -> list[Request]:
 
 def _is_idle(draft: Draft, entry: Entry, effect: Effect) -> bool:
     """Nothing to see, and nothing of others' that it would hold on to."""
-    if effect.changed or effect.counts or draft.labels or draft.tracks:
+    if effect.changed or effect.counts or draft.labels or draft.tracks or draft.boxes:
         return False  # counts: of a deleted label, whose points look unlabeled
     writers = [int(writer) for writer in draft.foreign_writers()]
     return not journal.by_others(draft.connection, draft.state.number, writers, entry.author)

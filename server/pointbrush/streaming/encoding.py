@@ -13,7 +13,10 @@ from pydantic import TypeAdapter, ValidationError
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Delta, FrameValues
+from pointbrush.labels.box_maps import fields_of
+from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Chunk, StoredFrame
+from pointbrush.streaming import messages
 from pointbrush.streaming.messages import ClientMessage, Message
 from pointbrush.streaming.shared.status import MalformedError
 
@@ -84,6 +87,11 @@ def encode(message: Message) -> bytes:
     """A server's message."""
     packed: bytes = msgpack.packb(message.model_dump())
     return packed
+
+
+def box_message(box: OrientedBox) -> messages.Box:
+    """A box as clients get it."""
+    return messages.Box.model_validate({"id": box.id, **fields_of(box)})
 
 
 def encode_beginning(message: Message, without: Sequence[str]) -> bytes:

@@ -77,6 +77,9 @@ class Outbox:
     cells: set[tuple[int, int]] = field(default_factory=set)
     """Timeline cells (frame, label) that changed."""
     all_cells: bool = False
+    boxes: set[int] = field(default_factory=set)
+    """Boxes that changed."""
+    all_boxes: bool = False
     wake: Wake = field(default_factory=Wake)
     delta_bytes: int = 0
 
@@ -97,6 +100,8 @@ class Outbox:
             or self.labels
             or self.cells
             or self.all_cells
+            or self.boxes
+            or self.all_boxes
         )
 
     @property
@@ -145,4 +150,9 @@ class Outbox:
         self.stale.clear()
         self.presence.clear()
         self.cells.clear()
-        self.labels = self.all_cells = False
+        self.boxes.clear()
+        self.labels = self.all_cells = self.all_boxes = False
+
+    def everything(self) -> None:
+        """Note that palette, timeline and boxes must be sent whole."""
+        self.labels = self.all_cells = self.all_boxes = True

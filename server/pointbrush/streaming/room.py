@@ -60,6 +60,9 @@ class Listener(Protocol):
     def cells_changed(self, cells: set[Place], *, everything: bool) -> None:
         """Palette, counts or timeline changed."""
 
+    def boxes_changed(self, boxes: Iterable[int] | None) -> None:
+        """Boxes of these ids changed, or any of them: None."""
+
 
 class Room:
     """Shared by the viewers of one sequence; lives while there is one.  Event loop only."""
@@ -166,6 +169,7 @@ class Room:
             # Something in between did not come by here: what viewers hold is sent whole.
             for viewer in self.viewers:
                 viewer.all_stale()
+                viewer.boxes_changed(None)
             self._start = commit.revision - 1
             self._touched.clear()
             self.board.all_changed()
@@ -189,6 +193,7 @@ class Room:
         for viewer in self.viewers:
             viewer.stale(whole)
             viewer.cells_changed(changed, everything=commit.tracks_changed)
+            viewer.boxes_changed(commit.boxes)
         self._gathered()
 
     def _gathered(self) -> None:

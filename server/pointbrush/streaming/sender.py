@@ -121,7 +121,9 @@ class Sender:
 
     def _states_pause(self) -> float | None:
         room = self._viewer.room
-        changed = self._outbox.labels or self._outbox.cells or self._outbox.all_cells
+        outbox = self._outbox
+        timeline = outbox.cells or outbox.all_cells
+        changed = outbox.labels or timeline or outbox.boxes or outbox.all_boxes
         if room is None or not changed:
             return None
         return max(0.0, self._states_time + room.states_period - self._viewer.now())
@@ -137,6 +139,8 @@ class Sender:
         labels, outbox.labels = outbox.labels, False
         cells = None if outbox.all_cells else frozenset(outbox.cells)
         outbox.cells, outbox.all_cells = set(), False
+        boxes = None if outbox.all_boxes else frozenset(outbox.boxes)
+        outbox.boxes, outbox.all_boxes = set(), False
         try:
             await room.board.refresh()
             made = []
@@ -144,11 +148,15 @@ class Sender:
                 made.append(await room.board.labels_message(viewer.author))
             if cells is None or cells:
                 made.append(await room.board.timeline_message(cells))
+            if boxes is None or boxes:
+                made.append(await room.board.boxes_message(boxes))
             await viewer.send_each(made)
         except UnavailableError:
             outbox.labels = outbox.labels or labels
             outbox.all_cells = outbox.all_cells or cells is None
             outbox.cells |= cells or frozenset()
+            outbox.all_boxes = outbox.all_boxes or boxes is None
+            outbox.boxes |= boxes or frozenset()
             raise
 
     # ── points ───────────────────────────────────────────────────────────────────────────

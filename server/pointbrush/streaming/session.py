@@ -207,7 +207,7 @@ class ViewerSession(Viewer):
             return
         if room.recording.identity != old.recording.identity:
             self._begin(room, min(self.plan.focus, len(room.recording) - 1))
-            self.outbox.labels = self.outbox.all_cells = True
+            self.outbox.everything()
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.wake.set()
 
@@ -260,7 +260,7 @@ class ViewerSession(Viewer):
             self.resumed = message.revision is not None and message.held is None
         self.plan.focus, self.wanted = frame, None
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
-        self.outbox.labels = self.outbox.all_cells = True
+        self.outbox.everything()
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
         with contextlib.suppress(UnavailableError):  # then each is told when it changes
             for job in self.hub.workspace.jobs.all():

@@ -145,3 +145,8 @@ class Viewer(ABC):
         self.outbox.labels = True
         self.outbox.cells |= cells
         self.outbox.all_cells |= everything
+
+    def boxes_changed(self, boxes: Iterable[int] | None) -> None:
+        """Boxes of these ids changed, or any, None; they go out with the palette."""
+        self.outbox.boxes.update(boxes or ())
+        self.outbox.all_boxes |= boxes is None

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'e0dddc2c8c28';
+export const SCHEMA_HASH = '44cb42996b9b';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -247,6 +247,39 @@ export interface Annotation {
   count: number;
   lengths: Uint8Array;
   values: Uint8Array;
+}
+
+/** An oriented box of a label: one size, and a pose in each frame that it is in. */
+export interface Box {
+  id: number;
+  label: number;
+  size: [number, number, number];
+  poses: Record<string, BoxPose>;
+  attributes: Record<string, string | number | boolean>;
+  provenance: 'fitted' | 'drawn' | 'imported';
+}
+
+/** Place of a box in one frame; its attributes go before those of the box. */
+export interface BoxPose {
+  centre: [number, number, number];
+  quaternion: [number, number, number, number];
+  provenance: 'fitted' | 'drawn' | 'imported';
+  confidence: number;
+  attributes: Record<string, string | number | boolean>;
+}
+
+/**
+ * Boxes that changed, as they are now, and ids of those that are gone.
+ *
+ * After ``open`` all there are (``whole``), and then with every edit that changes boxes.
+ */
+export interface Boxes {
+  type: 'boxes';
+  sequence: string;
+  revision: number;
+  whole: boolean;
+  boxes: Box[];
+  removed: number[];
 }
 
 /**
@@ -616,6 +649,7 @@ export type ServerMessage =
   | Prepared
   | Labels
   | Timeline
+  | Boxes
   | Job
   | ServerPresence
   | Error;

@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from pointbrush.streaming.messages.values import (
+    Box,
+    BoxId,
     Chunk,
     Color,
     Count,
@@ -216,6 +218,20 @@ class Timeline(Message):
     cells: list[TimelineCell]
 
 
+class Boxes(Message):
+    """Boxes that changed, as they are now, and ids of those that are gone.
+
+    After ``open`` all there are (``whole``), and then with every edit that changes boxes.
+    """
+
+    type: Literal["boxes"] = "boxes"
+    sequence: Id
+    revision: Count
+    whole: bool
+    boxes: list[Box]
+    removed: list[BoxId]
+
+
 class Job(Message):
     """Long work and how far it is."""
 
@@ -271,6 +287,7 @@ ServerMessage = Annotated[
     | Prepared
     | Labels
     | Timeline
+    | Boxes
     | Job
     | ServerPresence
     | Error,

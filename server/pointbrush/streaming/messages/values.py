@@ -9,6 +9,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
+from pointbrush.labels.box_maps import NAME_LIMIT, TEXT_LIMIT
+from pointbrush.oriented_box import BoxProvenance
 from pointbrush.roles import Role as Role
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
@@ -71,6 +73,36 @@ class Label(Message):
     color: Color
     locked: bool
     visible: bool
+
+
+AttributeName = Annotated[str, Field(min_length=1, max_length=NAME_LIMIT)]
+AttributeValue = Annotated[str, Field(max_length=TEXT_LIMIT)] | Finite | bool
+BoxId = Annotated[int, Field(ge=1, lt=2**31)]
+
+
+class BoxPose(Message):
+    """Place of a box in one frame; its attributes go before those of the box."""
+
+    centre: Vec3
+    """Source coordinates, metres."""
+    quaternion: Quaternion
+    """x, y, z, w: from the box's axes, x forward, y left, z up, to those of the frame."""
+    provenance: BoxProvenance
+    confidence: Annotated[float, Field(ge=0, le=1)]
+    attributes: dict[AttributeName, AttributeValue]
+
+
+class Box(Message):
+    """An oriented box of a label: one size, and a pose in each frame that it is in."""
+
+    id: BoxId
+    label: LabelId
+    size: Vec3
+    """Length, width, height, metres: along the box's x, y, z."""
+    poses: dict[str, BoxPose]
+    """By frame."""
+    attributes: dict[AttributeName, AttributeValue]
+    provenance: BoxProvenance
 
 
 class Lattice(Message):

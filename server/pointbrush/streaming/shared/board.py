@@ -8,7 +8,7 @@ from typing import Any
 
 from pointbrush.labels import Cell, Commit, Label, LabelStore
 from pointbrush.streaming import messages
-from pointbrush.streaming.encoding import encode, encode_beginning, encode_end
+from pointbrush.streaming.encoding import box_message, encode, encode_beginning, encode_end
 from pointbrush.streaming.shared.cache import MessageCache, Versioned
 
 Place = tuple[int, int]
@@ -129,6 +129,25 @@ class Board:
 
         least = max(self._edited.get(author, 0), self._all_edited)
         return (await self._messages.get(("stacks", author), make, least))[1]
+
+    async def boxes_message(self, boxes: frozenset[int] | None) -> bytes:
+        """The boxes of these ids, or all of them."""
+
+        def read() -> Versioned:
+            found = self._store.boxes.listing(self._sequence, ids=boxes)
+            there = {box.id for box in found.boxes}
+            message = messages.Boxes(
+                sequence=self._sequence,
+                revision=found.revision,
+                whole=boxes is None,
+                boxes=[box_message(box) for box in found.boxes],
+                removed=sorted((boxes or frozenset()) - there),
+            )
+            return found.revision, encode(message)
+
+        return (await self._messages.get(("boxes", boxes), lambda: self._run(read), self.revision))[
+            1
+        ]
 
     async def timeline_message(self, cells: frozenset[Place] | None) -> bytes:
         """The given cells (frame, label), or all that are not empty."""

@@ -2,6 +2,7 @@
 
 from pointbrush.web.routes import (
     annotations,
+    boxes,
     checks,
     classifiers,
     edits,
@@ -19,6 +20,6 @@ from pointbrush.web.routes import (
 )
 
 RESOURCES = (
-    meta, sequences, imports, frames, labels, taxonomy, edits, objects, annotations, tracking,
-    classifiers, export, jobs, review, checks,
+    meta, sequences, imports, frames, labels, boxes, taxonomy, edits, objects, annotations,
+    tracking, classifiers, export, jobs, review, checks,
 )  # fmt: skip

@@ -1,0 +1,244 @@
+"""Boxes in an edit and in the journal: what an edit changes of them, and what edits make of them.
+
+The journal has the change of each box by each edit; a box is what the edits in force make of it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable
+from typing import Any
+
+from sqlalchemy import Connection, Row, and_, func, select
+
+from pointbrush.errors import ConflictError
+from pointbrush.labels import palette
+from pointbrush.labels.box_maps import Fields, box_of, changed_by, difference, fields_of
+from pointbrush.labels.database import CHUNK
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.schema import IN_FORCE, boxes, edit_boxes, edits
+from pointbrush.labels.writes import locked_error
+from pointbrush.oriented_box import OrientedBox
+
+MOST_BOXES = 20_000
+"""Of a recording."""
+
+
+# ── reading ──────────────────────────────────────────────────────────────────────────────────
+
+
+def stored(
+    connection: Connection,
+    number: int,
+    *,
+    ids: Collection[int] | None = None,
+    labels: Collection[int] | None = None,
+) -> dict[int, Fields]:
+    """Read the fields of boxes by id, also of those whose label is gone; None: of all."""
+    query = select(boxes.c.id, boxes.c.data).where(boxes.c.sequence == number).order_by(boxes.c.id)
+    if labels is not None:
+        query = query.where(boxes.c.label.in_(sorted(labels)))
+    if ids is None:
+        return {number: json.loads(data) for number, data in connection.execute(query)}
+    wanted, found = sorted(ids), {}
+    for first in range(0, len(wanted), CHUNK):
+        part = query.where(boxes.c.id.in_(wanted[first : first + CHUNK]))
+        found.update({number: json.loads(data) for number, data in connection.execute(part)})
+    return found
+
+
+def of_labels(connection: Connection, number: int, labels: Collection[int]) -> dict[int, int]:
+    """Find the boxes of some labels: the label by the box's id."""
+    if not labels:
+        return {}
+    query = select(boxes.c.id, boxes.c.label).where(boxes.c.sequence == number)
+    return {box: label for box, label in connection.execute(query) if label in labels}
+
+
+def fold(
+    connection: Connection,
+    number: int,
+    ids: Collection[int] | None = None,
+    last: int | None = None,
+) -> dict[int, Fields | None]:
+    """Fold the changes of boxes by edits in force; None: there is no such box.
+
+    ``last``: the edit that counts in any case, and none after it.
+    """
+    query = (
+        select(edit_boxes.c.box, edit_boxes.c.data)
+        .join(
+            edits,
+            and_(
+                edits.c.sequence == edit_boxes.c.sequence,
+                edits.c.revision == edit_boxes.c.revision,
+            ),
+        )
+        .where(edits.c.sequence == number)
+        .order_by(edit_boxes.c.revision)
+    )
+    if last is None:
+        query = query.where(edits.c.state.in_(IN_FORCE))
+    else:
+        counts = edits.c.state.in_(IN_FORCE) | (edits.c.revision == last)
+        query = query.where(counts, edits.c.revision <= last)
+    found: dict[int, Fields] = {} if ids is None else {box: {} for box in ids}
+    wanted = None if ids is None else sorted(ids)
+    for first in range(0, 1 if wanted is None else len(wanted), CHUNK):
+        part = query
+        if wanted is not None:
+            part = query.where(edit_boxes.c.box.in_(wanted[first : first + CHUNK]))
+        for box, data in connection.execute(part):
+            found[box] = changed_by(found.get(box, {}), json.loads(data))
+    return {box: _whole(fields) for box, fields in found.items()}
+
+
+def _whole(fields: Fields) -> Fields | None:
+    """Return the fields of a box that exists, in their order, else None."""
+    if not fields.pop("exists", False) or "size" not in fields:
+        return None
+    poses = fields["poses"]
+    return {
+        "label": fields["label"],
+        "size": fields["size"],
+        "poses": {frame: poses[frame] for frame in sorted(poses, key=int)},
+        "attributes": fields["attributes"],
+        "provenance": fields["provenance"],
+    }
+
+
+def changed_in(connection: Connection, row: Row[Any]) -> set[int]:
+    """List the boxes that an edit, or the one it undoes or redoes, changed."""
+    query = select(edit_boxes.c.box).where(
+        edit_boxes.c.sequence == row.sequence,
+        edit_boxes.c.revision.in_([row.revision, row.target or row.revision]),
+    )
+    return set(connection.execute(query).scalars())
+
+
+# ── an edit ──────────────────────────────────────────────────────────────────────────────────
+
+
+def put(draft: Draft, news: Iterable[OrientedBox], removed: Iterable[int] = ()) -> list[int]:
+    """Set boxes, those of id 0 as new ones, and remove others; returns the ids of those set.
+
+    Raises NotFoundError for a frame or label that is not there, ConflictError for too many boxes,
+    LockedLabelError.
+    """
+    after: dict[int, Fields | None] = dict.fromkeys(removed)
+    free = _first_free(draft)
+    for box in news:
+        for frame in box.poses:
+            draft.state.frame_points(frame)
+        palette.require(draft.palette, box.label)
+        number = box.id or free
+        free += not box.id
+        after[number] = fields_of(box)
+    _set(draft, after)
+    return [number for number, fields in after.items() if fields is not None]
+
+
+def _set(draft: Draft, after: dict[int, Fields | None]) -> None:
+    """Set whole boxes, and note the change of each for the journal."""
+    before = stored(draft.connection, draft.state.number, ids=after)
+    for number, fields in after.items():
+        old = before.get(number)
+        require_unlocked(draft, old, fields)
+        change = difference(old, fields)
+        if change:
+            draft.boxes[number], draft.box_changes[number] = fields, change
+        else:
+            draft.boxes.pop(number, None)
+            draft.box_changes.pop(number, None)
+
+
+def _first_free(draft: Draft) -> int:
+    """Return an id that no box ever had; raises ConflictError where there are too many boxes."""
+    connection, number = draft.connection, draft.state.number
+    count = select(func.count()).where(boxes.c.sequence == number)
+    if connection.execute(count).scalar_one() >= MOST_BOXES:
+        raise ConflictError(f"boxes: expected at most {MOST_BOXES:,} in a recording, got more")
+    highest = select(func.max(edit_boxes.c.box)).where(edit_boxes.c.sequence == number)
+    return max([connection.execute(highest).scalar() or 0, *draft.boxes]) + 1
+
+
+def require_unlocked(draft: Draft, *states: Fields | None) -> None:
+    """Raise LockedLabelError where a box has a label that is locked."""
+    for fields in states:
+        label = fields and fields["label"]
+        if label in draft.palette and draft.palette[label].locked:
+            raise locked_error(draft.palette, label)
+
+
+def remove_of(draft: Draft, labels: Collection[int]) -> None:
+    """Remove the boxes of labels, seen or not."""
+    mine = stored(draft.connection, draft.state.number, labels=labels)
+    _set(draft, dict.fromkeys(mine))
+
+
+def give(draft: Draft, labels: Collection[int], to: int) -> None:
+    """Give the boxes of labels to another one."""
+    mine = stored(draft.connection, draft.state.number, labels=labels)
+    _set(draft, {number: {**fields, "label": to} for number, fields in mine.items()})
+
+
+def turn(draft: Draft, edit: Row[Any], kind: str) -> None:
+    """Make the boxes of an edit that was undone or redone what the edits in force make of them.
+
+    A box that somebody else has changed since stays when its making is undone.  Raises
+    LockedLabelError.
+    """
+    if not edit.boxes:
+        return
+    connection, number = draft.connection, draft.state.number
+    here = and_(edit_boxes.c.sequence == number, edit_boxes.c.revision == edit.revision)
+    ids = set(connection.execute(select(edit_boxes.c.box).where(here)).scalars())
+    before = stored(connection, number, ids=ids)
+    for box, after in fold(connection, number, ids).items():
+        old = before.get(box)
+        if after == old:
+            continue
+        if kind == "undo" and after is None and old is not None and _by_others(draft, box, edit):
+            draft.box_changes[box] = {"exists": True, **old}
+            continue
+        require_unlocked(draft, old, after)
+        draft.boxes[box] = after
+
+
+def _by_others(draft: Draft, box: int, edit: Row[Any]) -> bool:
+    """Look whether somebody else's edit in force has changed a box and not removed it."""
+    query = (
+        select(edit_boxes.c.data)
+        .join(
+            edits,
+            and_(
+                edits.c.sequence == edit_boxes.c.sequence,
+                edits.c.revision == edit_boxes.c.revision,
+            ),
+        )
+        .where(edits.c.sequence == draft.state.number, edit_boxes.c.box == box)
+        .where(edits.c.author != edit.author, edits.c.state.in_(IN_FORCE))
+        .order_by(edit_boxes.c.revision)
+    )
+    changes = [json.loads(data) for data in draft.connection.execute(query).scalars()]
+    return bool(changes) and changes[-1].get("exists", True)
+
+
+def labels_used(draft: Draft, among: Collection[int]) -> set[int]:
+    """Find the labels, of some, that boxes have as an edit leaves them."""
+    kept = of_labels(draft.connection, draft.state.number, among)
+    used = {label for box, label in kept.items() if box not in draft.boxes}
+    return used | {fields["label"] for fields in draft.boxes.values() if fields is not None}
+
+
+def changed_by_edit(draft: Draft) -> tuple[int, ...]:
+    """List the boxes that an edit changes, or whose label comes or goes with it."""
+    exists = draft.state.exists
+    turned = {n for n, label in draft.labels.items() if (label is not None) != exists[n]}
+    mine = of_labels(draft.connection, draft.state.number, turned)
+    return tuple(sorted({*draft.boxes, *mine}))
+
+
+def read_boxes(found: dict[int, Fields], palette: Collection[int]) -> list[OrientedBox]:
+    """Make boxes of fields, without those whose label is not in the palette."""
+    return [box_of(n, fields) for n, fields in found.items() if fields["label"] in palette]

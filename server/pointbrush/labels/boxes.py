@@ -1,0 +1,203 @@
+"""Boxes of a recording: read, and changed; each change is one edit of the journal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.labels import box_journal
+from pointbrush.labels.box_maps import asked, box_of, fields_of
+from pointbrush.labels.draft import Draft
+from pointbrush.labels.journal import Entry
+from pointbrush.labels.plans import SUMMARY_LIMIT, new_entry
+from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.types import Commit
+from pointbrush.labels.writer import Writer
+from pointbrush.oriented_box import OrientedBox
+
+
+@dataclass(frozen=True, slots=True)
+class BoxList:
+    """Boxes by their ids, and the revision of the recording that they are of."""
+
+    boxes: tuple[OrientedBox, ...]
+    revision: int
+
+
+@dataclass(frozen=True, slots=True)
+class Made:
+    """A box as an edit left it, and its commit."""
+
+    box: OrientedBox
+    commit: Commit
+
+
+@dataclass(frozen=True, slots=True)
+class BoxEdit:
+    """Changes that an edit makes: boxes as they are to be, new ones with id 0; ids that go."""
+
+    put: Sequence[OrientedBox] = ()
+    removed: Collection[int] = ()
+
+
+Choose = Callable[[Mapping[int, OrientedBox]], BoxEdit]
+"""Chooses changes from the boxes, by id, that the edit commits on."""
+
+
+class Boxes:
+    """Boxes of all recordings of a store; thread-safe.
+
+    Every method raises NotFoundError for an unknown sequence, box, label or frame, BadInputError
+    for values that cannot be, LockedLabelError for boxes of locked labels, and UnavailableError.
+    """
+
+    def __init__(self, sessions: Sessions, writer: Writer) -> None:
+        self._sessions, self._writer = sessions, writer
+
+    def listing(
+        self,
+        sequence: str,
+        *,
+        ids: Collection[int] | None = None,
+        frame: int | None = None,
+        label: int | None = None,
+    ) -> BoxList:
+        """List the boxes, or those of some ids, with a pose in ``frame``, or of a label."""
+        with self._sessions.reading(sequence) as (connection, state):
+            if frame is not None:
+                state.frame_points(frame)
+            found = box_journal.stored(
+                connection, state.number, ids=ids, labels=None if label is None else [label]
+            )
+            known, revision = set(state.palette), state.revision
+        boxes = box_journal.read_boxes(found, known)
+        return BoxList(tuple(box for box in boxes if frame is None or frame in box.poses), revision)
+
+    def get(self, sequence: str, box: int) -> OrientedBox:
+        """Read one box."""
+        found = self.listing(sequence, ids=[box]).boxes
+        if not found:
+            raise _unknown(box)
+        return found[0]
+
+    def add(
+        self, sequence: str, author: str, box: OrientedBox, *, edit_id: str | None = None
+    ) -> Made:
+        """Add a box, whatever its ``id`` says; its id is the recording's next."""
+        new = box_of(0, fields_of(box))
+
+        def draw(draft: Draft) -> str:
+            box_journal.put(draft, [new])
+            return f"add a box of '{draft.palette[new.label].name}'"
+
+        return self._made(sequence, author, draw, edit_id)
+
+    def change(
+        self,
+        sequence: str,
+        author: str,
+        box: int,
+        change: Mapping[str, Any],
+        *,
+        edit_id: str | None = None,
+    ) -> Made:
+        """Change ``size``, ``label``, ``attributes`` or ``poses``, as ``box_maps.asked`` says."""
+        apply = asked(change)
+
+        def draw(draft: Draft) -> str:
+            old = _require(draft, box)
+            box_journal.put(draft, [box_of(box, apply(fields_of(old)))])
+            return f"change a box of '{draft.palette[old.label].name}'"
+
+        return self._made(sequence, author, draw, edit_id, box)
+
+    def remove(self, sequence: str, author: str, box: int, *, edit_id: str | None = None) -> Commit:
+        """Remove a box."""
+
+        def draw(draft: Draft) -> str:
+            old = _require(draft, box)
+            box_journal.put(draft, (), [box])
+            return f"remove a box of '{draft.palette[old.label].name}'"
+
+        return self._commit(sequence, author, draw, edit_id)
+
+    def apply(
+        self,
+        sequence: str,
+        author: str,
+        choose: Choose,
+        *,
+        summary: str,
+        edit_id: str | None = None,
+        identity: str | None = None,
+        kind: str = "box",
+    ) -> Commit:
+        """Change many boxes as one edit, by what there is when it commits.
+
+        ``commit.boxes`` has the ids of those that changed.  ``identity``: of the import that the
+        edit was made for.
+        """
+
+        def draw(draft: Draft) -> str:
+            found = box_journal.stored(draft.connection, draft.state.number)
+            now = {box.id: box for box in box_journal.read_boxes(found, draft.palette)}
+            chosen = choose(now)
+            unknown = [one for one in (*chosen.removed, *(b.id for b in chosen.put)) if one]
+            for number in unknown:
+                if number not in now:
+                    raise _unknown(number)
+            box_journal.put(draft, chosen.put, chosen.removed)
+            return summary
+
+        return self._commit(sequence, author, draw, edit_id, kind=kind, identity=identity)
+
+    def _commit(
+        self,
+        sequence: str,
+        author: str,
+        draw: Callable[[Draft], str],
+        edit_id: str | None,
+        *,
+        kind: str = "box",
+        identity: str | None = None,
+    ) -> Commit:
+        """Commit what ``draw`` does to a draft, with the sentence that it gives."""
+        entry = new_entry(edit_id, author, kind, "")
+
+        def plan(draft: Draft) -> Entry:
+            return replace(entry, summary=draw(draft)[:SUMMARY_LIMIT])
+
+        return self._writer.commit(sequence, entry.id, plan, identity)
+
+    def _made(
+        self,
+        sequence: str,
+        author: str,
+        draw: Callable[[Draft], str],
+        edit_id: str | None,
+        box: int | None = None,
+    ) -> Made:
+        """Commit a change of one box; the answer has it as the edit left it, also said again."""
+        commit = self._commit(sequence, author, draw, edit_id)
+        ids = commit.boxes if box is None else [box]
+        with self._sessions.reading(sequence) as (connection, state):
+            folded = box_journal.fold(connection, state.number, ids, last=commit.revision)
+        for number, fields in folded.items():
+            if fields is not None:
+                return Made(box_of(number, fields), commit)
+        raise ConflictError(f"edit: expected a new id, {commit.edit_id} is another edit's")
+
+
+def _require(draft: Draft, box: int) -> OrientedBox:
+    """Read the box that an edit is about; raises NotFoundError."""
+    found = box_journal.stored(draft.connection, draft.state.number, ids=[box])
+    boxes = box_journal.read_boxes(found, draft.palette)
+    if not boxes:
+        raise _unknown(box)
+    return boxes[0]
+
+
+def _unknown(box: int) -> NotFoundError:
+    return NotFoundError(f"box: expected the id of a box, got {box}")

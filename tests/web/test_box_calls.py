@@ -1,0 +1,121 @@
+"""Boxes over REST, and as viewers hear of them."""
+
+from __future__ import annotations
+
+import asyncio
+import uuid
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.serving import Served
+from tests.streaming.client import Viewer, viewer
+from tests.waiting import PATIENCE
+
+PLACE = {"centre": [1.0, 2.0, 3.0], "quaternion": [0.0, 0.0, 0.6, 0.8]}
+
+
+@pytest.fixture
+def api(served: Served) -> Iterator[httpx.Client]:
+    base = f"{served.url}/api/v1/sequences/wall"
+    with httpx.Client(base_url=base, headers=served.headers) as client:
+        client.post("/labels", json={"name": "car"})
+        yield client
+
+
+def new(**more: Any) -> dict[str, Any]:
+    return {"label": 1, "size": [4.2, 1.8, 1.5], "poses": {"0": PLACE, "2": PLACE}, **more}
+
+
+def test_a_box_is_added_changed_listed_and_removed(api: httpx.Client) -> None:
+    edit = str(uuid.uuid4())
+    added = api.post("/boxes", json=new(edit=edit, attributes={"parked": True, "occluded": 1}))
+    assert added.status_code == 201, added.text
+    box = added.json()["box"]
+    assert added.json()["edit"] == edit
+    assert box["attributes"] == {"parked": True, "occluded": 1}
+    assert box["poses"]["2"] == {
+        **PLACE, "provenance": "drawn", "confidence": 1.0, "attributes": {},
+    }  # fmt: skip
+    assert api.post("/boxes", json=new(edit=edit)).json()["box"] == box
+    where = added.headers["Location"].rpartition("/wall")[2]
+    change = {
+        "size": [4.0, 1.7, 1.4],
+        "attributes": {"parked": None},
+        "poses": {"0": None, "2": {"attributes": {"truncated": 0.5}}, "3": PLACE},
+    }
+    changed = api.patch(where, json=change).json()["box"]
+    assert (changed["size"], changed["attributes"]) == ([4.0, 1.7, 1.4], {"occluded": 1})
+    assert list(changed["poses"]) == ["2", "3"]
+    assert changed["poses"]["2"] == {**box["poses"]["2"], "attributes": {"truncated": 0.5}}
+    assert api.get(where).json() == changed
+    assert api.get("/boxes", params={"frame": 3, "label": 1}).json()["boxes"] == [changed]
+    assert api.get("/boxes", params={"frame": 0}).json()["boxes"] == []
+    assert api.delete(where).status_code == 200
+    assert api.get(where).status_code == 404
+    assert api.post("/undo").status_code == 200
+    assert api.get(where).json() == changed
+    api.delete(where)
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        (new(size=[1, 0, 1]), 400),
+        (new(poses={}), 422),
+        (new(poses={"-1": PLACE}), 422),
+        (new(poses={"999": PLACE}), 404),
+        (new(poses={"0": {**PLACE, "quaternion": [0, 0, 0, 0]}}), 400),
+        (new(label=60000), 404),
+        (new(attributes={"a": [1]}), 422),
+        (new(colour="red"), 422),
+    ],
+)
+def test_what_cannot_be_is_refused(api: httpx.Client, body: dict[str, Any], status: int) -> None:
+    answer = api.post("/boxes", json=body)
+    assert answer.status_code in (status, 422 if status == 400 else status), answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_boxes_of_a_locked_label_are_not_changed(api: httpx.Client) -> None:
+    label = api.post("/labels", json={"name": "locked"}).json()["id"]
+    box = api.post("/boxes", json=new(label=label)).json()["box"]["id"]
+    api.patch(f"/labels/{label}", json={"locked": True})
+    answers = [
+        api.post("/boxes", json=new(label=label)),
+        api.patch(f"/boxes/{box}", json={"size": [1.0, 1.0, 1.0]}),
+        api.delete(f"/boxes/{box}"),
+    ]
+    assert [answer.status_code for answer in answers] == [409] * 3
+
+
+def test_viewers_hear_of_every_change(served: Served, api: httpx.Client) -> None:
+    box = api.post("/boxes", json=new()).json()["box"]
+
+    async def until(client: Viewer, revision: int) -> dict[str, Any]:
+        while True:
+            message = await client.until("boxes")
+            if message["revision"] >= revision:
+                return message
+
+    async def scenario() -> None:
+        async with (
+            viewer(served.url, served.token) as client,
+            httpx.AsyncClient(base_url=api.base_url, headers=served.headers) as others,
+        ):
+            await client.hello()
+            await client.open("wall")
+            first = await client.until("boxes")
+            assert first["whole"]
+            assert box in first["boxes"]
+            changed = await others.patch(f"/boxes/{box['id']}", json={"size": [2.0, 1.0, 1.0]})
+            told = await until(client, changed.json()["revision"])
+            assert (told["whole"], told["removed"]) == (False, [])
+            assert told["boxes"] == [changed.json()["box"]]
+            gone = await others.delete(f"/boxes/{box['id']}")
+            told = await until(client, gone.json()["revision"])
+            assert (told["boxes"], told["removed"]) == ([], [box["id"]])
+
+    asyncio.run(asyncio.wait_for(scenario(), PATIENCE))
