@@ -28,6 +28,7 @@ from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
 from pointbrush.work.backup import note_made, require_here, require_labels, restore_one
+from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.events import Event, Listeners, SequencesChanged
@@ -107,6 +108,7 @@ class Workspace:
         self.verdicts = Verdicts(self.labels, self.recording)
         self.copying = Copying(self.labels, self.recording)
         self.splitting = Splitting(self.labels, self.recording)
+        self.boxes = BoxPainting(self.labels, self.recording)
         self.deletion.tidy()
         if not self.read_only:
             self.library.store.clear_remains(self.labels.guards.importing)

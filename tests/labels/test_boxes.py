@@ -12,8 +12,9 @@ from conftest import SEQUENCE
 from sqlalchemy import text
 
 from pointbrush.errors import BadInputError, ConflictError, LockedLabelError, NotFoundError
-from pointbrush.labels import BoxEdit, LabelStore
+from pointbrush.labels import BoxEdit, Label, LabelStore, Write
 from pointbrush.labels.box_maps import fields_of
+from pointbrush.labels.palette import Palette
 from pointbrush.oriented_box import BoxPose, OrientedBox
 
 
@@ -204,3 +205,22 @@ def test_a_table_that_disagrees_with_the_journal_is_made_anew(labelled: LabelSto
     assert labelled.check(SEQUENCE) == ["boxes: box 1 differs from the journal"]
     labelled.repair(SEQUENCE)
     assert boxes(labelled) == before
+
+
+def test_labels_points_and_boxes_come_in_together(store: LabelStore) -> None:
+    def choose(palette: Palette) -> tuple[list[Label], dict[int, Write]]:
+        return [Label(7, "car")], {0: Write(np.arange(9), label=7, provenance=3)}
+
+    commit = store.apply(
+        SEQUENCE,
+        edit_id=None,
+        author="ann",
+        kind="import",
+        writes=choose,
+        summary="",
+        boxes=lambda: [car(7), car(7)],
+    )
+    assert (commit.changed, commit.boxes) == (9, (1, 2))
+    store.undo(SEQUENCE, "ann")
+    assert boxes(store) == {}
+    assert store.palette(SEQUENCE) == []

@@ -97,7 +97,7 @@ def sqlite_file(tmp_path: Path) -> Path:
             connection.execute(
                 text(
                     "INSERT INTO edits SELECT sequence, :revision, :id, author, time, kind, "
-                    "summary, points, frames, labels, tracks, boxes, target, 4, redone FROM edits "
+                    "summary, points, frames, labels, tracks, target, 4, redone, boxes FROM edits "
                     "WHERE revision = 1"
                 ),
                 {"revision": revision, "id": f"edit {revision}"},

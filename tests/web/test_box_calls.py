@@ -119,3 +119,29 @@ def test_viewers_hear_of_every_change(served: Served, api: httpx.Client) -> None
             assert (told["boxes"], told["removed"]) == ([], [box["id"]])
 
     asyncio.run(asyncio.wait_for(scenario(), PATIENCE))
+
+
+def test_points_of_a_box_are_labelled_as_one_edit(served: Served, api: httpx.Client) -> None:
+    store, recording = served.workspace.labels, served.workspace.recording("wall")
+    before = [store.values("wall", frame).label for frame in (0, 2)]
+    place = {"centre": [0.3, 0.2, 3.0], "quaternion": [0.0, 0.0, 0.6, 0.8]}
+    poses = {"0": place, "2": {**place, "centre": [-0.5, 0.0, 3.0]}}
+    box = api.post("/boxes", json=new(size=[0.8, 0.4, 1.0], poses=poses)).json()["box"]["id"]
+    answer = api.post(f"/boxes/{box}/points", json={})
+    drawn, changed = store.boxes.get("wall", box), 0
+    for frame, old in zip((0, 2), before, strict=True):
+        inside = drawn.inside(frame, recording[frame].coordinates.astype(float))
+        assert inside.any()
+        now = store.values("wall", frame).label
+        assert ((now == 1) == (inside | (old == 1))).all()
+        changed += int((now != old).sum())
+    assert answer.json()["changed"] == changed
+    api.post("/undo")
+    assert all(
+        (store.values("wall", f).label == b).all() for f, b in zip((0, 2), before, strict=True)
+    )
+    assert api.post(f"/boxes/{box}/points", json={"frames": "1"}).status_code in (400, 422)
+    api.post(f"/boxes/{box}/points", json={"frames": "2"})
+    assert (store.values("wall", 0).label == before[0]).all()
+    api.post("/undo")
+    api.delete(f"/boxes/{box}")

@@ -133,7 +133,7 @@ def put(draft: Draft, news: Iterable[OrientedBox], removed: Iterable[int] = ()) 
         palette.require(draft.palette, box.label)
         number = box.id or free
         free += not box.id
-        after[number] = fields_of(box)
+        after[number] = fields_of(box_of(number, fields_of(box)))  # checked, of length 1
     _set(draft, after)
     return [number for number, fields in after.items() if fields is not None]
 

@@ -86,11 +86,10 @@ class Boxes:
         self, sequence: str, author: str, box: OrientedBox, *, edit_id: str | None = None
     ) -> Made:
         """Add a box, whatever its ``id`` says; its id is the recording's next."""
-        new = box_of(0, fields_of(box))
 
         def draw(draft: Draft) -> str:
-            box_journal.put(draft, [new])
-            return f"add a box of '{draft.palette[new.label].name}'"
+            box_journal.put(draft, [replace(box, id=0)])
+            return f"add a box of '{draft.palette[box.label].name}'"
 
         return self._made(sequence, author, draw, edit_id)
 

@@ -19,6 +19,7 @@ from pointbrush.labels.state import SequenceState
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
+from pointbrush.oriented_box import OrientedBox
 
 ID_LIMIT = 128
 AUTHOR_LIMIT = 256
@@ -163,6 +164,8 @@ Writes = Mapping[int, Write] | Iterable[tuple[int, Write]]
 """Frames, and what is written to each."""
 Choose = Callable[[Palette], tuple[Sequence[Label], Writes]]
 """Gives the labels that an edit adds, by ids of ``Palette.free_ids``, and its writes with them."""
+NewBoxes = Sequence[OrientedBox] | Callable[[], Sequence[OrientedBox]]
+"""New boxes of an edit, or what gives them once its writes are done."""
 
 
 def write(
@@ -170,8 +173,9 @@ def write(
     writes: Writes | Choose,
     tracks: Tracks,
     if_match: tuple[int, int] | None,
+    boxes: NewBoxes,
 ) -> Plan:
-    """Add labels where any are chosen, do the writes, set the tracks."""
+    """Add labels where any are chosen, do the writes, set the tracks, add the boxes."""
 
     def plan(draft: Draft) -> Entry:
         if if_match is not None:
@@ -192,6 +196,8 @@ def write(
             palette.require(draft.palette, label_id)
         draft.tracks.update(tracks)
         draft.own_tracks = True
+        if callable(boxes) or boxes:
+            box_journal.put(draft, boxes() if callable(boxes) else boxes)
         return entry
 
     return plan

@@ -88,10 +88,10 @@ edits = Table(
     Column("frames", Text, nullable=False),  # JSON list of frame numbers
     Column("labels", Text, nullable=False),  # JSON list of palette entries it changed
     Column("tracks", Boolean, nullable=False),
-    Column("boxes", Boolean, nullable=False, server_default=false()),
     Column("target", BigInteger),  # revision that an undo or redo is about
     Column("state", SmallInteger, nullable=False),
     Column("redone", BigInteger, nullable=False),  # revision of its last redo, or 0
+    Column("boxes", Boolean, nullable=False, server_default=false()),  # whether it changed any
     UniqueConstraint("sequence", "id", name="edits_id"),
     Index("edits_stack", "sequence", "author", "state", "revision"),
     Index("edits_redone", "sequence", "redone"),

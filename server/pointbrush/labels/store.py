@@ -15,7 +15,7 @@ from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
 from pointbrush.labels.palette import Palette
-from pointbrush.labels.plans import Choose, Writes, new_entry
+from pointbrush.labels.plans import Choose, NewBoxes, Writes, new_entry
 from pointbrush.labels.reading import View
 from pointbrush.labels.recordings import Recordings
 from pointbrush.labels.reviews import Reviews
@@ -286,8 +286,9 @@ class LabelStore:
         tracks: Iterable[Mapping[str, Any]] | None = None,
         if_match: tuple[int, int] | None = None,
         identity: str | None = None,
+        boxes: NewBoxes = (),
     ) -> Commit:
-        """Commit one edit: its writes in order, and its tracks.
+        """Commit one edit: its writes in order, its tracks, and its new boxes.
 
         Rules are evaluated on the state that the edit commits on.  An ``edit_id`` that is there
         already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
@@ -304,7 +305,7 @@ class LabelStore:
         NotFoundError when another import has the id by now.
         """
         entry = new_entry(edit_id, author, kind, summary)
-        plan = plans.write(entry, writes, plans.check_tracks(tracks or ()), if_match)
+        plan = plans.write(entry, writes, plans.check_tracks(tracks or ()), if_match, boxes)
         return self._writer.commit(sequence, entry.id, plan, identity, alone=False)
 
     # ── history ──────────────────────────────────────────────────────────────────────────

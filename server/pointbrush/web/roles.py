@@ -83,6 +83,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/boxes"): "annotator",
     ("PATCH", "/sequences/{seq}/boxes/{id}"): "annotator",
     ("DELETE", "/sequences/{seq}/boxes/{id}"): "annotator",
+    ("POST", "/sequences/{seq}/boxes/{id}/points"): "annotator",
     ("POST", "/sequences/{seq}/floor"): "annotator",
     ("DELETE", "/sequences/{seq}/floor"): "annotator",
     ("POST", "/sequences/{seq}/tracking"): "annotator",

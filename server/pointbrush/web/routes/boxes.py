@@ -21,7 +21,7 @@ from pointbrush.streaming.messages import (
     Vec3,
 )
 from pointbrush.web.auth import Caller, resource
-from pointbrush.web.context import WholeSequence, Ws
+from pointbrush.web.context import SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body, EditOut, PaintId
 
@@ -84,6 +84,14 @@ class BoxChange(Body):
 
 def _given(pose: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in pose.items() if value is not None}
+
+
+class PointsBody(Body):
+    """Frames ``I:J`` whose points to label, null: all that the box is in."""
+
+    frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] | None = None
+    only_unlabeled: bool = False
+    edit: Uuid | None = None
 
 
 class BoxesOut(BaseModel):
@@ -155,3 +163,20 @@ def delete_box(
 ) -> EditOut:
     """Remove a box."""
     return EditOut.of(workspace.labels.boxes.remove(seq, who.author, id, edit_id=edit))
+
+
+@router.post("/sequences/{seq}/boxes/{id}/points", responses=responses(404, 409, 413))
+def paint_box(
+    seq: SequenceId, id: BoxPath, body: PointsBody, workspace: Ws, who: Caller
+) -> EditOut:
+    """Give the points inside a box its label, in frames that it is in: one edit."""
+    return EditOut.of(
+        workspace.boxes.paint(
+            seq,
+            id,
+            who.author,
+            frames=body.frames,
+            only_unlabeled=body.only_unlabeled,
+            edit=body.edit,
+        )
+    )
