@@ -10,6 +10,8 @@ from typing import Any
 import httpx
 import pytest
 
+from pointbrush.client import BoxPose, Client
+from pointbrush.errors import NotFoundError
 from tests.serving import Served
 from tests.streaming.client import Viewer, viewer
 from tests.waiting import PATIENCE
@@ -119,6 +121,33 @@ def test_viewers_hear_of_every_change(served: Served, api: httpx.Client) -> None
             assert (told["boxes"], told["removed"]) == ([], [box["id"]])
 
     asyncio.run(asyncio.wait_for(scenario(), PATIENCE))
+
+
+def test_the_client_has_boxes(served: Served, api: httpx.Client) -> None:
+    with Client(served.url, served.token) as client:
+        wall = client["wall"]
+        pose = BoxPose((0.3, 0.2, 3.0), (0.0, 0.0, 0.6, 0.8))
+        made = wall.boxes.add(1, (0.8, 0.4, 1.0), {0: pose, 2: pose}, {"parked": True})
+        assert wall.boxes[made.id] == made
+        assert made.poses[2] == pose
+        changed = wall.boxes.change(made.id, poses={2: None}, attributes={"parked": None})
+        assert (list(changed.poses), changed.attributes) == ([0], {})
+        assert wall.boxes.all(frame=2) == []
+        assert wall.boxes.paint(made.id, "0").changed > 0
+        wall.undo()
+        wall.boxes.remove(made.id)
+        with pytest.raises(NotFoundError):
+            wall.boxes[made.id]
+
+
+def test_boxes_are_a_table_where_pandas_is(served: Served, api: httpx.Client) -> None:
+    pytest.importorskip("pandas")
+    with Client(served.url, served.token) as client:
+        api.post("/boxes", json=new(attributes={"occluded": 1}))
+        table = client["wall"].boxes.frame(frame=2)
+        found = table[["frame", "length", "qw", "occluded"]].to_numpy().tolist()
+        assert found == [[2, 4.2, 0.8, 1]]
+        client["wall"].undo()
 
 
 def test_points_of_a_box_are_labelled_as_one_edit(served: Served, api: httpx.Client) -> None:

@@ -15,6 +15,7 @@ Arrays are NumPy's, in the order of the source's points.  What the server refuse
 of ``pointbrush.errors``.
 """
 
+from pointbrush.client.boxes import Box, Boxes, BoxPose
 from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
@@ -51,6 +52,9 @@ __all__ = [
     "Annotation",
     "AsyncClient",
     "Bounds",
+    "Box",
+    "BoxPose",
+    "Boxes",
     "ByExample",
     "Camera",
     "Candidate",

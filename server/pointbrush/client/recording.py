@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import httpx
 
+from pointbrush.client.boxes import Boxes
 from pointbrush.client.classifiers import ByExample
 from pointbrush.client.frame import Frames
 from pointbrush.client.review import Review
@@ -47,6 +48,7 @@ class Recording(Part[L]):
         self.id, self.name = manifest.id, manifest.name
         self.frames: Frames[L] = Frames(link, self.id, manifest.frames)
         self.review: Review[L] = Review(link, self.id)
+        self.boxes: Boxes[L] = Boxes(link, self.id)
         self.by_example: ByExample[L] = ByExample(link, self.id)
 
     def __repr__(self) -> str:
@@ -221,6 +223,36 @@ class Recording(Part[L]):
         answer = yield from self._call("GET", "/tracks")
         return [read(Track, entry) for entry in answer.json()]
 
+    # ── boxes ────────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def fit_boxes(
+        self,
+        labels: Sequence[int] | None = None,
+        *,
+        category: str | None = None,
+        frames: str | None = None,
+        redraw: bool = False,
+        progress: bool = False,
+        patience: float = PATIENCE,
+    ) -> Steps[dict[str, Any]]:
+        """Fit boxes to the points of labels, all unless given, or of a category, and wait.
+
+        Poses that a person drew stay unless ``redraw``.  Returns ``edit``, ``fitted`` ids, and
+        ``skipped``, why by label.  ``patience``: as of ``track``.
+        """
+        job, wanted = str(uuid.uuid4()), None if labels is None else list(labels)
+        which = {"labels": wanted, "category": category, "frames": frames, "redraw": redraw}
+        place = f"/sequences/{self.id}/boxes/fit"
+        asked = Request("POST", place, {"json": {"id": job, **which}}, patience=patience)
+        begun = yield from started(job, asked)
+        return (yield from finished(begun, progress=progress, patience=patience))
+
+    @steps
+    def export_boxes(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:
+        """Write the boxes of frames ``I:J`` in a format that keeps them, as ``export`` does."""
+        return (yield from self._export(out, {"format": format, "frames": frames}))
+
     # ── labels made elsewhere, exports ───────────────────────────────────────────────────
 
     @steps
@@ -281,6 +313,9 @@ class Recording(Part[L]):
         labels of a confidence, 0 to 1, below it are left out.
         """
         asked = {"format": format, "frames": frames, "val": val, "above": above or None}
+        return (yield from self._export(out, asked))
+
+    def _export(self, out: AnyPath, asked: dict[str, Any]) -> Steps[Path]:
         query = {key: value for key, value in asked.items() if value is not None}
         target = Path(out)
         partial = target.with_name(f".{target.name}-{uuid.uuid4().hex}")
