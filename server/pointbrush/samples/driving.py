@@ -87,8 +87,9 @@ class DrivenStreet(Street):
             lane = 1 if rng.random() < 0.5 else -1
             car = Vehicle(lane, rng.uniform(-40, 40), -lane * rng.uniform(*SPEEDS))
             if all(car.clear_of(other) for other in (self.own, *self.driving.values())):
-                body = vehicle(rng)[1]
-                self._add("vehicle", body, lane * LANE * self.road, car.z, math.pi * (lane > 0))
+                body, turn = vehicle(rng), math.pi * (lane > 0)
+                x = lane * LANE * self.road
+                self._add("vehicle", body.solids, x, car.z, turn, model=body.kind)
                 self.driving[self.count] = car
 
 

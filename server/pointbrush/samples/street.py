@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,16 +30,26 @@ SPINNERS = (
 Rng = np.random.Generator
 
 
+class Body(NamedTuple):
+    """A vehicle's class (car, van, truck), its length in metres, and its solids, along z."""
+
+    kind: str
+    length: float
+    solids: list[Solid]
+
+
 class Street:
     """A street from a seed: ``solids``, labels from 1; ground, kerbs and houses have label 0.
 
-    ``kinds`` are their classes, of ``CLASSES``, a solid each.
+    ``kinds`` are their classes, of ``CLASSES``, a solid each; ``objects`` the class that a detector
+    learns (car, van, truck, pedestrian, cyclist) and ``T_room_object`` of a label, at first.
     """
 
     def __init__(self, seed: int) -> None:
         rng = self._rng = np.random.default_rng([seed, 53])
         self.solids: list[Solid] = []
         self.kinds: list[str] = []
+        self.objects: dict[int, tuple[str, Array]] = {}
         self.count = 0
         self.road = rng.uniform(3.5, 9.0)
         self._walk = self.road + rng.uniform(1.5, 6.0)
@@ -51,11 +62,20 @@ class Street:
         self._crossing()
 
     def _add(
-        self, kind: str, solids: list[Solid], x: float, z: float, turn: float, y: float = 0.0
+        self,
+        kind: str,
+        solids: list[Solid],
+        x: float,
+        z: float,
+        turn: float,
+        y: float = 0.0,
+        model: str = "",
     ) -> None:
         self.count += 1
         self.kinds += [kind] * len(solids)
         T = rigid(yaw(turn), vec(x, y, z))
+        if model:
+            self.objects[self.count] = model, T
         for s in solids:
             self.solids.append(
                 Solid(s.shape, T @ s.pose, s.material, s.scale, self.count, s.roughness)
@@ -107,11 +127,12 @@ class Street:
         rng, z = self._rng, -LENGTH + self._rng.uniform(0, 8)
         full = rng.uniform(0.1, 0.8)
         while z < LENGTH:
-            long, body = vehicle(rng)
+            body = vehicle(rng)
             if rng.random() < full:
                 x = side * (self.road - rng.uniform(0.9, 1.3))
-                self._add("vehicle", body, x, z, math.pi * rng.integers(2) + rng.normal(0, 0.03))
-            z += long + rng.uniform(0.5, 3.0)
+                turn = math.pi * rng.integers(2) + rng.normal(0, 0.03)
+                self._add("vehicle", body.solids, x, z, turn, model=body.kind)
+            z += body.length + rng.uniform(0.5, 3.0)
 
     def _driving(self) -> None:
         rng = self._rng
@@ -121,7 +142,7 @@ class Street:
                 continue
             side = 1 if rng.random() < 0.5 else -1
             cycle = rng.random() < 0.25
-            body, kind = (cyclist(rng), "person") if cycle else (vehicle(rng)[1], "vehicle")
+            body, kind = (cyclist(rng), "person") if cycle else (vehicle(rng).solids, "vehicle")
             self._add(kind, body, side * rng.uniform(0.2, 0.5) * self.road, z, math.pi * (side > 0))
 
     def _crossing(self) -> None:
@@ -131,7 +152,7 @@ class Street:
             z = rng.uniform(10, 30) * (1 if rng.random() < 0.5 else -1)
             for k in range(int(rng.integers(2, 7))):
                 x = (k - 3) * rng.uniform(2.3, 2.8)
-                self._add("vehicle", vehicle(rng)[1], x, z, math.pi / 2 + rng.normal(0, 0.05))
+                self._add("vehicle", vehicle(rng).solids, x, z, math.pi / 2 + rng.normal(0, 0.05))
 
     def _pavement(self, side: int) -> None:
         rng = self._rng
@@ -142,7 +163,8 @@ class Street:
                 group = int(rng.integers(1, 4))
                 for k in range(group):
                     body, away = pedestrian(rng), z + rng.normal(0, 0.3)
-                    self._add("person", body, x + 0.6 * k, away, rng.uniform(0, 6), y)
+                    turn = rng.uniform(0, 6)
+                    self._add("person", body, x + 0.6 * k, away, turn, y, "pedestrian")
             elif kind < 0.6:
                 self._add("vegetation", tree(rng), x, z, 0.0, y)
             elif kind < 0.75:
@@ -150,15 +172,15 @@ class Street:
             elif kind < 0.85:
                 self._add("vegetation", bush(rng), x, z, rng.uniform(0, 6), y)
             elif kind < 0.92:
-                self._add("person", cyclist(rng), x, z, rng.uniform(0, 6), y)
+                self._add("person", cyclist(rng), x, z, rng.uniform(0, 6), y, "cyclist")
             else:
                 w, h = rng.uniform(0.25, 0.7), rng.uniform(0.6, 1.4)
                 box = [block((-w, 0, -w), (w, h, w), matte(colour(rng)))]
                 self._add("fixture", box, x, z, 0.0, y)
 
 
-def vehicle(rng: Rng) -> tuple[float, list[Solid]]:
-    """Return the length, metres, and the solids of a car, van, lorry or bus, along z."""
+def vehicle(rng: Rng) -> Body:
+    """Make a car, a van or a lorry, its front towards +z."""
     kind, paint, glass = rng.random(), matte(colour(rng)), matte("#20242a", grain=0.02)
     tyre = matte("#18181a")
     if kind < 0.75:
@@ -192,7 +214,7 @@ def vehicle(rng: Rng) -> tuple[float, list[Solid]]:
             parts.append(
                 Solid(Cylinder(), rigid(turn, vec(x, 0.32, z)), tyre, vec(0.32, 0.12, 0.32))
             )
-    return long, parts
+    return Body("car" if kind < 0.75 else "van" if kind < 0.9 else "truck", long, parts)
 
 
 def pedestrian(rng: Rng) -> list[Solid]:
