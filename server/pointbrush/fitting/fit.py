@@ -1,0 +1,86 @@
+"""Fit of one box to the points of an object over frames.
+
+What stays in place is one surface of all frames: direction by its outline, sides by where it ends.
+What moves is found frame by frame: sides, the path through them, the direction along it, in turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.fitting.moving import fit_moving, start_of
+from pointbrush.fitting.observation import Observation, View, views_of
+from pointbrush.fitting.options import FitOptions
+from pointbrush.fitting.parked import Level, fit_still
+from pointbrush.fitting.priors import SizePrior
+from pointbrush.quaternions import quaternion_of
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedPose:
+    """Pose in a frame's source coordinates: ``centre`` (3,), ``quaternion`` (4,) x, y, z, w of
+    frame<-box, ``confidence`` 0..1."""
+
+    centre: Floats
+    quaternion: Floats
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FittedBox:
+    """A fit: ``size`` (3,) length, width, height, metres; ``poses`` by frame; the ``kind`` of prior
+    that completed it; ``moves``: it moved; ``front_known``: its front is ahead, not perhaps behind.
+    """
+
+    size: Floats
+    poses: Mapping[int, FittedPose]
+    kind: str
+    moves: bool
+    front_known: bool
+
+
+def fit_box(
+    observations: Sequence[Observation],
+    priors: Sequence[SizePrior],
+    options: FitOptions | None = None,
+) -> FittedBox:
+    """Fit a box of one size to an object; frames with too few points get no pose.
+
+    ``priors`` are the classes that it may be of.  Raises BadInputError for too few points in all.
+    """
+    chosen = options or FitOptions()
+    chosen.check()
+    if not priors:
+        raise BadInputError("priors: expected one or more, got none")
+    ordered = sorted(observations, key=lambda each: each.time)
+    views, posed = views_of(ordered, chosen)
+    if not views:
+        raise BadInputError(f"points: expected {chosen.least_points} or more in a frame, got fewer")
+    if len(views) == 1:
+        return _result(views, fit_still(views, priors, chosen), moves=False)
+    start = start_of(views, posed, priors, chosen)
+    if not start.moves and posed:
+        return _result(views, fit_still(views, priors, chosen), moves=False)
+    return _result(views, fit_moving(views, start, priors, chosen), moves=start.moves)
+
+
+def _result(views: list[View], level: Level, moves: bool) -> FittedBox:
+    poses = {}
+    for view, centre, yaw, sure in zip(
+        views, level.centres, level.yaws, level.confidence, strict=True
+    ):
+        T = np.eye(4)
+        c, s = np.cos(yaw), np.sin(yaw)
+        T[:2, :2], T[:3, 3] = [[c, -s], [s, c]], centre
+        T_frame_box = np.linalg.inv(view.T_level_frame) @ T
+        poses[view.frame] = FittedPose(
+            T_frame_box[:3, 3], quaternion_of(T_frame_box[:3, :3]), float(sure)
+        )
+    return FittedBox(level.size, poses, level.prior.name, moves, level.front_known)

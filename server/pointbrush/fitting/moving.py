@@ -1,0 +1,185 @@
+"""Fit of what moves: sides frame by frame, a smooth path through them, the direction along it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.fitting.observation import View
+from pointbrush.fitting.options import FitOptions
+from pointbrush.fitting.parked import (
+    Level,
+    best_sides,
+    confidence_of,
+    front,
+    rays_of,
+    shell,
+    world_centre,
+)
+from pointbrush.fitting.priors import SizePrior
+from pointbrush.fitting.rays import ground_height
+from pointbrush.fitting.sides import Sides, find_sides, likely_size
+from pointbrush.fitting.trajectory import smooth_angles, smooth_path, speeds
+from pointbrush.fitting.yaw import outline_yaw, wrapped
+
+Floats = NDArray[np.float64]
+AXLE = 0.28
+"""Share of a vehicle's length from its middle back to the axle that does not steer."""
+SLOW = 1.0
+"""Metres a second below which a vehicle's path says little of its direction."""
+OUTLINE_WITHIN = np.radians(12.0)
+"""Angle from the direction of the path within which that of the outline is looked for."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """First guess: the ``sides`` of each frame alone, sizes (k, 3) and ``priors`` chosen there, the
+    path (k, 2) of its centres, the ground (k,) under them, and whether it ``moves``."""
+
+    sides: list[Sides]
+    sizes: Floats
+    priors: list[SizePrior]
+    path: Floats
+    ground: list[float | None]
+    moves: bool
+
+
+def start_of(
+    views: list[View], posed: bool, priors: Sequence[SizePrior], options: FitOptions
+) -> Start:
+    """Fit each frame alone, and decide whether the object moves."""
+    sides, sizes, chosen, centres, ground = [], [], [], [], []
+    for view in views:
+        height = ground_height(view.xyz, view.others, options)
+        eyes, ends = rays_of([view])
+        found, size, prior = best_sides(view.xyz, eyes, ends, height, priors, options)
+        sides.append(found)
+        sizes.append(size)
+        chosen.append(prior)
+        centres.append(world_centre(found, size, options))
+        ground.append(height)
+    times = np.array([view.time for view in views])
+    places = np.array(centres)[:, :2]
+    noise = np.full((len(views), 2), 0.3)
+    yaws = np.array([each.yaw for each in sides])
+    path = smooth_path(places, noise, yaws, times, options.acceleration)
+    moves = posed and _moves(views, path, options)
+    return Start(sides, np.array(sizes), chosen, path, ground, moves)
+
+
+def _moves(views: list[View], path: Floats, options: FitOptions) -> bool:
+    """Tell whether points fill fewer cells when they are taken back along the path."""
+    if float(np.linalg.norm(path - path[0], axis=1).max()) < options.moved:
+        return False
+    still, taken = (
+        _filled([v.xyz[:, :2] - by for v, by in zip(views, offsets, strict=True)], options)
+        for offsets in (np.zeros_like(path), path - path[0])
+    )
+    return taken < options.sharper * still
+
+
+def _filled(parts: list[Floats], options: FitOptions) -> int:
+    cells = np.floor(np.concatenate(parts) / options.sharp_cell).astype(np.int64)
+    return len(np.unique(cells[:, 0] * 1_000_003 + cells[:, 1]))
+
+
+def fit_moving(
+    views: list[View], start: Start, priors: Sequence[SizePrior], options: FitOptions
+) -> Level:
+    """Fit one size and a pose a frame."""
+    times = np.array([view.time for view in views])
+    prior = _class(start, priors)
+    size = np.median(start.sizes, axis=0)
+    path, sides = start.path, start.sides
+    yaws = np.array([each.yaw for each in sides])
+    for _ in range(options.rounds):
+        yaws = _directions(views, start, path, yaws, times, prior, size, options)
+        sides = [
+            _sides(view, float(yaw), ground, prior, options)
+            for view, yaw, ground in zip(views, yaws, start.ground, strict=True)
+        ]
+        size, _ = likely_size(sides, prior, options)
+        places = np.array([world_centre(each, size, options)[:2] for each in sides])
+        slack = np.array([each.slack(size, options.bin_size)[:2] for each in sides])
+        noise = options.side_noise + slack / 2
+        path = smooth_path(places, noise, yaws, times, options.acceleration)
+    heights = np.array([each.low[2] for each in sides]) + size[2] / 2
+    centres = np.column_stack([path, heights])
+    known = start.moves
+    if not known:
+        turns = [
+            front(v.xyz, each, size, prior, options) for v, each in zip(views, sides, strict=True)
+        ]
+        known = any(each[1] for each in turns)
+        votes = sum(
+            1 if abs(float(wrapped(yaw - each[0]))) < 1 else -1
+            for each, yaw in zip(turns, yaws, strict=True)
+            if each[1]
+        )
+        if votes < 0:
+            yaws = yaws + np.pi
+    sure = np.array(
+        [confidence_of(each, size, len(v.xyz)) for each, v in zip(sides, views, strict=True)]
+    )
+    return Level(size, centres, np.asarray(wrapped(yaws)), sure, prior, known)
+
+
+def _class(start: Start, priors: Sequence[SizePrior]) -> SizePrior:
+    """Choose the class under which most frames are likeliest."""
+    counts = [start.priors.count(prior) for prior in priors]
+    return priors[int(np.argmax(counts))]
+
+
+def _sides(
+    view: View, yaw: float, ground: float | None, prior: SizePrior, options: FitOptions
+) -> Sides:
+    eyes, ends = rays_of([view])
+    return find_sides(view.xyz, eyes, ends, yaw, ground, prior, options)
+
+
+def _directions(
+    views: list[View], start: Start, path: Floats, yaws: Floats, times: Floats, prior: SizePrior,
+    size: Floats, options: FitOptions,
+) -> Floats:  # fmt: skip
+    """Find the direction (k,) in each frame, by the path where it moves, and by outlines."""
+    velocity = speeds(path, times)
+    speed = np.linalg.norm(velocity, axis=1)
+    span = float(np.linalg.norm(path[-1] - path[0]))
+    if not start.moves or (speed < (options.walking if prior.person else SLOW)).all():
+        return _by_outlines(views, yaws, times, options)
+    along = np.arctan2(velocity[:, 1], velocity[:, 0])
+    slow = speed < (options.walking if prior.person else SLOW)
+    if slow.any():  # keeps the direction of the nearest frame in which it moves
+        moving = np.flatnonzero(~slow)
+        along = along[moving[np.abs(np.arange(len(along))[:, None] - moving).argmin(axis=1)]]
+    if prior.person:
+        return smooth_angles(along, np.full(len(along), 0.3), times, np.radians(90))
+    turning = np.gradient(np.unwrap(along), times) if len(along) > 1 else np.zeros(len(along))
+    slip = np.arctan(np.clip(AXLE * size[0] * turning / np.maximum(speed, SLOW), -0.5, 0.5))
+    guess = along - slip
+    # A short path says less: its ends are known to a side's noise.
+    path_noise = np.clip(2 * options.side_noise / max(span, 0.1), np.radians(1), np.radians(20))
+    outline_noise = np.radians(options.lshape_noise)
+    found, noise = np.empty(len(views)), np.empty(len(views))
+    within = max(float(OUTLINE_WITHIN), 2 * float(path_noise))
+    for k, view in enumerate(views):
+        part = shell(view.xyz, start.ground[k], options)
+        outline = outline_yaw(part, float(guess[k]), within, options)
+        weak = outline_noise * (1 if len(part) > 60 else 3)
+        a, b = 1 / path_noise**2, 1 / weak**2
+        found[k] = guess[k] + float(wrapped(outline - guess[k], np.pi / 2)) * b / (a + b)
+        noise[k] = 1 / np.sqrt(a + b)
+    return smooth_angles(found, noise, times, np.radians(options.yaw_drift))
+
+
+def _by_outlines(views: list[View], yaws: Floats, times: Floats, options: FitOptions) -> Floats:
+    """Find directions by outlines alone: those of the frames, made to agree on what is ahead."""
+    agreed = yaws.copy()
+    for k in range(1, len(agreed)):  # the nearest of the two opposite directions
+        agreed[k] = agreed[k - 1] + float(wrapped(yaws[k] - agreed[k - 1], np.pi))
+    weight = np.array([len(view.xyz) for view in views], float)
+    noise = np.radians(options.lshape_noise) * np.sqrt(weight.max() / weight)
+    return smooth_angles(agreed, noise, times, np.radians(options.yaw_drift) * 2)

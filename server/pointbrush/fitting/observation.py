@@ -1,0 +1,141 @@
+"""Observations of an object, a frame each, and their view in level coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from pointbrush.errors import BadInputError
+from pointbrush.fitting.options import FitOptions
+
+Floats = NDArray[np.float64]
+NO_POINTS: Floats = np.zeros((0, 3))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """An object in one frame, source coordinates, metres.
+
+    ``xyz`` (n, 3) its points; ``up`` (3,) the vertical; ``time`` seconds; ``sensor`` (3,) where
+    known; ``T_world_frame`` (4, 4) where the sensor's pose is known; ``others`` (m, 3) points that
+    are not the object's: the ground near it, and what its sensor sees behind and before it.
+    """
+
+    frame: int
+    xyz: Floats
+    up: Floats
+    time: float
+    sensor: Floats | None = None
+    T_world_frame: Floats | None = None
+    others: Floats = field(default_factory=lambda: NO_POINTS)
+
+    def __post_init__(self) -> None:
+        """Check the shapes.  Raises BadInputError."""
+        if self.xyz.ndim != 2 or self.xyz.shape[1] != 3 or not np.isfinite(self.xyz).all():
+            raise BadInputError(f"xyz: expected (n, 3) finite, got {self.xyz.shape}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """An observation in level coordinates (z up) that all frames with poses share.
+
+    ``T_level_frame`` (4, 4); ``xyz`` (n, 3) without strays; ``eye`` (3,) or None; ``ends`` (m, 3)
+    of rays of the eye, the object's own first; ``others`` (k, 3).
+    """
+
+    frame: int
+    time: float
+    T_level_frame: Floats
+    xyz: Floats
+    eye: Floats | None
+    ends: Floats
+    others: Floats
+
+
+def near_rays(
+    xyz: Floats, others: NDArray[np.floating], sensor: Floats | None, up: Floats, reach: float
+) -> Floats:
+    """Choose the ``others`` (m, 3) that say something of an object: those round it, and those whose
+    rays pass it within ``reach`` metres in plan or end before it."""
+    R = level_axes(up)
+    plan = np.asarray(others, np.float64) @ R[:2].T
+    middle = np.median(xyz, axis=0) @ R[:2].T
+    if sensor is None:
+        return np.asarray(others[np.linalg.norm(plan - middle, axis=1) < reach], np.float64)
+    eye = sensor @ R[:2].T
+    along = plan - eye
+    length = np.maximum((along**2).sum(axis=1), 1e-12)
+    part = np.clip(along @ (middle - eye) / length, 0, 1)
+    away = ((along * part[:, None] + eye - middle) ** 2).sum(axis=1)
+    return np.asarray(others[away < reach * reach], np.float64)
+
+
+def level_axes(up: Floats) -> Floats:
+    """Make ``R_level_source`` (3, 3): rows forward, left, up; the identity for z up."""
+    vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
+    aside = np.eye(3)[2 if abs(vertical[2]) < 0.9 else 0]
+    forward = aside - vertical * (aside @ vertical)
+    forward /= np.linalg.norm(forward)
+    return np.stack([forward, np.cross(vertical, forward), vertical])
+
+
+def views_of(observations: Sequence[Observation], options: FitOptions) -> tuple[list[View], bool]:
+    """Place observations in common level coordinates; tell whether all frames have poses.
+
+    Without a pose in each frame every frame is its own level coordinates.
+    """
+    posed = all(each.T_world_frame is not None for each in observations)
+    ups = [each.up / np.linalg.norm(each.up) for each in observations]
+    if posed:
+        turned = [
+            each.T_world_frame[:3, :3] @ up
+            for each, up in zip(observations, ups, strict=True)
+            if each.T_world_frame is not None
+        ]
+        common = level_axes(np.mean(turned, axis=0))
+    views = []
+    for each, up in zip(observations, ups, strict=True):
+        T = np.eye(4)
+        if posed and each.T_world_frame is not None:
+            T[:3, :3] = common
+            T = T @ each.T_world_frame
+        else:
+            T[:3, :3] = level_axes(up)
+        view = _view(each, T, options)
+        if len(view.xyz) >= options.least_points:
+            views.append(view)
+    return views, posed
+
+
+def _view(each: Observation, T: Floats, options: FitOptions) -> View:
+    def placed(points: Floats) -> Floats:
+        return np.asarray(points @ T[:3, :3].T + T[:3, 3])
+
+    eye = None if each.sensor is None else placed(each.sensor[None])[0]
+    others = placed(each.others)
+    xyz = placed(each.xyz)
+    xyz = without_strays(xyz, eye, options)
+    ends = np.concatenate([xyz, others])
+    step = -(-len(ends) // options.most_rays) if len(ends) else 1
+    return View(each.frame, each.time, T, xyz, eye, ends[::step], others)
+
+
+def without_strays(xyz: Floats, eye: Floats | None, options: FitOptions) -> Floats:
+    """Leave out small pieces apart from the rest: points that were painted beside the object."""
+    if len(xyz) < 2 * options.least_points:
+        return xyz
+    away = 0.0 if eye is None else float(np.linalg.norm(np.median(xyz, axis=0) - eye))
+    gap = options.stray_gap + options.stray_gap_angle * away
+    cells, cell = np.unique(np.floor(xyz / (gap / 2)), axis=0, return_inverse=True)
+    pairs = cKDTree(cells).query_pairs(2.0, output_type="ndarray")
+    ones = np.ones(len(pairs))
+    graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(cells), len(cells)))
+    piece = connected_components(graph, directed=False)[1][cell.ravel()]
+    counts = np.bincount(piece)
+    return xyz[counts[piece] > options.stray_share * len(xyz)]

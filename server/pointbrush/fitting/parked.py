@@ -1,0 +1,120 @@
+"""Fit of what stays in place, or is seen in one frame: one surface, one pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.fitting.observation import View
+from pointbrush.fitting.options import FitOptions
+from pointbrush.fitting.priors import SizePrior
+from pointbrush.fitting.rays import ground_height
+from pointbrush.fitting.sides import Sides, find_sides, likely_size
+from pointbrush.fitting.yaw import outline_yaws, turn
+
+Floats = NDArray[np.float64]
+CABIN = 0.75
+"""Share of the height above which a vehicle is its cabin or its load, behind its middle."""
+CABIN_POINTS = 15
+"""Points there from which on they tell the front."""
+CABIN_OFF = 0.02
+"""Share of the length by which their middle must be off that of the vehicle."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Level:
+    """A fit in level coordinates: ``size`` (3,), ``centres`` (k, 3), ``yaws`` (k,) radians,
+    ``confidence`` (k,)."""
+
+    size: Floats
+    centres: Floats
+    yaws: Floats
+    confidence: Floats
+    prior: SizePrior
+    front_known: bool
+
+
+def rays_of(views: Sequence[View]) -> tuple[Floats, Floats]:
+    """Join the rays of views: eyes (m, 3) and ends (m, 3)."""
+    eyes = [np.broadcast_to(v.eye, v.ends.shape) for v in views if v.eye is not None]
+    ends = [v.ends for v in views if v.eye is not None]
+    if not ends:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    return np.concatenate(eyes), np.concatenate(ends)
+
+
+def fit_still(views: Sequence[View], priors: Sequence[SizePrior], options: FitOptions) -> Level:
+    """Fit one box to all frames."""
+    xyz = np.concatenate([view.xyz for view in views])
+    ground = ground_height(xyz, np.concatenate([view.others for view in views]), options)
+    eyes, ends = rays_of(views)
+    sides, size, prior = best_sides(xyz, eyes, ends, ground, priors, options)
+    yaw, known = front(xyz, sides, size, prior, options)
+    centre = world_centre(sides, size, options)
+    k = len(views)
+    sure = np.full(k, confidence_of(sides, size, len(xyz)))
+    return Level(size, np.tile(centre, (k, 1)), np.full(k, yaw), sure, prior, known)
+
+
+def best_sides(
+    xyz: Floats, eyes: Floats, ends: Floats, ground: float | None, priors: Sequence[SizePrior],
+    options: FitOptions,
+) -> tuple[Sides, Floats, SizePrior]:  # fmt: skip
+    """Choose the direction and the class under which the sizes are likeliest."""
+    best = None
+    for outline, close in outline_yaws(shell(xyz, ground, options), options):
+        for prior in priors:
+            for yaw in (outline, outline + np.pi / 2):
+                sides = find_sides(xyz, eyes, ends, yaw, ground, prior, options)
+                size, cost = likely_size([sides], prior, options)
+                cost -= options.yaw_nats * close
+                if best is None or cost < best[0]:
+                    best = cost, sides, size, prior
+    assert best is not None  # noqa: S101 – there is a prior
+    return best[1:]
+
+
+def shell(xyz: Floats, ground: float | None, options: FitOptions) -> Floats:
+    """Choose the points whose outline is the box's: above the ground and below the windows."""
+    low = float(xyz[:, 2].min()) if ground is None else ground
+    high = float(np.quantile(xyz[:, 2], 0.98))
+    part = xyz[
+        (xyz[:, 2] > low + options.clearance) & (xyz[:, 2] < low + max(0.65 * (high - low), 0.6))
+    ]
+    return part if len(part) >= 10 else xyz
+
+
+def world_centre(sides: Sides, size: Floats, options: FitOptions) -> Floats:
+    """Place a box of a size in level coordinates: its centre (3,)."""
+    middle = sides.middle(size, options.bin_size)
+    middle[:2] = turn(sides.yaw) @ middle[:2]
+    return np.asarray(middle)
+
+
+def front(
+    xyz: Floats, sides: Sides, size: Floats, prior: SizePrior, options: FitOptions
+) -> tuple[float, bool]:
+    """Decide between a direction and its opposite: a vehicle's cabin is behind its bonnet.
+
+    Yaw, and whether the points say so.
+    """
+    if prior.person:
+        return sides.yaw, False
+    middle = sides.middle(size, options.bin_size)
+    along = (xyz[:, :2] @ turn(sides.yaw))[:, 0] - middle[0]
+    high = along[xyz[:, 2] > sides.low[2] + CABIN * size[2]]
+    if len(high) < CABIN_POINTS:
+        return sides.yaw, False
+    back = float(np.quantile(high, [0.02, 0.98]).mean())
+    if abs(back) < CABIN_OFF * size[0]:
+        return sides.yaw, False
+    return sides.yaw + (np.pi if back > 0 else 0.0), True
+
+
+def confidence_of(sides: Sides, size: Floats, points: int) -> float:
+    """Compute the share of a box in plan that was seen, 0..1; less for few points."""
+    seen = np.clip(sides.seen[:2] / size[:2], 0, 1)
+    return float((0.3 + 0.7 * seen.prod()) * min(1.0, 0.4 + points / 100))

@@ -1,0 +1,84 @@
+"""Sizes of classes: what a box is completed with where its object was not seen."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+
+
+@dataclass(frozen=True, slots=True)
+class SizePrior:
+    """Mean and standard deviation of length, width and height of a class, metres.
+
+    ``person``: upright, of no edges, that faces the way it goes.  ``weight`` is the share of the
+    class among those that a name may mean.
+    """
+
+    name: str
+    mean: tuple[float, float, float]
+    spread: tuple[float, float, float]
+    person: bool = False
+    weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the sizes.  Raises BadInputError."""
+        for name, values in (("mean", self.mean), ("spread", self.spread)):
+            if not (np.isfinite(values).all() and min(values) > 0):
+                raise BadInputError(f"{name}: expected 3 numbers above 0 m, got {values}")
+
+    def cost(self, size: NDArray[np.float64]) -> float:
+        """Compute the negative logarithm of a size's likelihood, up to a constant."""
+        off = (size - np.array(self.mean)) / np.array(self.spread)
+        return float(0.5 * (off @ off) + np.log(self.spread).sum() - np.log(self.weight))
+
+
+BUILT_IN: Mapping[str, SizePrior] = {
+    prior.name: prior
+    for prior in (
+        SizePrior("car", (4.45, 1.84, 1.6), (0.4, 0.11, 0.14), weight=0.7),
+        SizePrior("van", (5.4, 2.02, 2.2), (0.6, 0.12, 0.28), weight=0.15),
+        SizePrior("truck", (9.0, 2.5, 3.2), (2.0, 0.2, 0.4), weight=0.1),
+        SizePrior("bus", (11.5, 2.7, 3.2), (1.5, 0.2, 0.25), weight=0.05),
+        SizePrior("pedestrian", (0.65, 0.62, 1.7), (0.2, 0.1, 0.15), person=True),
+        SizePrior("cyclist", (1.75, 0.62, 1.72), (0.15, 0.1, 0.15), person=True),
+    )
+}
+VEHICLES = ("car", "van", "truck", "bus")
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "car": ("car", "cars", "sedan", "suv", "taxi", "automobile", "hatchback"),
+    "van": ("van", "vans", "minibus"),
+    "truck": ("truck", "trucks", "lorry", "trailer"),
+    "bus": ("bus", "buses", "coach"),
+    "pedestrian": ("pedestrian", "pedestrians", "person", "people", "human", "walker", "adult",
+                   "child"),
+    "cyclist": ("cyclist", "cyclists", "rider", "bicycle", "bicyclist", "bike", "motorcycle",
+                "motorcyclist", "scooter", "motorbike"),
+}  # fmt: skip
+"""Words of categories that mean a class."""
+
+
+def priors_of(
+    category: str, known: Mapping[str, SizePrior] = BUILT_IN, names: Iterable[str] = ()
+) -> list[SizePrior]:
+    """List the priors that a category may mean, those of ``known`` by its own name first.
+
+    ``names`` are further words, such as the label's name.  A vehicle of no kind may be a car, a
+    van, a truck or a bus; what is not recognised may be any of all.
+    """
+    by_name = {name.casefold(): prior for name, prior in known.items()}
+    for text in (category, *names):
+        if text.casefold() in by_name:
+            return [by_name[text.casefold()]]
+        words = set(re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", text).casefold()))
+        for kind in ("cyclist", "truck", "bus", "van", "car", "pedestrian"):
+            if words & set(NAMES[kind]):
+                return [by_name.get(kind, BUILT_IN[kind])]
+        if words & {"vehicle", "vehicles"}:
+            return [by_name.get(kind, BUILT_IN[kind]) for kind in VEHICLES]
+    return [by_name.get(kind, prior) for kind, prior in BUILT_IN.items()]

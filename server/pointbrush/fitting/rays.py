@@ -1,0 +1,89 @@
+"""Free space beside a box by the rays that pass there, and the ground under it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.compiled import compiled, innermost
+from pointbrush.fitting.options import FitOptions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+BEFORE_END = 0.06
+"""Metres before a ray's end from which on it does not count as passing."""
+
+
+@innermost
+def within(eye: Floats, end: Floats, axis: int, low: Floats, high: Floats) -> tuple[float, float]:
+    """Find the part of a ray, from its eye (0) to its end (1), between bounds (3,) across an axis;
+    the last before the first where there is none."""
+    length = 0.0
+    for a in range(3):
+        length += (end[a] - eye[a]) ** 2
+    first, last = 0.0, 1.0 - BEFORE_END / max(np.sqrt(length), BEFORE_END)
+    for a in range(3):
+        way = end[a] - eye[a]
+        if a == axis or (abs(way) < 1e-9 and low[a] <= eye[a] <= high[a]):
+            continue
+        if abs(way) < 1e-9:
+            return 1.0, 0.0
+        enter, leave = (low[a] - eye[a]) / way, (high[a] - eye[a]) / way
+        first = max(first, min(enter, leave))
+        last = min(last, max(enter, leave))
+    return first, last
+
+
+@compiled
+def count_passing(
+    eyes: Floats, ends: Floats, axis: int, sign: float, start: float, step: float, count: int,
+    low: Floats, high: Floats,
+) -> Ints:  # fmt: skip
+    """Count the rays ``eyes`` → ``ends`` (N, 3) through each of ``count`` steps of space.
+
+    Steps go from ``start`` along ``sign`` times ``axis``; ``low`` and ``high`` (3,) bound the other
+    axes.
+    """
+    passing = np.zeros(count, np.int64)
+    for ray in range(len(ends)):
+        first, last = within(eyes[ray], ends[ray], axis, low, high)
+        if last <= first:
+            continue
+        way = ends[ray, axis] - eyes[ray, axis]
+        a0 = sign * (eyes[ray, axis] + first * way - start)
+        a1 = sign * (eyes[ray, axis] + last * way - start)
+        near, far = min(a0, a1), max(a0, a1)
+        if far < 0 or near > step * count:
+            continue
+        for k in range(max(0, int(near / step)), min(count - 1, int(far / step)) + 1):
+            passing[k] += 1
+    return passing
+
+
+def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | None:
+    """Find the height of the ground round points (n, 3) by the lowest of ``others`` in cells.
+
+    Level coordinates; None where there is none.
+    """
+    low, high = xyz.min(axis=0), xyz.max(axis=0)
+    reach = options.ground_reach
+    near = (
+        (others[:, :2] > low[:2] - reach).all(axis=1)
+        & (others[:, :2] < high[:2] + reach).all(axis=1)
+        & (others[:, 2] < float(np.quantile(xyz[:, 2], 0.03)) + 0.15)
+    )
+    points = others[near]
+    if len(points) < 5:
+        return None
+    cell = np.floor(points[:, :2] / options.ground_cell).astype(np.int64)
+    _, group = np.unique(cell, axis=0, return_inverse=True)
+    lowest = np.full(group.max() + 1, np.inf)
+    np.minimum.at(lowest, group.ravel(), points[:, 2])
+    if len(lowest) < 3:
+        return None
+    # The lowest level that a good share of the cells has: pavements and walls are above it.
+    levels = np.arange(lowest.min(), lowest.max() + 0.1, 0.05)
+    shares = (np.abs(lowest[:, None] - levels) < 0.1).sum(axis=0)
+    level = levels[int(np.argmax(shares >= 0.5 * shares.max()))]
+    on = lowest[np.abs(lowest - level) < 0.15]
+    return float(np.median(on)) if len(on) else None

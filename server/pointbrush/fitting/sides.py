@@ -1,0 +1,187 @@
+"""Sides of a box of known direction: where points end, how far it may reach, and its likely size.
+
+Each side lies between the outermost points and the first free space beyond them.  What the sensor
+sees the front of is free right before it; what lies in its shadow is open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.fitting.options import FitOptions
+from pointbrush.fitting.priors import SizePrior
+from pointbrush.fitting.rays import count_passing
+from pointbrush.fitting.yaw import turn
+
+Floats = NDArray[np.float64]
+CERTAIN = 1e3
+"""Nats of what is ruled out."""
+TIED = 0.05
+"""Nats; costs that differ by less are equal."""
+SEEN_QUANTILE = 0.8
+"""Quantile over frames of the sizes seen: in some frames points were painted outside."""
+OPEN = 4.0
+"""Standard deviations above the mean of a class to which an open side may reach."""
+FACING = 0.5
+"""Cosine between a side's direction and the sensor's from which on the sensor faces it."""
+AXES = ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, 1.0))
+"""Sides that free space is looked for beside, as axis and sign; the bottom is the ground's."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sides:
+    """Sides along x, y, z of a box's direction, level coordinates turned by ``yaw``.
+
+    ``low`` and ``high`` (3,) metres: where points end; ``below`` and ``above`` (3, n) nats: what it
+    costs to grow by 0, 1, … bins beyond them, into space that rays pass through.
+    """
+
+    yaw: float
+    low: Floats
+    high: Floats
+    below: Floats
+    above: Floats
+
+    @property
+    def seen(self) -> Floats:
+        """Sizes (3,) that were seen."""
+        return np.asarray(self.high - self.low)
+
+    def growth(self, axis: int) -> tuple[Floats, Floats]:
+        """Find for growth by 0, 1, … bins the least cost (n,), and the share of it above (n,)."""
+        n = self.above.shape[1]
+        total = np.arange(n)
+        up = np.arange(n)[:, None]
+        down = total - up
+        cost = np.where(
+            down >= 0, self.above[axis][:, None] + self.below[axis][np.maximum(down, 0)], np.inf
+        )
+        best = cost.min(axis=0)
+        # Where several ways to grow cost the same, the middle of them.
+        tied = cost <= best + TIED
+        share = (tied * up).sum(axis=0) / tied.sum(axis=0) / np.maximum(total, 1)
+        return best, np.where(total > 0, share, 0.5)
+
+    def middle(self, size: Floats, step: float) -> Floats:
+        """Place a box of a size (3,): its centre (3,), grown where that costs least."""
+        over = size - self.seen
+        share = np.full(3, 0.5)
+        for axis in range(3):
+            shares = self.growth(axis)[1]
+            bins = int(np.clip(round(over[axis] / step), 0, len(shares) - 1))
+            share[axis] = shares[bins] if over[axis] > 0 else 0.5
+        share[2] = 1.0
+        return np.asarray((self.low + self.high) / 2 + over * (share - 0.5))
+
+    def slack(self, size: Floats, step: float) -> Floats:
+        """Metres (3,) along which a box of a size may be moved at hardly any cost."""
+        over = np.maximum(size - self.seen, 0)
+        down, up = (
+            np.minimum(over, (cost < 1).sum(axis=1) * step) for cost in (self.below, self.above)
+        )
+        return np.asarray(np.clip(down + up - over, 0, over))
+
+
+def likely_size(
+    parts: Sequence[Sides], prior: SizePrior, options: FitOptions
+) -> tuple[Floats, float]:
+    """Choose the likeliest size (3,) of an object seen in some frames, and its cost in nats.
+
+    It holds what was seen and keeps out of free space as far as the class allows.
+    """
+    seen = np.quantile([part.seen for part in parts], SEEN_QUANTILE, axis=0)
+    step, weight = options.bin_size, min(1.0, options.frames_most / len(parts))
+    size, total = seen.copy(), float(np.log(prior.spread).sum() - np.log(prior.weight))
+    for axis in range(3):
+        mean, spread = prior.mean[axis], prior.spread[axis]
+        sizes = seen[axis] + step * np.arange(parts[0].above.shape[1])
+        sizes = np.append(sizes, mean) if mean > seen[axis] else sizes
+        cost = 0.5 * ((sizes - mean) / spread) ** 2
+        for part in parts:
+            bins = np.arange(part.above.shape[1]) * step
+            cost = cost + weight * np.interp(sizes - part.seen[axis], bins, part.growth(axis)[0])
+        best = int(cost.argmin())
+        size[axis], total = sizes[best], total + float(cost[best])
+    return size, total
+
+
+def edge(values: Floats, facing: bool, options: FitOptions) -> float:
+    """Find the end of points along an axis, upward; of few points: the outermost.
+
+    Noise of the range lies before and behind a side that ``facing`` the sensor.
+    """
+    if len(values) < 40:
+        return float(values.max())
+    top = float(np.quantile(values, 1 - min(0.005, 2 / len(values))))
+    if not facing:
+        return top
+    return float(np.quantile(values[values > top - options.edge_depth], options.edge_quantile))
+
+
+def find_sides(
+    xyz: Floats, eyes: Floats, ends: Floats, yaw: float, ground: float | None, prior: SizePrior,
+    options: FitOptions,
+) -> Sides:  # fmt: skip
+    """Find the sides of points (n, 3) in the direction ``yaw``.
+
+    ``eyes`` and ``ends`` (m, 3) are rays; without any each side ends where points do.
+    """
+    R = np.eye(3)
+    R[:2, :2] = turn(yaw)
+    points = xyz @ R
+    mean, spread = np.array(prior.mean), np.array(prior.spread)
+    floor = float(points[:, 2].min()) if ground is None else min(ground, points[:, 2].min() + 0.1)
+    body = points[points[:, 2] > floor + options.clearance]
+    body = body if len(body) >= options.least_points else points
+    toward = np.zeros(3)
+    if len(ends):
+        toward = (eyes @ R).mean(axis=0) - np.median(points, axis=0)
+        toward[:2] /= max(float(np.linalg.norm(toward[:2])), 1e-9)
+        toward[2] = 0
+    low = np.array([-edge(-body[:, a], toward[a] < -FACING, options) for a in range(3)])
+    high = np.array([edge(body[:, a], toward[a] > FACING, options) for a in range(3)])
+    low[2] = floor
+    n = int(np.ceil(max(mean + OPEN * spread) / options.bin_size))
+    below, above = np.zeros((3, n)), np.zeros((3, n))
+    below[2] = CERTAIN
+    below[2, 0] = 0
+    if len(ends):
+        from_, to = eyes @ R, ends @ R
+        grown_low, grown_high = _grown(low, high, from_.mean(axis=0), mean)
+        for axis, sign in AXES:
+            a, b = _window(grown_low, grown_high, floor, float(mean[2]), options)
+            start = float(high[axis] if sign > 0 else low[axis])
+            passing = count_passing(from_, to, axis, sign, start, options.bin_size, n - 1, a, b)
+            rays = np.maximum.accumulate(np.minimum(passing, options.rays_most))
+            (above if sign > 0 else below)[axis, 1:] = options.ray_cost * rays
+    return Sides(yaw, low, high, below, above)
+
+
+def _grown(low: Floats, high: Floats, eye: Floats, mean: Floats) -> tuple[Floats, Floats]:
+    """Grow what was seen away from the eye to the mean size of the class."""
+    lower, higher = low.copy(), high.copy()
+    for axis in range(2):
+        more = max(float(mean[axis] - (high - low)[axis]), 0.0)
+        if eye[axis] > high[axis]:
+            lower[axis] -= more
+        elif eye[axis] < low[axis]:
+            higher[axis] += more
+        else:
+            lower[axis] -= more / 2
+            higher[axis] += more / 2
+    higher[2] = max(high[2], low[2] + 0.8 * mean[2])
+    return lower, higher
+
+
+def _window(
+    low: Floats, high: Floats, floor: float, height: float, options: FitOptions
+) -> tuple[Floats, Floats]:
+    """Bounds (3,), (3,) of the space beside sides that rays must pass through."""
+    middle, half = (low + high) / 2, (high - low) / 2 * options.inner
+    a, b = middle - half, middle + half
+    a[2], b[2] = floor + options.band[0] * height, floor + options.band[1] * height
+    return a, b

@@ -1,0 +1,132 @@
+"""Boxes fitted to points: completed where nothing was seen, steady, upright, ahead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.fitting import FittedBox, Observation, fit_box, priors_of
+from pointbrush.quaternions import rotation_of
+
+Floats = NDArray[np.float64]
+UP = np.array([0.0, 0, 1])
+SIZE = np.array([4.3, 1.8, 1.5])
+
+
+def surface(sides: str, rng: np.random.Generator) -> Floats:
+    """Points (n, 3) on sides of a car at the origin: l(eft), r(ight), f(ront), b(ack), t(op)."""
+    places = []
+    for side in sides:
+        flat = rng.uniform(-0.5, 0.5, (600, 3))
+        axis, sign = {"l": (1, 1), "r": (1, -1), "f": (0, 1), "b": (0, -1), "t": (2, 1)}[side]
+        flat[:, axis] = 0.5 * sign
+        places.append(flat * SIZE)
+    return np.concatenate(places) + [0, 0, SIZE[2] / 2]
+
+
+def ground(eye: Floats, rng: np.random.Generator) -> Floats:
+    """Points of the ground round the car that a sensor at ``eye`` (3,) sees past it."""
+    flat = rng.uniform(-7, 7, (4000, 3))
+    flat[:, 2] = 0
+    steps = np.linspace(0.5, 1, 60)[:, None, None]
+    along = np.abs(eye + (flat - eye) * steps - [0, 0, SIZE[2] / 2])
+    return np.asarray(flat[~(along < SIZE / 2).all(axis=2).any(axis=0)])
+
+
+def placed(points: Floats, yaw: float, at: tuple[float, float]) -> Floats:
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.asarray(points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [*at, 0])
+
+
+def seen(sides: str, yaw: float, at: tuple[float, float], frame: int = 0) -> Observation:
+    """A car at a place, seen by a sensor at the origin, 1.7 m above the ground."""
+    rng = np.random.default_rng(frame)
+    eye = np.array([0, 0, 1.7])
+    turn = placed(np.eye(3), yaw, (0, 0))
+    xyz = placed(surface(sides, rng), yaw, at) + rng.normal(0, 0.01, (600 * len(sides), 3))
+    others = placed(ground((eye - [*at, 0]) @ turn.T, rng), yaw, at)
+    return Observation(frame, xyz, UP, frame / 10, eye, np.eye(4), others)
+
+
+def heading(made: FittedBox, frame: int = 0) -> Floats:
+    return np.asarray(rotation_of(made.poses[frame].quaternion)[:, 0])
+
+
+def test_a_side_that_is_not_seen_grows_away_from_the_sensor() -> None:
+    made = fit_box([seen("rt", 0.0, (1.0, 8.0))], priors_of("car"))
+    only_side = fit_box([seen("r", 0.0, (1.0, 8.0))], priors_of("car"))
+    for box in (made, only_side):
+        near = box.poses[0].centre[1] - box.size[1] / 2
+        assert near == pytest.approx(8 - 0.9, abs=0.06)
+        assert box.size[1] == pytest.approx(1.84, abs=0.1)
+        assert box.size[0] == pytest.approx(4.3, abs=0.2)
+        assert box.poses[0].centre[2] - box.size[2] / 2 == pytest.approx(0, abs=0.06)
+
+
+def test_points_painted_beside_a_car_do_not_widen_its_box() -> None:
+    clean = seen("rtb", 0.4, (9.0, 2.0))
+    stray = placed(
+        np.random.default_rng(5).uniform(-0.3, 0.3, (60, 3)) + [0, 3.5, 0.5], 0.4, (9, 2)
+    )
+    painted = replace(clean, xyz=np.concatenate([clean.xyz, stray]))
+    made = fit_box([painted], priors_of("car"))
+    assert made.size == pytest.approx(fit_box([clean], priors_of("car")).size, abs=0.05)
+
+
+def drive(speed: float) -> Iterator[Observation]:
+    """A car that goes along its own direction, or stays, and its sides that are seen in turn."""
+    for frame, sides in enumerate(("rf", "rf", "rt", "r", "rb", "rb", "rb", "b")):
+        way = speed * frame / 10
+        yield seen(sides, 0.3, (9 + way * np.cos(0.3), 6 + way * np.sin(0.3)), frame)
+
+
+def test_a_parked_car_stays_in_place() -> None:
+    made = fit_box(list(drive(0.0)), priors_of("car"))
+    assert not made.moves
+    centres = np.array([pose.centre for pose in made.poses.values()])
+    assert np.ptp(centres, axis=0).max() < 0.02
+    assert made.size[:2] == pytest.approx(SIZE[:2], abs=0.2)
+
+
+def test_what_moves_has_its_front_ahead() -> None:
+    for speed in (6.0, -6.0):
+        made = fit_box(list(drive(speed)), priors_of("vehicle"))
+        assert made.moves
+        assert made.front_known
+        assert made.kind == "car"
+        for frame in made.poses:
+            ahead = np.array([np.cos(0.3), np.sin(0.3), 0]) * np.sign(speed)
+            assert heading(made, frame) @ ahead > np.cos(np.radians(5))
+
+
+def test_boxes_are_upright_in_coordinates_whose_up_is_another_axis() -> None:
+    z_up = seen("rtb", 0.4, (9.0, 2.0))
+    turn = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])  # a camera's axes: y down, z ahead
+    assert z_up.sensor is not None
+    camera = replace(
+        z_up, xyz=z_up.xyz @ turn.T, up=turn @ UP, sensor=turn @ z_up.sensor,
+        others=z_up.others @ turn.T, T_world_frame=None,
+    )  # fmt: skip
+    a, b = fit_box([z_up], priors_of("car")), fit_box([camera], priors_of("car"))
+    assert b.size == pytest.approx(a.size, abs=0.02)
+    assert b.poses[0].centre == pytest.approx(turn @ a.poses[0].centre, abs=0.02)
+    assert rotation_of(b.poses[0].quaternion)[:, 2] == pytest.approx(turn @ UP, abs=1e-6)
+
+
+def test_a_class_of_several_kinds_takes_the_one_that_fits() -> None:
+    bus = seen("rtb", 0.0, (1.0, 9.0))
+    grown = replace(bus, xyz=(bus.xyz - [1, 9, 0]) * [2.6, 1.45, 2.1] + [1, 10, 0])
+    assert fit_box([grown], priors_of("vehicle")).kind in ("bus", "truck")
+    assert priors_of("Large Vehicle")[0].name == "car"
+    assert [prior.name for prior in priors_of("REGULAR_CAR")] == ["car"]
+
+
+def test_too_few_points_are_refused() -> None:
+    few = Observation(0, np.zeros((2, 3)), UP, 0.0)
+    with pytest.raises(BadInputError, match="points"):
+        fit_box([few], priors_of("car"))
