@@ -1,4 +1,6 @@
 /** Wiring only. */
+import { ObjectBoxes } from './boxes/index';
+import { mountBoxes } from './boxes/panel';
 import { checking } from './common/checking';
 import { installCameras } from './cameras/strip';
 import { installDesk } from './desktop/desk';
@@ -29,7 +31,8 @@ export function startPage(early: Early): void {
   installCameras(engine);
   installHook(engine);
   engine.start();
-  installDesk(engine);
+  const boxes = new ObjectBoxes(engine);
+  installDesk(engine, boxes);
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.
   void pictured(early).then(async () => {
     mountPanels({
@@ -39,6 +42,7 @@ export function startPage(early: Early): void {
     });
     new Predicting(engine);
     mountReview();
+    mountBoxes();
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');
     const headset = installHeadset(engine, overlays);

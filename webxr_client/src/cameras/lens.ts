@@ -19,6 +19,8 @@ const FISHEYE = ['equidistant', 'fisheye', 'kannala_brandt4'];
 const POLYNOMIAL = ['', 'plumb_bob', 'rational_polynomial', 'radtan'];
 /** Metres before the camera from which on points are in the picture. */
 const NEAREST = 0.05;
+/** Parts that a line is drawn in. */
+const LINE_STEPS = 16;
 /** Steps of undoing a distortion, each of which comes closer (fixed point). */
 const STEPS = 12;
 
@@ -71,6 +73,24 @@ export class Lens {
     at[1] = v;
     at[2] = depth;
     return u >= 0 && v >= 0 && u < picture.width && v < picture.height;
+  }
+
+  /** SVG path of lines, whose ends come two and two (local metres), as they are bent in the picture. */
+  lines(ends: readonly number[]): string {
+    let path = '';
+    for (let line = 0; line < ends.length; line += 6) {
+      let drawn = false;
+      for (let step = 0; step <= LINE_STEPS; step++) {
+        const share = step / LINE_STEPS;
+        const along = (k: number): number =>
+          ends[line + k]! + share * (ends[line + 3 + k]! - ends[line + k]!);
+        // What leaves the picture begins anew where it comes back.
+        const seen = this.project(along(0), along(1), along(2));
+        if (seen) path += `${drawn ? 'L' : 'M'}${this.at[0]!.toFixed(1)} ${this.at[1]!.toFixed(1)}`;
+        drawn = seen;
+      }
+    }
+    return path;
   }
 
   /** Bend the undistorted place in `at`. */

@@ -33,3 +33,14 @@ export function pointAt(place: Vec, by: Pointed['by']): void {
 export function pointAway(by: Pointed['by']): void {
   if (pointed.peek()?.by === by) pointed.value = null;
 }
+
+/** Lines that are drawn over the pictures: ends two and two, local metres. */
+export interface Outline {
+  readonly color: string;
+  readonly chosen: boolean;
+  readonly dashed: boolean;
+  readonly ends: readonly number[];
+}
+
+/** Of the boxes on screen. */
+export const outlines = signal<readonly Outline[]>([]);

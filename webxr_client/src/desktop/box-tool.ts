@@ -56,19 +56,20 @@ export class BoxTool {
   }
 
   /** The rectangle is drawn: a box stands on it. */
-  end(): void {
+  end(): { readonly clicked: boolean } | null {
     const corner = this.corner;
     const frame = this.deps.aim.frame();
     const drawn = boxDraft.peek();
     const least = state.brush.peek().radius;
     this.corner = null;
-    if (!corner || !frame) return;
+    if (!corner || !frame) return null;
     const size = CLICKED * least;
-    const meant =
-      drawn !== null && Math.max(drawn.size[0], drawn.size[2]) > least
-        ? drawn
-        : { center: corner.toArray(), size: [size, size, size] as const, yaw: this.yaw() };
+    const clicked = drawn === null || Math.max(drawn.size[0], drawn.size[2]) <= least;
+    const meant = !clicked
+      ? drawn
+      : { center: corner.toArray(), size: [size, size, size] as const, yaw: this.yaw() };
     boxDraft.value = fitted(frame, this.deps.viewer.room.matrix, meant);
+    return { clicked };
   }
 
   private rectangle(): Volume | null {

@@ -15,6 +15,7 @@ const SIGNS: Partial<Record<Tool, IconName>> = {
   restore: 'restore',
   pick: 'picker',
   floor: 'plane',
+  boxes: 'box',
 };
 
 /** White on a dark edge: legible on any recording. */

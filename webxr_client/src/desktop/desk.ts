@@ -1,9 +1,11 @@
 /** The desk at work: mouse, keys and camera over the engine, and the actions that are theirs. */
+import type { ObjectBoxes } from '../boxes/index';
 import { actions, bindActions } from '../store/actions';
 import { canEdit, state } from '../store/state';
 import type { Shown } from '../store/types';
 import { watch } from '../store/watch';
 import type { Engine } from '../engine/engine';
+import { leaveBox } from '../boxes/changes';
 import { clip } from '../tools/clip';
 import { AheadPreview } from '../tools/preview';
 import { seenIn } from '../tools/seen';
@@ -23,11 +25,23 @@ class Desk {
   /** Frame on screen when the mouse last looked. */
   private seen: Shown | null = null;
 
-  constructor(private readonly engine: Engine) {
+  constructor(
+    private readonly engine: Engine,
+    boxes: ObjectBoxes,
+  ) {
     const { viewer, camera, strokes, objects, regions } = engine;
     const { frame, shift, changed, locked } = engine;
     const ahead = new AheadPreview({ locked, seen: seenIn(viewer.palette), shift, changed });
-    this.pointer = new DeskPointer({ viewer, camera, strokes, objects, regions, ahead, frame });
+    this.pointer = new DeskPointer({
+      viewer,
+      camera,
+      strokes,
+      objects,
+      regions,
+      ahead,
+      frame,
+      boxes,
+    });
     this.presence = new DeskPresence(engine.link);
     this.going = new Going({ viewer, camera, frame, seek: (index) => actions.seek(index) });
     this.clipping = new Clipping({ viewer, camera, frame });
@@ -71,7 +85,7 @@ class Desk {
       goToObject: (label = state.activeLabel.peek(), frame) => going.goTo(label, frame),
       clipTo: (slab) => clipping.set(slab),
       aimAtMiddle: () => pointer.aimAtMiddle(),
-      cancelStroke: () => pointer.cancel() || objects.end(),
+      cancelStroke: () => pointer.cancel() || objects.end() || leaveBox(),
       closeOutline: () => pointer.closeOutline(),
       takeBackCorner: () => pointer.takeBackCorner(),
       snapBox: () => pointer.snapBox(),
@@ -79,6 +93,6 @@ class Desk {
   }
 }
 
-export function installDesk(engine: Engine): void {
-  new Desk(engine);
+export function installDesk(engine: Engine, boxes: ObjectBoxes): void {
+  new Desk(engine, boxes);
 }

@@ -1,5 +1,6 @@
 /** The keyboard and the mouse, on one page that can be searched. */
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { BOX_KEYS } from '../boxes/keys';
 import { COMMANDS } from './commands';
 import { WALK_KEYS } from './keys';
 import { found } from './command-search';
@@ -17,9 +18,9 @@ const MOUSE = [
   ['Drag on the strips', 'Choose a range of frames'],
 ].map(([shown, what]) => ({ shown: shown!, what: what!, group: 'Mouse' }));
 
-const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'View', 'Mouse'] as const;
+const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'View', 'Boxes', 'Mouse'] as const;
 
-const ROWS = [...COMMANDS.filter(({ shown }) => shown !== ''), WALK_KEYS, ...MOUSE];
+const ROWS = [...COMMANDS.filter(({ shown }) => shown !== ''), WALK_KEYS, ...BOX_KEYS, ...MOUSE];
 
 export function Help() {
   return helpOpen.value ? <Opened /> : null;

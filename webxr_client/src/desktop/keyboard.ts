@@ -1,4 +1,5 @@
 /** Listens to the keyboard by the table of `commands.ts`. */
+import { boxKey } from '../boxes/keys';
 import type { DeskCamera } from '../view/camera';
 import { COMMANDS } from './commands';
 import { isForControl, releaseSlider } from '../common/focus';
@@ -54,6 +55,10 @@ function run(binding: KeyBinding, event: KeyboardEvent, key: string): void {
 export function listenToKeys(camera: DeskCamera): () => void {
   const down = (event: KeyboardEvent): void => {
     if (typing(event.target) || event.defaultPrevented || isForControl(event)) return;
+    if (boxKey(event)) event.preventDefault();
+    else pressed(event);
+  };
+  const pressed = (event: KeyboardEvent): void => {
     const name = keyName(event);
     const digit = shiftedDigit(event);
     const binding = bindingOf(name, digit);

@@ -1,9 +1,10 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../store/actions';
+import { boxFromPoints, copyToFrame, interpolate, pointsFromBox } from '../boxes/changes';
 import { answerDoubt, nextDoubt } from '../example/store';
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
-import { isStroke, state, type BrushShape } from '../store/state';
+import { canEdit, isStroke, state, type BrushShape } from '../store/state';
 import { nextOutlineKind } from '../tools/lasso';
 import { DESK_WAYS } from '../tools/ways';
 
@@ -29,6 +30,11 @@ function chooseShape(shape: BrushShape): void {
   const again = shape === 'lasso' && state.brush.peek().shape === shape;
   if (again && isStroke(state.tool.peek())) nextOutlineKind();
   else actions.setShape(shape);
+}
+
+/** A key of the chosen box's, whichever tool is out. */
+function boxed(key: string, shown: string, what: string, run: () => unknown): KeyBinding {
+  return { keys: [key], shown, what, group: 'Tools', when: () => canEdit.peek(), run };
 }
 
 export const KEYS: readonly KeyBinding[] = [
@@ -200,6 +206,17 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'Tools',
     run: () => actions.setTool('pick'),
   },
+  {
+    keys: ['shift+b'],
+    shown: 'Shift B',
+    what: 'Boxes of objects',
+    group: 'Tools',
+    run: () => actions.setTool('boxes'),
+  },
+  boxed('shift+f', 'Shift F', 'Box from the label’s points in this frame', boxFromPoints),
+  boxed('shift+p', 'Shift P', 'Points from the box in this frame', () => pointsFromBox(false)),
+  boxed('shift+c', 'Shift C', 'Copy the box to the next frame', () => copyToFrame(1)),
+  boxed('shift+l', 'Shift L', 'Interpolate between two drawn boxes', interpolate),
   {
     keys: ['['],
     shown: '[',

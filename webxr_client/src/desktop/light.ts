@@ -91,10 +91,6 @@ export class BrushLight {
     pointAway('cloud');
     if (peek(state.hover)) state.hover.value = null;
   }
-
-  dispose(): void {
-    this.ring.object.removeFromParent();
-  }
 }
 
 // prettier-ignore

@@ -1,5 +1,6 @@
 /** The mouse on the canvas: the tool with the left button, the camera with the others. */
 import type { Vector3 } from 'three';
+import type { ObjectBoxes } from '../boxes/index';
 import { actions } from '../store/actions';
 import { type CloudFrame } from '../cloud/points/frame';
 import { DELETED } from '../cloud/points/piece';
@@ -17,6 +18,7 @@ import type { Stroke, Strokes } from '../tools/strokes';
 import { completes, deskWay } from '../tools/ways';
 import { scrollClip } from '../tools/clip';
 import { Aim } from '../view/aim';
+import { BoxPress } from './box-press';
 import { BoxTool } from './box-tool';
 import { cursorOf } from './cursors';
 import type { DeskCamera } from '../view/camera';
@@ -34,6 +36,7 @@ export interface PointerDeps {
   readonly ahead: AheadPreview;
   /** The frame on screen. */
   readonly frame: () => CloudFrame | null;
+  readonly boxes: ObjectBoxes;
 }
 
 type Drag = 'turn' | 'pan' | 'stroke' | 'lasso' | 'box' | 'handle' | 'pinch' | 'tap';
@@ -58,9 +61,9 @@ export class DeskPointer {
   private readonly lasso: LassoOutline;
   private readonly boxes: BoxTool;
   private readonly handles: VolumeHandles;
+  private readonly boxPress: BoxPress;
   private readonly canvas: HTMLCanvasElement;
   private readonly touches = new Touches();
-  private readonly abort = new AbortController();
 
   constructor(private readonly deps: PointerDeps) {
     this.canvas = deps.viewer.canvas;
@@ -70,18 +73,15 @@ export class DeskPointer {
     this.outlines = new LassoTool(this.canvas, { ...deps, aim: this.aim });
     this.lasso = this.outlines.outline;
     this.handles = new VolumeHandles(deps.viewer, this.aim);
-    const { signal } = this.abort;
+    this.boxPress = new BoxPress(this.aim, deps.boxes, this.boxes);
     const on = <K extends keyof HTMLElementEventMap>(
       type: K,
       listen: (event: HTMLElementEventMap[K]) => void,
-    ): void => this.canvas.addEventListener(type, listen, { signal, passive: false });
+    ): void => this.canvas.addEventListener(type, listen, { passive: false });
     on('pointerdown', (event) => this.down(event));
     on('pointermove', (event) => this.move(event));
     on('pointerup', (event) => this.up(event));
-    on('pointercancel', (event) => {
-      this.cancel();
-      this.up(event);
-    });
+    on('pointercancel', (event) => void (this.cancel(), this.up(event)));
     on('pointerleave', () => this.leave());
     on('wheel', (event) => this.wheel(event));
     on('dblclick', () => this.lasso.open && this.outlines.end());
@@ -91,11 +91,6 @@ export class DeskPointer {
   /** Place of the brush on the surface, room coordinates; null off the recording. */
   get brushAt(): Vector3 | null {
     return this.light.at;
-  }
-
-  dispose(): void {
-    this.abort.abort();
-    this.light.dispose();
   }
 
   // ── events ─────────────────────────────────────────────────────────────────────────────────
@@ -126,8 +121,14 @@ export class DeskPointer {
       if (this.lasso.corner(this.aim.x, this.aim.y)) this.closeOutline();
       return null;
     }
-    if (state.tool.peek() === 'navigate') return this.pivotUnderCursor('turn');
-    return isStroke(state.tool.peek()) ? this.beginStroke(removes) : this.beginTap(event);
+    return this.useTool(event, removes);
+  }
+
+  private useTool(event: PointerEvent, removes: boolean): Drag | null {
+    const tool = state.tool.peek();
+    if (tool === 'boxes' && this.boxPress.begin()) return 'box';
+    if (tool === 'boxes' || tool === 'navigate') return this.pivotUnderCursor('turn');
+    return isStroke(tool) ? this.beginStroke(removes) : this.beginTap(event);
   }
 
   private beginTap(event: PointerEvent): Drag | null {
@@ -233,7 +234,7 @@ export class DeskPointer {
       this.stroke = null;
     }
     if (this.drag === 'lasso') this.outlines.end();
-    if (this.drag === 'box') this.boxes.end();
+    if (this.drag === 'box') this.boxPress.end();
     this.handles.release();
     this.drag = null;
     if (this.canvas.hasPointerCapture(event.pointerId)) {

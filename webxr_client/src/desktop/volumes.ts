@@ -7,11 +7,13 @@ import {
   Group,
   LineBasicMaterial,
   LineSegments,
+  type Matrix4,
   Points,
   PointsMaterial,
   type Ray,
   Vector3,
 } from 'three';
+import { gizmo } from '../boxes/volume';
 import { clip } from '../tools/clip';
 import type { Viewer } from '../cloud/picture/viewer';
 import { boxDraft, dragged, type Handle, matrixOf, placeOf, type Volume } from '../tools/volume';
@@ -32,16 +34,20 @@ interface Edited {
   readonly handles: readonly Handle[];
   readonly color: string;
   readonly write: (volume: Volume) => void;
+  /** It was let go. */
+  readonly done?: () => void;
 }
 
 /** Return the boxes that can be changed now, the one on top first. */
-function edited(): Edited[] {
+function edited(room: Matrix4): Edited[] {
   const found: Edited[] = [];
   const draft = boxDraft.peek();
   if (draft) {
     const write = (volume: Volume): void => void (boxDraft.value = volume);
     found.push({ volume: draft, handles: ALL, color: brushColor(), write });
   }
+  const object = gizmo(room);
+  if (object) found.push({ ...object, handles: ALL });
   const box = clip.peek();
   if (box) {
     const { slab } = box;
@@ -67,12 +73,12 @@ export class VolumeHandles {
     private readonly viewer: Viewer,
     private readonly aim: Aim,
   ) {
-    this.views = [new VolumeView(viewer.world), new VolumeView(viewer.world)];
+    this.views = Array.from({ length: 3 }, () => new VolumeView(viewer.world));
   }
 
   /** Before each picture. */
   update(): void {
-    const now = edited();
+    const now = edited(this.viewer.room.matrix);
     this.views.forEach((view, i) => {
       const one = now[i];
       if (one) view.show(one.volume, one.handles, one.color, this.viewer.renderer.getPixelRatio());
@@ -84,7 +90,7 @@ export class VolumeHandles {
   under(): { readonly edited: Edited; readonly handle: Handle } | null {
     let best = NEAR;
     let found: { edited: Edited; handle: Handle } | null = null;
-    for (const one of edited()) {
+    for (const one of edited(this.viewer.room.matrix)) {
       for (const handle of one.handles) {
         const away = this.pixelsTo(placeOf(one.volume, handle));
         if (away < best) {
@@ -118,6 +124,7 @@ export class VolumeHandles {
   }
 
   release(): void {
+    this.grip?.edited.done?.();
     this.grip = null;
   }
 }

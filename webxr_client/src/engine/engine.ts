@@ -19,6 +19,7 @@ import { RegionPreview } from '../tools/region';
 import { Strokes, type Stroke } from '../tools/strokes';
 import { roomWay, wayOf } from '../tools/ways';
 import { colouredLabels } from './colouring';
+import { forgetBoxes } from '../store/boxes';
 import { theme } from '../store/theme';
 import { follow, watch } from '../store/watch';
 import { openBookmarks } from '../view/bookmarks';
@@ -289,6 +290,7 @@ export class Engine {
     this.link.close();
     this.playback.close();
     forgetRun();
+    forgetBoxes();
     state.playing.value = false;
     state.sequence.value = null;
     state.opening.value = null;

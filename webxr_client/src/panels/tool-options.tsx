@@ -31,8 +31,9 @@ export function ToolOptions() {
   );
 }
 
-function Hints({ tool }: { tool: 'navigate' | 'pick' | 'floor' }) {
+function Hints({ tool }: { tool: 'navigate' | 'pick' | 'floor' | 'boxes' }) {
   if (tool === 'floor') return <FloorOptions />;
+  if (tool === 'boxes') return <BoxesHint />;
   return tool === 'navigate' ? <NavigateHints /> : <PickHint />;
 }
 
@@ -41,6 +42,15 @@ function NavigateHints() {
     <span class="hint">
       Drag to turn · right-drag to move · wheel to come closer · <span class="kbd">W A S D</span> to
       walk
+    </span>
+  );
+}
+
+function BoxesHint() {
+  return (
+    <span class="hint">
+      Click an object or its box · drag its handles here or at the side ·{' '}
+      <span class="kbd">W A S D</span> to move it, <span class="kbd">Q E</span> to turn
     </span>
   );
 }

@@ -31,6 +31,13 @@ const TOOLS: readonly RadioOption<Tool>[] = [
     tip: 'Take the label under the pointer',
     keys: 'I',
   },
+  {
+    value: 'boxes',
+    icon: 'box',
+    label: 'Boxes',
+    tip: 'Boxes of objects: choose, fit, draw',
+    keys: 'Shift B',
+  },
   { value: 'delete', icon: 'noise', label: 'Delete', tip: 'Delete noise points', keys: 'X' },
   {
     value: 'restore',
@@ -83,7 +90,7 @@ function WelcomeBar() {
 function Tools() {
   const options = TOOLS.map((entry) => ({
     ...entry,
-    disabled: entry.value !== 'navigate' && !canEdit.value,
+    disabled: entry.value !== 'navigate' && entry.value !== 'boxes' && !canEdit.value,
   }));
   return (
     <RadioGroup

@@ -33,9 +33,11 @@ export type * from './types';
 
 export const CELL_STATES = ['none', 'painted', 'tracked', 'occluded', 'lost'] as const;
 
+const STROKES: readonly Tool[] = ['paint', 'erase', 'delete', 'restore'];
+
 /** Whether a tool makes strokes. */
 export function isStroke(tool: Tool): tool is StrokeTool {
-  return tool !== 'navigate' && tool !== 'pick' && tool !== 'floor';
+  return STROKES.includes(tool);
 }
 
 /** Whether a tool can leave points alone that have a label. */

@@ -101,9 +101,9 @@ export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
 
 /**
  * Use of the button or trigger. `navigate`: moves the camera; `pick`: takes a label; `floor`:
- * points at what the recording stands on.
+ * points at what the recording stands on; `boxes`: chooses and changes boxes of objects.
  */
-export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor';
+export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor' | 'boxes';
 
 /** Shape of a stroke; the brush is a ball at the tip, or on the surface that a ray meets. */
 export type BrushShape = Exclude<NonNullable<Brush['shape']>, 'sphere' | 'ray'> | 'brush';

@@ -10,6 +10,8 @@ export interface Volume {
   readonly size: readonly [number, number, number];
   /** About y, radians. */
   readonly yaw: number;
+  /** Turned by this before, x, y, z, w: what does not stand upright. */
+  readonly tilt?: readonly [number, number, number, number];
 }
 
 /** A face by its axis and side, the middle, or the knob that turns. */
@@ -25,30 +27,35 @@ const FLAT = 0.2;
 /** The knob that turns stands out by this part of the longer edge. */
 const KNOB = 0.65;
 
+/** The box's axes in the room. */
+export function turnOf({ yaw, tilt }: Volume): Quaternion {
+  const turn = new Quaternion().setFromAxisAngle(UP, yaw);
+  return tilt ? turn.multiply(new Quaternion(...tilt)) : turn;
+}
+
 /** `T_room_box`, from the cube of edges 2 about the origin. */
-export function matrixOf({ center, size, yaw }: Volume): Matrix4 {
-  return new Matrix4().compose(
-    new Vector3(...center),
-    new Quaternion().setFromAxisAngle(UP, yaw),
-    new Vector3(...size).multiplyScalar(0.5),
-  );
+export function matrixOf(volume: Volume): Matrix4 {
+  const { center, size } = volume;
+  const half = new Vector3(...size).multiplyScalar(0.5);
+  return new Matrix4().compose(new Vector3(...center), turnOf(volume), half);
 }
 
 /** The box's own axis in the room. */
-export function axisOf({ yaw }: Volume, axis: 0 | 1 | 2): Vector3 {
-  return new Vector3().setComponent(axis, 1).applyAxisAngle(UP, yaw);
+export function axisOf(volume: Volume, axis: 0 | 1 | 2): Vector3 {
+  return new Vector3().setComponent(axis, 1).applyQuaternion(turnOf(volume));
 }
 
 /** A box in source coordinates, as strokes have it; `T_room_local` and source minus local. */
 export function toSource(
-  { center, size, yaw }: Volume,
+  volume: Volume,
   room: Matrix4,
   shift: readonly [number, number, number],
 ): Required<ClipBox> {
+  const { center, size } = volume;
   const local = room.clone().invert();
   const middle = new Vector3(...center).applyMatrix4(local).add(new Vector3(...shift));
   const turn = new Quaternion().setFromRotationMatrix(local);
-  const { x, y, z, w } = turn.multiply(new Quaternion().setFromAxisAngle(UP, yaw));
+  const { x, y, z, w } = turn.multiply(turnOf(volume));
   return { center: middle.toArray(), size: [...size], quaternion: [x, y, z, w] };
 }
 

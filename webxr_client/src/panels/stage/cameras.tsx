@@ -3,6 +3,7 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { Lens, type CameraPicture } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
 import {
+  outlines,
   pictures,
   pointAt,
   pointAway,
@@ -108,6 +109,7 @@ function Camera({ picture, source }: CameraProps) {
           onPointerLeave={() => pointAway('picture')}
           onClick={click}
         />
+        {lens && <Outlines lens={lens} />}
         {lens && <Spot lens={lens} />}
       </div>
       <figcaption>
@@ -128,6 +130,19 @@ function Spot({ lens }: { lens: Lens }) {
     top: `${(lens.at[1]! / height) * 100}%`,
   };
   return <span class="camera-spot" style={style} />;
+}
+
+/** Boxes as the camera sees them. */
+function Outlines({ lens }: { lens: Lens }) {
+  const { width, height } = lens.picture;
+  if (outlines.value.length === 0) return null;
+  return (
+    <svg class="camera-outlines" viewBox={`0 0 ${width} ${height}`} preserveAspectRatio="none">
+      {outlines.value.map(({ color, chosen, dashed, ends }, i) => (
+        <path key={i} d={lens.lines(ends)} stroke={color} class={`${chosen ? 'chosen' : ''} ${dashed ? 'dashed' : ''}`} />
+      ))}
+    </svg>
+  ); // prettier-ignore
 }
 
 const PLAIN = [255, 255, 255] as const;

@@ -64,9 +64,10 @@ export class BrushLook {
     const { uniforms } = this.engine.viewer;
     const tool = peek(state.tool);
     const floor = tool === 'floor';
-    const brushes = visible && (floor || isStroke(tool));
-    const drawn = !floor && way.samples === 'drawn';
-    const far = floor || way.far;
+    const boxes = tool === 'boxes';
+    const brushes = visible && (floor || boxes || isStroke(tool));
+    const drawn = boxes || (!floor && way.samples === 'drawn');
+    const far = floor || (!boxes && way.far);
     this.sphere.visible = brushes && !far;
     this.sphere.position.copy(tip);
     this.sphere.material.opacity = now < this.glowsUntil ? GLOW : 1;
@@ -74,7 +75,7 @@ export class BrushLook {
     scale.x = scale.y = scale.z = drawn ? POINTER_SIZE : radius[0]! * this.place.scale;
     if (!brushes || drawn) {
       uniforms.lightNothing();
-      this.reach[0] = visible && tool === 'pick' ? PICK_LENGTH : -1;
+      this.reach[0] = visible && (tool === 'pick' || boxes) ? PICK_LENGTH : -1;
       return this.newColor();
     }
     uniforms.setOnlyUnlabeled(tool === 'paint' && peek(state.brush).onlyUnlabeled);

@@ -13,6 +13,7 @@ import type { Stroke } from '../../tools/strokes';
 import { completes, roomWay, wayOf, type Way } from '../../tools/ways';
 import { AirShape } from './air';
 import { Asking } from './asking';
+import { BoxGrab, type HandAt } from './box-grab';
 import { BrushLook } from './brush-look';
 import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from '../input/haptics';
 import type { Place } from './place';
@@ -64,6 +65,7 @@ export class Painter {
   /** Path of the stroke, to be completed to an object. */
   private readonly path = new Path();
   private readonly asking: Asking;
+  private readonly boxes = new BoxGrab();
   private readonly unfeel: () => void;
 
   constructor(
@@ -292,6 +294,10 @@ export class Painter {
   }
 
   private go(hand: Pointer, other: Pointer | null, now: number): void {
+    if (this.boxes.holds) {
+      this.boxes.move(this.handAt(hand));
+      return;
+    }
     if (this.way.samples === 'drawn') {
       this.air.go(this.tip, other);
       return;
@@ -342,6 +348,7 @@ export class Painter {
   finish(eye: Vector3 | null = null): void {
     const { stroke } = this;
     stroke?.end();
+    this.boxes.end();
     this.stroke = null;
     if (stroke && eye && completes(this.way)) {
       this.engine.objects.complete(this.path.samples(), stroke.id);
@@ -361,11 +368,23 @@ export class Painter {
   private pointAt(hand: Pointer): void {
     const tool = peek(state.tool);
     if (tool === 'pick') this.pick(hand);
+    if (tool === 'boxes' && this.boxes.begin(this.handAt(hand))) this.pulse(0.5, 30);
     if (tool !== 'floor') return;
     this.place.toLocal(hand.origin, this.local);
     this.place.directionToLocal(hand.direction, this.aim);
     void actions.pointAtFloor(structuredClone(this.pointed()));
     this.pulse(0.5, 30);
+  }
+
+  private handAt(hand: Pointer): HandAt {
+    const { place } = this;
+    return {
+      tip: place.toLocal(this.tip, new Vector3()),
+      origin: place.toLocal(hand.origin, new Vector3()),
+      direction: place.directionToLocal(hand.direction, new Vector3()),
+      far: hand.reach === 'far',
+      scale: place.scale,
+    };
   }
 
   private pick(hand: Pointer): void {

@@ -9,6 +9,7 @@ import { ROWS } from './pages/rows';
 import { floorPlaces } from '../../engine/floor';
 import { drawComfort } from './pages/comfort';
 import { drawNew, EditPage } from './pages/label';
+import { BOXES, drawBoxes } from './pages/boxes';
 import { drawExample, EXAMPLE } from './pages/example';
 import { drawFloor } from './pages/floor';
 import { RecordingsPage } from './pages/recordings';
@@ -20,20 +21,21 @@ import { SIZES } from '../drawing/sizes';
 import type { ButtonLook, Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
 
-type Tab = 'labels' | 'tools' | 'example' | 'view' | 'comfort';
+type Tab = 'labels' | 'tools' | 'boxes' | 'example' | 'view' | 'comfort';
 /** Pages that a tab leads on to. */
 type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
 
 const TABS = [
   ['labels', 'Labels'],
   ['tools', 'Tools'],
+  ['boxes', 'Boxes'],
   ['example', 'Teach'],
   ['view', 'View'],
   ['comfort', 'Comfort'],
 ] as const;
 
 /** Room beside a tab's text, in letters. */
-const TAB_PADDING = 3;
+const TAB_PADDING = 2;
 
 /** The tab that a page is reached from. */
 function tabOf(page: Page): Tab {
@@ -106,6 +108,7 @@ export class PalettePanel extends Panel {
         offered,
         xrSettings,
         ...EXAMPLE,
+        ...BOXES,
       ],
       this.touch,
     );
@@ -145,6 +148,7 @@ export class PalettePanel extends Panel {
     const label = activeLabel.peek();
     if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
     else if (page === 'tools') drawTools(ui, x, top, inner);
+    else if (page === 'boxes') drawBoxes(ui, x, top, inner);
     else if (page === 'example') drawExample(ui, x, top, inner);
     else if (page === 'view') drawView(ui, x, top, inner, this.controls, () => this.list());
     else if (page === 'comfort') drawComfort(ui, x, top, inner);

@@ -1,0 +1,103 @@
+/** Attributes of the chosen box: built-in ones and the taxonomy's, of the frame or of all of them. */
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import { api } from '../net/rest';
+import { merged, type Attributes, type AttributeValue, type ObjectBox } from '../store/boxes';
+import { canEdit, state } from '../store/state';
+import { Check } from '../panels/parts/controls';
+import { changeBox } from './changes';
+
+/** An attribute as the taxonomy defines it. */
+export interface AttributeKind {
+  readonly name: string;
+  readonly kind: 'text' | 'choice' | 'number' | 'yes/no';
+  readonly choices: readonly string[];
+  /** It holds for the whole track, or for each frame of its own. */
+  readonly scope: 'track' | 'frame';
+}
+
+const PARKED: AttributeKind = { name: 'parked', kind: 'yes/no', choices: [], scope: 'track' };
+/** As KITTI numbers it. */
+const OCCLUDED = ['Fully visible', 'Partly occluded', 'Largely occluded', 'Unknown'];
+
+const defined = signal<readonly AttributeKind[]>([]);
+
+async function load(): Promise<void> {
+  const found = await api<{ attributes?: AttributeKind[] }>('GET', 'taxonomy');
+  defined.value = found.attributes ?? [];
+}
+
+/** The change of a box by an attribute's value; null removes it. */
+function set(box: ObjectBox, scope: 'track' | 'frame', name: string, value: AttributeValue | null): void {
+  if (scope === 'track') {
+    void changeBox(box.id, { attributes: { [name]: value } });
+    return;
+  }
+  const { frame } = state.shown.peek();
+  const pose = box.poses[frame];
+  if (!pose) return;
+  const attributes = merged(pose.attributes, { [name]: value });
+  void changeBox(box.id, { poses: { [frame]: { ...pose, attributes } } });
+} // prettier-ignore
+
+export function BoxAttributes({ box }: { box: ObjectBox }) {
+  useEffect(() => void load().catch(() => undefined), []);
+  const pose = box.poses[state.shown.value.frame];
+  const here: Attributes = { ...box.attributes, ...pose?.attributes };
+  const disabled = !canEdit.value;
+  return (
+    <fieldset class="box-attributes" disabled={disabled}>
+      <label class="row">
+        <span>Occluded</span>
+        <select class="field" value={String(here['occluded'] ?? '')} onChange={(event) => setNumber(box, 'occluded', event.currentTarget.value)}>
+          <option value="">not said</option>
+          {OCCLUDED.map((text, i) => <option key={text} value={i}>{text}</option>)}
+        </select>
+      </label>
+      <label class="row" data-tip="Part of the object outside of what the sensor sees, 0 to 1">
+        <span>Truncated</span>
+        <input class="field number" type="number" min={0} max={1} step={0.05} value={String(here['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
+      </label>
+      {[PARKED, ...defined.value.filter(({ name }) => name !== 'parked')].map((kind) => (
+        <Attribute key={kind.name} kind={kind} value={here[kind.name]} change={(value) => set(box, kind.scope, kind.name, value)} />
+      ))}
+    </fieldset>
+  ); // prettier-ignore
+}
+
+function setNumber(box: ObjectBox, name: string, typed: string): void {
+  const value = Number(typed);
+  set(box, 'frame', name, typed === '' || !Number.isFinite(value) ? null : value);
+}
+
+interface AttributeProps {
+  kind: AttributeKind;
+  value: AttributeValue | undefined;
+  change: (value: AttributeValue | null) => void;
+}
+
+function Attribute({ kind: { name, kind, choices, scope }, value, change }: AttributeProps) {
+  const tip = scope === 'track' ? 'Holds in all frames' : 'Holds in this frame';
+  const label = `${name.charAt(0).toUpperCase()}${name.slice(1)}`;
+  if (kind === 'yes/no') {
+    return <Check label={label} tip={tip} checked={value === true} onChange={change} />;
+  }
+  const typed = (text: string): void => {
+    change(text === '' ? null : kind === 'number' ? Number(text) : text);
+  };
+  return (
+    <label class="row" data-tip={tip}>
+      <span>{label}</span>
+      {kind === 'choice' ? (
+        <select class="field" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)}>
+          <option value="">not said</option>
+          {choices.map((choice) => <option key={choice} value={choice}>{choice}</option>)}
+        </select>
+      ) : kind === 'number' ? (
+        <input class="field number" type="number" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)} />
+      ) : (
+        <input class="field" type="text" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)} />
+      )}
+    </label>
+  ); // prettier-ignore
+}

@@ -1,0 +1,216 @@
+/** The boxes at the side: fitting, three views of the chosen one, copies, attributes. */
+import { signal } from '@preact/signals';
+import { render } from 'preact';
+import { useRef } from 'preact/hooks';
+import { percent, plural } from '../common/format';
+import { exportOpen } from '../panels/export-menu';
+import { Button, Swatch } from '../panels/parts/controls';
+import { Popover, PopoverButton } from '../panels/parts/popover';
+import { actions } from '../store/actions';
+import { boxes, chosenBox, type BoxPose, type ObjectBox } from '../store/boxes';
+import { activeLabel, canEdit, state, trackingJob } from '../store/state';
+import { follow } from '../store/watch';
+import { BoxAttributes } from './attributes';
+import {
+  boxFromPoints,
+  bringHere,
+  changeBox,
+  copyToFrame,
+  fitBoxes,
+  interpolate,
+  patchSize,
+  pointsFromBox,
+  removeBox,
+  trackAndFit,
+  type Fit,
+} from './changes';
+import { drawing } from './new';
+import { BoxViews } from './views';
+
+function BoxesPanel() {
+  if (state.tool.value !== 'boxes' || !state.sequence.value) return null;
+  if (state.xr.value.session === 'running') return null;
+  const box = chosenBox.value;
+  return (
+    <>
+      <Head box={box} />
+      {box ? <Chosen box={box} /> : <Without />}
+    </>
+  );
+}
+
+function Head({ box }: { box: ObjectBox | null }) {
+  const label = activeLabel.value;
+  const pose = box?.poses[state.shown.value.frame];
+  return (
+    <header>
+      {label && <Swatch color={label.color} />}
+      <h2>{label?.name ?? 'Boxes'}</h2>
+      {pose && <Origin pose={pose} />}
+      <span class="spacer" />
+      {box && <More box={box} />}
+      <Button icon="close" tip="Put the boxes away" small onClick={() => actions.setTool('navigate')} />
+    </header>
+  ); // prettier-ignore
+}
+
+const ORIGINS = { fitted: 'Fitted', drawn: 'Drawn', imported: 'Imported' } as const;
+
+/** How the pose of this frame came about, and how sure it is. */
+function Origin({ pose: { provenance, confidence } }: { pose: BoxPose }) {
+  const sure = provenance === 'fitted';
+  return (
+    <span class={`box-origin ${provenance}`} data-tip={sure ? 'Found from the points; dashed in the cloud. Drag it, and it is drawn' : 'Fitting again leaves it as it is'}>
+      {ORIGINS[provenance]}
+      {sure && <span class="number"> {percent(confidence)}</span>}
+    </span>
+  ); // prettier-ignore
+}
+
+const moreOpen = signal(false);
+
+function More({ box }: { box: ObjectBox }) {
+  const { frame } = state.shown.value;
+  const close = (run: () => unknown) => (): void => {
+    moreOpen.value = false;
+    void run();
+  };
+  return (
+    <PopoverButton open={moreOpen} icon="more" small tip="More about this box" label="This box" class="menu">
+      <button type="button" class="menu-item" disabled={!canEdit.value} onClick={close(() => pointsFromBox(true))}>
+        Points from the box, all its frames
+      </button>
+      <button type="button" class="menu-item" disabled={!canEdit.value || !(frame in box.poses)} onClick={close(() => changeBox(box.id, { poses: { [frame]: null } }))}>
+        Take it out of this frame <span class="end kbd">Delete</span>
+      </button>
+      <button type="button" class="menu-item" disabled={!canEdit.value} onClick={close(() => removeBox(box))}>
+        Delete the box <span class="end kbd">Shift Delete</span>
+      </button>
+    </PopoverButton>
+  ); // prettier-ignore
+}
+
+/** No box is chosen: how one gets there. */
+function Without() {
+  const label = activeLabel.value;
+  return (
+    <div class="box-without">
+      {label ? (
+        <>
+          <p>No box yet. One is fitted to the label’s points in all frames.</p>
+          <FitButton kind="primary" />
+          <TrackFit />
+        </>
+      ) : (
+        <p>Click an object, or choose a label.</p>
+      )}
+      <DrawButton />
+      <p class="soft">{plural(boxes.value.size, 'box').replace('boxs', 'boxes')} in this recording</p>
+    </div>
+  ); // prettier-ignore
+}
+
+function TrackFit() {
+  return (
+    <Button icon="track" label="Track and fit" kind="outlined" tip="Carry the label through all frames, then fit its box" disabled={!canEdit.value || trackingJob.value !== null} onClick={trackAndFit} />
+  ); // prettier-ignore
+}
+
+function DrawButton() {
+  return (
+    <Button icon="box" label={drawing.value ? 'Click, or drag over the floor…' : 'Draw a box'} kind="outlined" tip="Click the object, or drag a rectangle over the floor under it" pressed={drawing.value} disabled={!canEdit.value} onClick={() => (drawing.value = !drawing.value)} />
+  ); // prettier-ignore
+}
+
+const fitOpen = signal(false);
+
+/** Fits this label's box; beside it, those of its class and all. */
+function FitButton({ kind = 'outlined' }: { kind?: 'primary' | 'outlined' }) {
+  const label = activeLabel.value;
+  const anchor = useRef<HTMLButtonElement>(null);
+  const start = (fit: Partial<Fit>) => (): void => {
+    fitOpen.value = false;
+    void fitBoxes({ labels: null, category: null, frames: null, ...fit });
+  };
+  const own = label ? start({ labels: [label.id] }) : start({});
+  return (
+    <div class="group">
+      <Button icon="target" label="Fit" kind={kind} tip="Find the box from the label’s points in all frames; what is drawn stays" disabled={!canEdit.value} onClick={own} />
+      <Button buttonRef={anchor} icon="chevron" tip="Fit more boxes" kind={kind} expanded={fitOpen.value} disabled={!canEdit.value} onClick={() => (fitOpen.value = !fitOpen.value)} />
+      {fitOpen.value && (
+        <Popover anchor={anchor} label="Fit boxes" class="menu" onClose={() => (fitOpen.value = false)}>
+          {label && <button type="button" class="menu-item" onClick={own}>Fit {label.name}</button>}
+          {label?.category && <button type="button" class="menu-item" onClick={start({ category: label.category })}>Fit every {label.category}</button>}
+          <button type="button" class="menu-item" onClick={start({})}>Fit all labels</button>
+        </Popover>
+      )}
+    </div>
+  ); // prettier-ignore
+}
+
+function Chosen({ box }: { box: ObjectBox }) {
+  const here = state.shown.value.frame in box.poses;
+  const no = !canEdit.value;
+  return (
+    <>
+      {here ? <BoxViews /> : <NotHere box={box} />}
+      <div class="box-actions">
+        <FitButton />
+        <Button label="To next frame" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame: with the track, or standing on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
+        <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn ones" disabled={no} onClick={() => void interpolate()} />
+        <Button label="Box from points" kind="outlined" keys="Shift F" tip="Fit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
+        <Button label="Points from box" kind="outlined" keys="Shift P" tip="Give the points inside, in this frame, the box’s label" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
+        <DrawButton />
+        <Button label="Export…" icon="export" kind="outlined" onClick={() => (exportOpen.value = true)} />
+      </div>
+      <div class="box-more">
+        <Sizes box={box} />
+        <BoxAttributes box={box} />
+      </div>
+    </>
+  ); // prettier-ignore
+}
+
+function NotHere({ box }: { box: ObjectBox }) {
+  const frames = Object.keys(box.poses).length;
+  return (
+    <div class="box-without">
+      <p>Not in this frame. It is in {plural(frames, 'frame')}.</p>
+      <Button label="Bring it here" kind="primary" tip="From the nearest frame that has it" disabled={!canEdit.value} onClick={() => void bringHere()} />
+    </div>
+  ); // prettier-ignore
+}
+
+const EDGES = ['Length', 'Width', 'Height'] as const;
+
+function Sizes({ box }: { box: ObjectBox }) {
+  return (
+    <fieldset class="box-sizes" disabled={!canEdit.value}>
+      {EDGES.map((name, axis) => (
+        <label key={name} data-tip="Metres; of the object, in all frames">
+          <span>{name}</span>
+          <input class="field number" type="number" min={0.05} step={0.01} value={box.size[axis]!.toFixed(2)} onChange={(event) => patchSize(box, axis as 0 | 1 | 2, Number(event.currentTarget.value))} />
+        </label>
+      ))}
+    </fieldset>
+  ); // prettier-ignore
+}
+
+/** Put the panel beside the stage; the result takes it away again. */
+export function mountBoxes(): () => void {
+  const app = document.getElementById('app')!;
+  const place = document.createElement('aside');
+  place.id = 'boxes';
+  place.setAttribute('aria-label', 'Boxes');
+  document.getElementById('stage')!.after(place);
+  render(<BoxesPanel />, place);
+  const layout = follow(() => {
+    const open = state.tool.value === 'boxes' && state.sequence.value !== null;
+    app.classList.toggle('boxing', open && state.xr.value.session !== 'running');
+  });
+  return () => {
+    layout();
+    render(null, place);
+    place.remove();
+  };
+}

@@ -1,0 +1,66 @@
+/** Page of the palette for boxes of objects: fitting, copying, and what a hand does to them. */
+import {
+  bringHere,
+  copyToFrame,
+  fitBoxes,
+  interpolate,
+  pointsFromBox,
+  trackAndFit,
+} from '../../../boxes/changes';
+import { metres, percent } from '../../../common/format';
+import { actions } from '../../../store/actions';
+import { chosenBox, type ObjectBox } from '../../../store/boxes';
+import { activeLabel, canEdit, state, trackingJob } from '../../../store/state';
+import { INK, type ButtonLook, type Ui } from '../../drawing/ui';
+
+/** Signals that the page shows. */
+export const BOXES = [chosenBox, state.shown, state.jobs, canEdit] as const;
+
+const PITCH = 2.5;
+
+export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
+  const { em } = ui;
+  const on = state.tool.peek() === 'boxes';
+  ui.check(x, top, inner, em * 2.2, 'Take hold of boxes', on, (wanted) =>
+    actions.setTool(wanted ? 'boxes' : 'paint'),
+  );
+  const label = activeLabel.peek();
+  const box = chosenBox.peek();
+  told(box, label?.name).forEach((text, i) => {
+    ui.text(text, x + em * 0.4, top + em * (3.5 + 1.5 * i), { color: INK.quiet });
+  });
+  buttons(box).forEach(([look, run], i) => {
+    const [column, line] = [i % 2, Math.floor(i / 2)];
+    const place = x + (column * inner) / 2;
+    ui.button(place, top + em * (6.2 + PITCH * line), inner / 2 - em * 0.2, em * 2.2,
+      { strong: true, align: 'left', ...look, disabled: look.disabled === true || !canEdit.peek() || !label }, run);
+  }); // prettier-ignore
+}
+
+function told(box: ObjectBox | null, name: string | undefined): string[] {
+  if (name === undefined) return ['Choose a label first'];
+  if (!box) return [`${name} has no box yet`, 'Fit finds it from the points'];
+  const size = box.size.map(metres).join(' × ');
+  const pose = box.poses[state.shown.peek().frame];
+  if (!pose) return [`${name}: not in this frame`, size];
+  const how = pose.provenance === 'fitted' ? `fitted, ${percent(pose.confidence)} sure` : pose.provenance; // prettier-ignore
+  return [`${name}: ${how}`, size];
+}
+
+type Entry = readonly [look: ButtonLook, run: () => void];
+
+function buttons(box: ObjectBox | null): Entry[] {
+  const label = state.activeLabel.peek();
+  const here = box !== null && state.shown.peek().frame in box.poses;
+  const fit = (): void => void fitBoxes({ labels: [label], category: null, frames: null });
+  return [
+    [{ icon: 'target', text: 'Fit' }, fit],
+    [{ icon: 'track', text: 'Track and fit', disabled: trackingJob.peek() !== null }, trackAndFit],
+    [{ icon: 'previous', text: 'Copy back', disabled: !here }, () => void copyToFrame(-1)],
+    [{ icon: 'next', text: 'Copy on', disabled: !here }, () => void copyToFrame(1)],
+    [{ icon: 'frames', text: 'Interpolate', disabled: !box }, () => void interpolate()],
+    here || !box
+      ? [{ icon: 'points', text: 'Points from it', disabled: !here }, () => void pointsFromBox(false)]
+      : [{ icon: 'pin', text: 'Bring it here' }, () => void bringHere()],
+  ]; // prettier-ignore
+}
