@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { api } from '../net/rest';
-import { merged, type Attributes, type AttributeValue, type ObjectBox } from '../store/boxes';
+import type { Attributes, AttributeValue, ObjectBox } from '../store/boxes';
 import { canEdit, state } from '../store/state';
 import { Check } from '../panels/parts/controls';
 import { changeBox } from './changes';
@@ -34,10 +34,8 @@ function set(box: ObjectBox, scope: 'track' | 'frame', name: string, value: Attr
     return;
   }
   const { frame } = state.shown.peek();
-  const pose = box.poses[frame];
-  if (!pose) return;
-  const attributes = merged(pose.attributes, { [name]: value });
-  void changeBox(box.id, { poses: { [frame]: { ...pose, attributes } } });
+  if (!(frame in box.poses)) return;
+  void changeBox(box.id, { poses: { [frame]: { attributes: { [name]: value } } } });
 } // prettier-ignore
 
 export function BoxAttributes({ box }: { box: ObjectBox }) {

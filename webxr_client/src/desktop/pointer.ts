@@ -81,7 +81,10 @@ export class DeskPointer {
     on('pointerdown', (event) => this.down(event));
     on('pointermove', (event) => this.move(event));
     on('pointerup', (event) => this.up(event));
-    on('pointercancel', (event) => void (this.cancel(), this.up(event)));
+    on('pointercancel', (event) => {
+      this.cancel();
+      this.up(event);
+    });
     on('pointerleave', () => this.leave());
     on('wheel', (event) => this.wheel(event));
     on('dblclick', () => this.lasso.open && this.outlines.end());
@@ -92,8 +95,6 @@ export class DeskPointer {
   get brushAt(): Vector3 | null {
     return this.light.at;
   }
-
-  // ── events ─────────────────────────────────────────────────────────────────────────────────
 
   private down(event: PointerEvent): void {
     if (this.touches.down(event)) {

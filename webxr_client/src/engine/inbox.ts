@@ -12,6 +12,7 @@ import type {
   ServerPresence,
   Welcome,
 } from '../protocol/messages';
+import { takeBoxes } from '../store/boxes';
 import { isActive, isTracking, notify, state } from '../store/state';
 import type { ObjectTool } from '../tools/object';
 import type { RegionPreview } from '../tools/region';
@@ -55,6 +56,9 @@ export class Inbox {
     timeline: (message) => {
       const info = state.sequence.peek();
       if (info?.id === message.sequence) takeTimeline(message, info.frames);
+    },
+    boxes: (message) => {
+      if (isOpen(message.sequence)) takeBoxes(message);
     },
     stroke_result: (message) => {
       this.deps.strokes.onResult(message);

@@ -1,49 +1,35 @@
 /** Boxes of the open recording: what the server told, under the changes that it has not answered. */
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import type { Box, BoxPose as Pose, Boxes } from '../protocol/messages';
 import { state } from './state';
 
-export type Triple = readonly [number, number, number];
-/** x, y, z, w. */
-export type Quad = readonly [number, number, number, number];
-export type AttributeValue = string | number | boolean;
-export type Attributes = Readonly<Record<string, AttributeValue>>;
+/** As the wire has it, and not to be changed in place. */
+type Fixed<T> = { readonly [K in keyof T]: Fixed<T[K]> };
 
+export type ObjectBox = Fixed<Box>;
 /** Place of a box in a frame, source coordinates, from the box's axes: x forward, y left, z up. */
-export interface BoxPose {
-  readonly centre: Triple;
-  readonly quaternion: Quad;
-  readonly provenance: 'fitted' | 'drawn' | 'imported';
-  /** 0..1. */
-  readonly confidence: number;
-  readonly attributes: Attributes;
-}
+export type BoxPose = Fixed<Pose>;
+export type Attributes = BoxPose['attributes'];
+export type AttributeValue = Attributes[string];
+export type Triple = BoxPose['centre'];
+/** x, y, z, w. */
+export type Quad = BoxPose['quaternion'];
 
-export interface ObjectBox {
-  readonly id: number;
-  readonly label: number;
-  /** Length, width, height, metres: one size in all frames. */
-  readonly size: Triple;
-  /** By frame number. */
-  readonly poses: Readonly<Record<string, BoxPose>>;
-  readonly attributes: Attributes;
-  readonly provenance: BoxPose['provenance'];
-}
+type Merged = Readonly<Record<string, AttributeValue | null>>;
 
-/** A change as REST takes it: members are merged, null removes. */
+/** A change of a pose; attributes are merged, null removes. */
+export type PosePatch = Partial<Omit<BoxPose, 'attributes'>> & { readonly attributes?: Merged };
+
+/** A change as REST takes it: poses are merged by frame, attributes by name, null removes. */
 export interface BoxPatch {
   readonly label?: number;
   readonly size?: Triple;
-  readonly poses?: Readonly<Record<string, BoxPose | null>>;
-  readonly attributes?: Readonly<Record<string, AttributeValue | null>>;
+  readonly poses?: Readonly<Record<string, PosePatch | null>>;
+  readonly attributes?: Merged;
 }
 
-export interface BoxesTold {
-  readonly revision: number;
-  readonly boxes: readonly ObjectBox[];
-  readonly removed: readonly number[];
-  /** These are all that there are. */
-  readonly whole: boolean;
-}
+/** Boxes that changed, and ids of those that are gone; `whole`: these are all. */
+type Told = Omit<Fixed<Boxes>, 'type' | 'sequence'>;
 
 interface Waiting {
   readonly id: number;
@@ -70,7 +56,7 @@ export const boxes: ReadonlySignal<ReadonlyMap<number, ObjectBox>> = computed(()
 });
 
 /** A record with some members replaced, and those that are null removed. */
-export function merged<T>(
+function merged<T>(
   before: Readonly<Record<string, T>>,
   changes: Readonly<Record<string, T | null>>,
 ): Record<string, T> {
@@ -80,17 +66,25 @@ export function merged<T>(
   );
 }
 
-export function patched(box: ObjectBox, { poses, attributes, ...rest }: BoxPatch): ObjectBox {
+/** A pose after a change; a new one is given whole. */
+function patchedPose(pose: BoxPose | undefined, { attributes = {}, ...rest }: PosePatch): BoxPose {
+  return { ...pose, ...rest, attributes: merged(pose?.attributes ?? {}, attributes) } as BoxPose;
+}
+
+export function patched(box: ObjectBox, { poses = {}, attributes, ...rest }: BoxPatch): ObjectBox {
+  const moved = Object.entries(poses).map(
+    ([frame, pose]) => [frame, pose && patchedPose(box.poses[frame], pose)] as const,
+  );
   return {
     ...box,
     ...rest,
-    poses: poses ? merged(box.poses, poses) : box.poses,
-    attributes: attributes ? merged(box.attributes, attributes) : box.attributes,
+    poses: merged(box.poses, Object.fromEntries(moved)),
+    attributes: merged(box.attributes, attributes ?? {}),
   };
 }
 
 /** Take in what the server tells; what is older than what is known of a box is left. */
-export function takeBoxes({ revision, boxes: some, removed, whole }: BoxesTold): void {
+export function takeBoxes({ revision, boxes: some, removed, whole }: Told): void {
   const now = new Map(whole ? [] : told.peek());
   if (whole) revisions.clear();
   for (const box of some) {

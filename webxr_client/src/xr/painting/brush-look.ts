@@ -6,7 +6,7 @@ import { firstHit, type Hit } from '../../cloud/points/pick';
 import type { Engine } from '../../engine/engine';
 import { FLOOR_SPOT } from '../../engine/floor';
 import { peek } from '../../store/watch';
-import { isStroke, state } from '../../store/state';
+import { isStroke, state, type Tool } from '../../store/state';
 import { brushColor } from '../../tools/brush';
 import type { Way } from '../../tools/ways';
 import { seenIn, type Seen } from '../../tools/seen';
@@ -65,7 +65,7 @@ export class BrushLook {
     const tool = peek(state.tool);
     const floor = tool === 'floor';
     const boxes = tool === 'boxes';
-    const brushes = visible && (floor || boxes || isStroke(tool));
+    const brushes = visible && hasTip(tool);
     const drawn = boxes || (!floor && way.samples === 'drawn');
     const far = floor || (!boxes && way.far);
     this.sphere.visible = brushes && !far;
@@ -140,4 +140,9 @@ export class BrushLook {
     free(this.sphere);
     this.engine.viewer.uniforms.lightNothing();
   }
+}
+
+/** Whether a tool has a tip of its own, or lights what it is at. */
+function hasTip(tool: Tool): boolean {
+  return tool === 'floor' || tool === 'boxes' || isStroke(tool);
 }
