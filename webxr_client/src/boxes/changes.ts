@@ -149,7 +149,7 @@ export function leaveBox(): boolean {
 
 // ── work of the server ─────────────────────────────────────────────────────────────────────────
 
-/** What is fitted: one label, those of its category, all; `frames` like "3:10". */
+/** Labels that are fitted: one label, those of its category, all; `frames` like "3:10". */
 export interface Fit {
   readonly labels: readonly number[] | null;
   readonly category: string | null;

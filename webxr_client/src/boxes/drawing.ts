@@ -7,6 +7,8 @@ import {
   Group,
   Mesh,
   MeshBasicMaterial,
+  Points,
+  PointsMaterial,
   Sprite,
   SpriteMaterial,
 } from 'three';
@@ -14,6 +16,7 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import { free } from '../common/free';
+import { HANDLES } from './grip';
 import { placeOn, type Shape, type Side } from './shape';
 
 /** Pixels across a line, of the chosen box and of others. */
@@ -63,10 +66,15 @@ export function linesOf(shape: Shape): number[] {
   return [...edges, ...top, ...tip, ...tip, ...barb(1), ...tip, ...barb(-1)];
 }
 
+type Part =
+  LineSegments2 | Mesh<BufferGeometry, MeshBasicMaterial> | Points<BufferGeometry, PointsMaterial>;
+
 export class BoxWires {
   readonly group = new Group();
   private readonly name = new NameSign();
-  private parts: (LineSegments2 | Mesh<BufferGeometry, MeshBasicMaterial>)[] = [];
+  /** Whether the places by which hands hold the chosen box are shown. */
+  grips = false;
+  private parts: Part[] = [];
 
   constructor() {
     this.group.add(this.name.sprite);
@@ -81,9 +89,24 @@ export class BoxWires {
         if (some.length > 0) this.parts.push(wires(some, dashed, chosen));
       }
     }
+    const chosen = boxes.find((box) => box.chosen);
+    if (this.grips && chosen) this.parts.push(gripsOf(chosen));
     if (this.parts.length > 0) this.group.add(...this.parts);
-    this.name.show(boxes.find(({ chosen }) => chosen) ?? null);
+    this.name.show(chosen ?? null);
   }
+}
+
+/** Pixels across a grip. */
+const GRIP = 16;
+
+function gripsOf({ shape }: Drawn): Points<BufferGeometry, PointsMaterial> {
+  const places = Float32Array.from(HANDLES.flatMap((sides) => [...placeOn(shape, sides)]));
+  const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(places, 3));
+  const look = { size: GRIP, sizeAttenuation: false, depthTest: false, transparent: true };
+  const points = new Points(geometry, new PointsMaterial({ ...look, toneMapped: false }));
+  points.frustumCulled = false;
+  points.renderOrder = 21;
+  return points;
 }
 
 function rgb(color: string): [number, number, number] {

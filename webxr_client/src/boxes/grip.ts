@@ -1,4 +1,4 @@
-/** Where a hand takes hold of a box, in the room. */
+/** Places of a box that a hand in the room takes hold of. */
 import type { Shape, Side } from './shape';
 import type { Triple } from '../store/boxes';
 

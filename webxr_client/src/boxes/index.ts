@@ -18,7 +18,7 @@ export class ObjectBoxes {
   private readonly wires = new BoxWires();
   private dirty = true;
   private looked = 0;
-  /** What the views show: frame, its version, box and zoom. */
+  /** State that the views show: frame, its version, box and zoom. */
   private seen: readonly unknown[] = [];
   private drawn: readonly Drawn[] = [];
 
@@ -56,6 +56,7 @@ export class ObjectBoxes {
   private draw(): void {
     const info = state.sequence.peek();
     this.drawn = info && this.on() ? this.shownNow(info.shift) : [];
+    this.wires.grips = state.xr.peek().session === 'running';
     this.wires.show(this.drawn);
     outlines.value = this.drawn.map(({ shape, color, chosen, dashed }) => ({
       color,

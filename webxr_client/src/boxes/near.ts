@@ -18,7 +18,7 @@ export interface Near {
 /** Null: no box is chosen in this frame. */
 export const near = signal<Near | null>(null);
 
-/** How much more than the box the views show: 1 leaves `MARGIN` around it. */
+/** Share of `MARGIN` that the views leave around the box. */
 export const zoom = signal(1);
 export const [NEAREST, FARTHEST] = [0.35, 5];
 
@@ -29,7 +29,7 @@ const WIDE = 2.4;
 /** Metres of the ground under it and of what hangs over it. */
 const OVER = 0.5;
 
-/** Half of what a view shows along each axis at least, metres. */
+/** Half of the room a view shows along each axis at least, metres. */
 export function reachOf({ size }: Shape): Triple {
   const margin = zoom.value * Math.max(MARGIN, MARGIN_PART * Math.max(...size));
   return size.map((edge) => edge / 2 + margin) as [number, number, number];

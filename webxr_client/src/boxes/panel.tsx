@@ -56,7 +56,7 @@ function Head({ box }: { box: ObjectBox | null }) {
 
 const ORIGINS = { fitted: 'Fitted', drawn: 'Drawn', imported: 'Imported' } as const;
 
-/** How the pose of this frame came about, and how sure it is. */
+/** Origin of the pose in this frame, and how sure it is. */
 function Origin({ pose: { provenance, confidence } }: { pose: BoxPose }) {
   const sure = provenance === 'fitted';
   return (

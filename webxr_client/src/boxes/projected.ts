@@ -3,7 +3,7 @@ import type { Rgb } from '../common/colors';
 import type { Near } from './near';
 import { fromBox, intoBox, type BoxView, type Shape } from './shape';
 
-/** Where a view's metres are on its picture. */
+/** Scale of a view's picture. */
 export interface Scale {
   /** Pixels. */
   readonly width: number;
@@ -50,7 +50,7 @@ export function drawNear(
   const inside = insideOf(anchor, shape);
   const reach = shape.size[view.near] / 2 + DEPTH;
   let count = 0;
-  // What stands out is drawn last.
+  // Points that stand out are drawn last.
   for (const pass of [0, 1]) {
     for (let i = 0, w = 0; i < labels.length; i++, w += 3) {
       const within = inside(places[w]!, places[w + 1]!, places[w + 2]!);

@@ -151,7 +151,7 @@ export const BOX_VIEWS: readonly BoxView[] = [
   { name: 'Front', right: 1, up: 2, near: 0, nearer: 1 },
 ];
 
-/** What a view is dragged by: sides and corners, the inside, the knob. */
+/** Handles that a view is dragged by: sides and corners, the inside, the knob. */
 export type ViewHandle = { readonly right: Side; readonly up: Side } | 'move' | 'turn';
 
 type Flat = readonly [right: number, up: number];

@@ -2,6 +2,8 @@
 import { free } from '../common/free';
 import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Matrix4, type Object3D } from 'three'; // prettier-ignore
 import { reaches } from '../cloud/points/clipping';
+import { boxedLabels } from '../store/boxes';
+import { peek } from '../store/watch';
 import { colorOf, isShown } from './shown';
 import { at, BOX, HALF, type Summary } from './summary';
 
@@ -44,13 +46,14 @@ export class Boxes {
     this.count = 0;
   }
 
-  /** Boxes that lie wholly outside `clip` (`T_cube_room`) are left out. */
+  /** Boxes that lie wholly outside `clip` (`T_cube_room`), and of labels that are boxed, are left out. */
   show(summary: Summary, clip: Matrix4 | null): void {
     let bars = 0;
+    const boxed = peek(boxedLabels);
     this.count = 0;
     for (let slot = 0; slot < summary.labels.length && this.count < MOST; slot++) {
       const label = summary.labels[slot]!;
-      if (summary.count[slot]! < FEWEST || !isShown(label)) continue;
+      if (summary.count[slot]! < FEWEST || !isShown(label) || boxed.has(label)) continue;
       if (clip && !meets(summary, slot, clip)) continue;
       this.count += 1;
       const color = colorOf(label);

@@ -4,6 +4,7 @@ import type { CloudFrame } from '../cloud/points/frame';
 import type { Engine } from '../engine/engine';
 import { peek, watch } from '../store/watch';
 import { state } from '../store/state';
+import { boxedLabels } from '../store/boxes';
 import { Boxes } from './boxes';
 import { Ghost } from './ghost';
 import { Summaries, type Summary } from './summary';
@@ -33,7 +34,7 @@ export class Overlays {
     this.trails = new Trails(world, uniforms);
     this.ghost = new Ghost(room, uniforms);
     const { palette, solo, view, activeLabel, sequence, playing } = state;
-    watch([palette, solo, view, activeLabel, sequence, playing, clipInRoom], () => {
+    watch([palette, solo, view, activeLabel, sequence, playing, clipInRoom, boxedLabels], () => {
       this.dirty = true;
       engine.viewer.invalidate();
     });

@@ -36,7 +36,7 @@ interface Waiting {
   readonly patch: BoxPatch | null;
 }
 
-/** What the server told last, and the revision at which it told each box. */
+/** Boxes as the server told them last, and the revision at which it told each box. */
 const told = signal<ReadonlyMap<number, ObjectBox>>(new Map());
 const revisions = new Map<number, number>();
 /** Changes on their way, oldest first; a null patch removes the box. */
@@ -53,6 +53,12 @@ export const boxes: ReadonlySignal<ReadonlyMap<number, ObjectBox>> = computed(()
     else now.delete(id);
   }
   return now;
+});
+
+/** Labels that have a box in the frame on screen. */
+export const boxedLabels: ReadonlySignal<ReadonlySet<number>> = computed(() => {
+  const { frame } = state.shown.value;
+  return new Set([...boxes.value.values()].filter(({ poses }) => frame in poses).map(({ label }) => label)); // prettier-ignore
 });
 
 /** A record with some members replaced, and those that are null removed. */
