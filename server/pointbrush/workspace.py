@@ -39,6 +39,7 @@ from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing
 from pointbrush.work.objects import Objects
+from pointbrush.work.projects import Projects, Queue
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
@@ -109,6 +110,8 @@ class Workspace:
         self.copying = Copying(self.labels, self.recording)
         self.splitting = Splitting(self.labels, self.recording)
         self.boxes = BoxPainting(self.labels, self.recording)
+        self.queue = Queue(self.labels, self.recording)
+        self.projects = Projects(self.labels, publish)
         self.deletion.tidy()
         if not self.read_only:
             self.library.store.clear_remains(self.labels.guards.importing)

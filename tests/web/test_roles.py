@@ -68,7 +68,14 @@ def tokens(served: Served) -> dict[str, str]:
 
 def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
     """A call that names nothing there is: only its role can be right."""
-    for name, value in (("seq", "none"), ("i", "0"), ("c", "0"), ("id", UUID)):
+    for name, value in (
+        ("seq", "none"),
+        ("i", "0"),
+        ("c", "0"),
+        ("id", UUID),
+        ("p", "none"),
+        ("t", "1"),
+    ):
         path = path.replace(f"{{{name}}}", value)
     path = path.replace(f"labels/{UUID}", "labels/1").replace(f"boxes/{UUID}", "boxes/1")
     return httpx.request(

@@ -19,6 +19,7 @@ from pointbrush.client.boxes import Box, Boxes, BoxPose
 from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
+from pointbrush.client.projects import Project, ProjectInfo, Projects, Task
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import (
     Agreement,
@@ -76,9 +77,13 @@ __all__ = [
     "PastEdit",
     "Place",
     "Prediction",
+    "Project",
+    "ProjectInfo",
+    "Projects",
     "Recording",
     "Review",
     "Run",
     "Standing",
+    "Task",
     "Track",
 ]

@@ -10,6 +10,7 @@ from typing import Any, Self
 import httpx
 
 from pointbrush.client.classifiers import Classifiers
+from pointbrush.client.projects import Projects
 from pointbrush.client.recording import Recording
 from pointbrush.client.steps import (
     PATIENCE,
@@ -157,6 +158,13 @@ class Server(Part[L]):
     def classifiers(self) -> Classifiers[L]:
         """The classifiers of the workspace."""
         return Classifiers(self._link)
+
+    # ── people ───────────────────────────────────────────────────────────────────────────
+
+    @property
+    def projects(self) -> Projects[L]:
+        """The projects of the workspace, and their queues."""
+        return Projects(self._link)
 
     # ── the workspace ────────────────────────────────────────────────────────────────────
 

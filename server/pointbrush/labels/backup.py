@@ -15,10 +15,10 @@ from sqlalchemy import Connection, Select, Table, delete, func, insert, select, 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels.database import Database
 from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY
+from pointbrush.labels.project_tables import metadata, projects
 from pointbrush.labels.schema import (
     LIVE,
     PER_SEQUENCE,
-    metadata,
     migrate,
     sequences,
     signing_keys,
@@ -105,6 +105,8 @@ def restore_sequence(
         if row is None:
             raise NotFoundError(f"backup: expected labels of {sequence!r}, there are none")
         fields = {name: value for name, value in row.items() if name != "number"}
+        there = select(projects.c.id).where(projects.c.id == row["project"])
+        fields["project"] = writer.execute(there).scalar()  # else it joins the first one
         made = writer.execute(insert(sequences), fields | {"id": target, "identity": identity})
         key = made.inserted_primary_key
         assert key is not None  # noqa: S101 - of an autoincrement column
@@ -180,7 +182,9 @@ def _copy_rows(reader: Connection, writer: Connection) -> None:
         if writer.execute(select(func.count()).select_from(table)).scalar():
             raise ConflictError(f"restore: expected an empty database, it has {table.name}")
     # A server that ran here may have made a key; the source's are those that its browsers know.
-    writer.execute(delete(signing_keys))
+    # Every database begins with a project, which the source has too.
+    for table in (signing_keys, projects):
+        writer.execute(delete(table))
     for table in metadata.sorted_tables:
         _copy_table(reader, writer, table, select(table), {})
 

@@ -7,6 +7,7 @@ go with every change here (``migrations/versions``); a test compares the two.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from sqlalchemy import (
     BigInteger,
@@ -18,21 +19,23 @@ from sqlalchemy import (
     Index,
     Integer,
     LargeBinary,
-    MetaData,
     SmallInteger,
     String,
     Table,
     Text,
     UniqueConstraint,
     false,
+    func,
     inspect,
     text,
 )
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels.database import Database
+from pointbrush.labels.project_tables import FIRST
+from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0014"
+HEAD = "0015"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -47,7 +50,6 @@ INERT = 4
 
 IN_FORCE = (ACTIVE, KEPT)
 
-metadata = MetaData()
 MIGRATIONS = Path(__file__).parent / "migrations"
 _ADVISORY_LOCK = 0x706F696E74  # "point": one process migrates a PostgreSQL database at a time
 
@@ -70,9 +72,14 @@ sequences = Table(
     Column("identity", String(16)),  # of the import; NULL until its recording has been seen
     Column("deleted", Double),  # seconds since the epoch, or NULL
     Column("expired", Double),  # when its time to be restored was first seen to be over, or NULL
+    Column("project", String(64)),  # NULL: the first one, "default"
+    Index("sequences_project", "project"),
     Index("sequences_live", "id", unique=True, sqlite_where=LIVE, postgresql_where=LIVE),
     sqlite_autoincrement=True,
 )
+
+PROJECT_OF: Any = func.coalesce(sequences.c.project, FIRST)
+"""Project of a row of ``sequences``."""
 
 edits = Table(
     "edits",

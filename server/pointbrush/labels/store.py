@@ -24,6 +24,7 @@ from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.signing_keys import SigningKeys
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
+from pointbrush.labels.team import Team
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label
 from pointbrush.labels.writer import Writer, require_import
 
@@ -59,6 +60,7 @@ class LabelStore:
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)
         self.boxes = Boxes(self._sessions, self._writer)
+        self.team = Team(self.database)
         self.guards = Guards(self.database)
         self.jobs = JobRecords(self.database, self.guards.owner)
 

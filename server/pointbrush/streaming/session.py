@@ -13,7 +13,14 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from pointbrush import __version__
-from pointbrush.errors import BadInputError, PointbrushError, ReadOnlyError, UnavailableError
+from pointbrush.errors import (
+    BadInputError,
+    NotFoundError,
+    PointbrushError,
+    ReadOnlyError,
+    UnauthorizedError,
+    UnavailableError,
+)
 from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
@@ -47,12 +54,14 @@ class ViewerSession(Viewer):
         role: messages.Role,
         shared: bool,
         require_admitted: Callable[[], None],
+        role_in: Callable[[str], messages.Role | None] | None = None,
         send_each: SendEach | None = None,
     ) -> None:
         """``author`` is the account that edits are by, ``name`` what is shown for it.
 
         ``shared``: several people may use this token, and the name in ``hello`` is what is shown.
         ``require_admitted`` raises UnauthorizedError once the viewer's token lets nobody in.
+        ``role_in``: the role in a recording, None: it is not for them; unless given ``role``.
         """
         super().__init__(
             send,
@@ -64,6 +73,7 @@ class ViewerSession(Viewer):
         )
         self.hub, self._shared, self.name = hub, shared, name
         self._require_admitted = require_admitted
+        self._role_in = role_in or (lambda _: role)
         self.expelled = False
         """Its token lets nobody in any more."""
         self.closing = asyncio.Event()
@@ -120,6 +130,9 @@ class ViewerSession(Viewer):
     def require_admitted(self) -> None:
         """Raise UnauthorizedError once its token lets nobody in any more."""
         self._require_admitted()
+        room = self.room
+        if room is not None and self._role_in(room.id) != self.role:
+            raise UnauthorizedError("expected the role that this recording was opened with")
 
     def expel(self) -> None:
         """End the session: its token lets nobody in any more."""
@@ -247,10 +260,13 @@ class ViewerSession(Viewer):
         self.name = name
 
     async def _open(self, message: messages.Open) -> None:
+        role = await self.hub.read(self._role_in, message.sequence)
+        if role is None:
+            raise NotFoundError(f"sequence: expected a known id, got {message.sequence!r}")
         message = await of_this_import(self.hub, message)
         room = await self.hub.enter(self, message.sequence)
         again = self.room is room and message.revision is not None
-        self.room = room
+        self.room, self.role = room, role
         frames = len(room.recording)
         frame = min(message.frame, frames - 1)
         if not again:

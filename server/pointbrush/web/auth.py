@@ -14,10 +14,15 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.security import APIKeyCookie, HTTPBearer
 from starlette.requests import HTTPConnection
 
-from pointbrush.errors import ForbiddenError, TooManyRequestsError, UnauthorizedError
+from pointbrush.errors import (
+    ForbiddenError,
+    NotFoundError,
+    TooManyRequestsError,
+    UnauthorizedError,
+)
 from pointbrush.labels import Token
 from pointbrush.labels.accounts import OWNER, digest_of
-from pointbrush.roles import Role, require
+from pointbrush.roles import ROLES, Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
@@ -167,6 +172,37 @@ class Gate:
         connection.state.known = True  # the log tells such callers from strangers
         return principal
 
+    def admit_to(self, connection: HTTPConnection) -> Principal:
+        """The caller of a request, with the role that they have in the project that it is about.
+
+        Raises as ``admit``, and NotFoundError for a recording or project that is not for them.
+        """
+        principal = self.admit(connection)
+        access, places = self._workspace.labels.team.access, connection.path_params
+        roles = [principal.role]
+        for kind, ask in (("seq", access.to_sequence), ("p", access.to_project)):
+            if kind in places:
+                role = ask(places[kind], principal.author, principal.role)
+                if role is None:
+                    raise _unknown(kind, places[kind])
+                roles.append(role)
+        return replace(principal, role=min(roles, key=ROLES.index))
+
+    def role_in(self, principal: Principal, sequence: str) -> Role | None:
+        """Role of a caller in a recording; None: it is not for them."""
+        access = self._workspace.labels.team.access
+        return access.to_sequence(sequence, principal.author, principal.role)
+
+    def may_see(self, principal: Principal, sequence: str | None) -> bool:
+        """Whether a recording is for a caller; None: nothing of a recording."""
+        return sequence is None or self.role_in(principal, sequence) is not None
+
+    def require_seen(self, principal: Principal, *sequences: str) -> None:
+        """Raise NotFoundError unless all of the recordings are for a caller."""
+        for sequence in sequences:
+            if not self.may_see(principal, sequence):
+                raise _unknown("seq", sequence)
+
     def is_own(self, connection: HTTPConnection, principal: Principal) -> bool:
         """Whether who started this server calls it, on this machine and through no proxy."""
         return principal.shared and self._local and self.clients.is_direct(connection)
@@ -189,6 +225,11 @@ class Gate:
         name = header.rsplit(":", 1)[0] if not header.endswith("]") else header
         name = name.strip("[]").lower().rstrip(".")
         return name in self._hosts or _is_address(name)
+
+
+def _unknown(kind: str, name: str) -> NotFoundError:
+    what = "sequence" if kind == "seq" else "project"
+    return NotFoundError(f"{what}: expected a known id, got {name!r}")
 
 
 def _person(token: Token) -> Principal:
@@ -259,12 +300,21 @@ async def caller(
     gate: Gate = request.app.state.gate
     principal = gate.owner(request)
     if principal is None:
-        principal = await run_in_threadpool(gate.admit, request)
+        principal = await run_in_threadpool(gate.admit_to, request)
     require(principal.role, ROUTES[call_of(request.method, request.scope["route"].path)])
     return principal
 
 
 Caller = Annotated[Principal, Depends(caller)]
+
+
+async def gate_of(request: Request) -> Gate:
+    """The gate of this server; on the event loop, which takes no thread."""
+    gate: Gate = request.app.state.gate
+    return gate
+
+
+TheGate = Annotated[Gate, Depends(gate_of)]
 
 
 def resource(tag: str) -> APIRouter:

@@ -13,9 +13,9 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.streaming.messages import Uuid
 from pointbrush.workspace import Workspace
 
-SequenceId = Annotated[
-    str, Path(pattern=r"^[a-z0-9][a-z0-9._-]{0,63}$", max_length=64, description="sequence id")
-]
+SEQUENCE_ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
+SequenceId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="sequence id")]
+ProjectId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="project id")]
 FramePath = Annotated[int, Path(ge=0, lt=2**31, description="frame number, from 0")]
 LabelPath = Annotated[int, Path(ge=1, le=65534, description="label id")]
 JobPath = Annotated[Uuid, Path(description="job id")]

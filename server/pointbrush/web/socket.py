@@ -64,6 +64,7 @@ def admit(socket: WebSocket) -> Principal:
 async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
     """Run the viewer's session over an accepted socket."""
     link = link_of(socket)
+    gate: Gate = socket.app.state.gate
     session = ViewerSession(
         hub,
         link.deliver,
@@ -72,6 +73,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
         name=principal.name,
         role=principal.role,
         shared=principal.shared,
+        role_in=lambda sequence: gate.role_in(principal, sequence),
         require_admitted=lambda: still_admitted(socket, principal),
     )
 

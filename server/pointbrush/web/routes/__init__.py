@@ -13,13 +13,15 @@ from pointbrush.web.routes import (
     labels,
     meta,
     objects,
+    projects,
     review,
     sequences,
+    tasks,
     taxonomy,
     tracking,
 )
 
 RESOURCES = (
     meta, sequences, imports, frames, labels, boxes, taxonomy, edits, objects, annotations,
-    tracking, classifiers, export, jobs, review, checks,
+    tracking, classifiers, export, jobs, review, checks, projects, tasks,
 )  # fmt: skip

@@ -11,7 +11,7 @@ from fastapi import Query, Response
 from pydantic import Field
 
 from pointbrush.streaming.messages import Vec3
-from pointbrush.web.auth import resource
+from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Out
@@ -101,11 +101,14 @@ class AgreementOut(Out):
 def get_agreement(
     seq: SequenceId,
     workspace: Ws,
+    who: Caller,
+    gate: TheGate,
     other: Other,
     by: CompareBy = "name",
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
 ) -> AgreementOut:
     """IoU of each label between two annotations, and the points of each frame that differ."""
+    gate.require_seen(who, other)
     return AgreementOut.of(workspace.reviewing.agreement(seq, other, by, frames))
 
 
@@ -121,12 +124,19 @@ def get_agreement(
     },
 )
 def get_difference(
-    seq: SequenceId, i: FramePath, workspace: Ws, other: Other, by: CompareBy = "name"
+    seq: SequenceId,
+    i: FramePath,
+    workspace: Ws,
+    who: Caller,
+    gate: TheGate,
+    other: Other,
+    by: CompareBy = "name",
 ) -> Response:
     """Draw the differences of two annotations as a picture from above.
 
     Blue: only the first has a label, orange: only the second, pink: another one, light: the same.
     """
+    gate.require_seen(who, other)
     return Response(workspace.reviewing.difference(seq, other, i, by), media_type=PNG)
 
 

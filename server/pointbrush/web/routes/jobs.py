@@ -6,8 +6,9 @@ from typing import Annotated
 
 from fastapi import Query
 
+from pointbrush.errors import NotFoundError
 from pointbrush.roles import require
-from pointbrush.web.auth import Caller, resource
+from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import CANCEL_ANY
@@ -17,15 +18,18 @@ router = resource("jobs")
 
 
 @router.get("/jobs", responses=responses())
-def list_jobs(workspace: Ws) -> list[JobOut]:
-    """All remembered jobs, newest first."""
-    return [JobOut.of(job) for job in workspace.jobs.all()]
+def list_jobs(workspace: Ws, who: Caller, gate: TheGate) -> list[JobOut]:
+    """All remembered jobs of recordings that are for the caller, newest first."""
+    return [JobOut.of(job) for job in workspace.jobs.all() if gate.may_see(who, job.sequence)]
 
 
 @router.get("/jobs/{id}", responses=responses(404))
-def get_job(id: JobPath, workspace: Ws) -> JobOut:
+def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> JobOut:
     """One job."""
-    return JobOut.of(workspace.jobs.get(id.lower()))
+    job = workspace.jobs.get(id.lower())
+    if not gate.may_see(who, job.sequence):
+        raise NotFoundError(f"job: expected a known id, got {id}")
+    return JobOut.of(job)
 
 
 @router.delete("/jobs/{id}", responses=responses(404, 409))

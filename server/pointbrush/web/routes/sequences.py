@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from fastapi import Query
 
-from pointbrush.web.auth import Caller, resource
+from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
@@ -32,11 +32,18 @@ def _out(workspace: Workspace, sequence: str) -> SequenceOut:
 
 
 @router.get("/sequences", responses=responses())
-def list_sequences(workspace: Ws, *, deleted: DeletedQuery = False) -> list[SequenceOut]:
-    """All recordings, by name, also damaged ones; or those deleted that can be restored."""
+def list_sequences(
+    workspace: Ws, who: Caller, gate: TheGate, *, deleted: DeletedQuery = False
+) -> list[SequenceOut]:
+    """All recordings that are for the caller, by name, also damaged ones.
+
+    ``deleted``: those that can be restored.
+    """
     if deleted:
-        return [SequenceOut.removed(entry) for entry in workspace.deletion.deleted()]
-    return [SequenceOut.listed(entry) for entry in workspace.listing.all()]
+        gone = workspace.deletion.deleted()
+        return [SequenceOut.removed(e) for e in gone if gate.may_see(who, e.known.id)]
+    found = workspace.listing.all()
+    return [SequenceOut.listed(entry) for entry in found if gate.may_see(who, entry.id)]
 
 
 @router.get("/sequences/{seq}", responses=responses(404))

@@ -1,0 +1,179 @@
+"""Projects: recordings in groups, their people, and the queue of who labels what next."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Literal
+
+from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.values import Vector, read
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """Frames ``first`` to ``last``, both included, of recording ``sequence``.
+
+    ``state``: open, taken, done, review, accepted, returned; ``note`` pinned to ``place`` of
+    ``frame``, source metres.
+    """
+
+    number: int
+    sequence: str
+    first: int
+    last: int
+    state: str
+    assignee: str
+    reviewer: str
+    note: str
+    frame: int | None
+    place: Vector | None
+    created: datetime
+    changed: datetime
+
+
+@dataclass(frozen=True, slots=True)
+class ProjectInfo:
+    """Facts of a project; ``role``: the caller's; ``tasks`` in each state, by person too."""
+
+    id: str
+    name: str
+    created: datetime
+    role: str
+    roles: Mapping[str, str]
+    categories: tuple[int, ...] | None
+    recordings: tuple[str, ...]
+    tasks: Mapping[str, int]
+    people: Mapping[str, Mapping[str, int]]
+
+
+class Project(Part[L]):
+    """One project, as it was when it was asked for: ``info``."""
+
+    def __init__(self, link: L, info: ProjectInfo) -> None:
+        super().__init__(link)
+        self.info, self.id = info, info.id
+        self._place = f"/projects/{info.id}"
+
+    @steps
+    def change(self, /, **fields: Any) -> Steps[ProjectInfo]:
+        """Set name, roles or categories, or put ``recordings`` into it; returns what it is then.
+
+        ``categories`` None: all.
+        """
+        answer = yield from send(Request("PATCH", self._place, {"json": fields}, again=True))
+        return read(ProjectInfo, answer.json())
+
+    @steps
+    def delete(self) -> Steps[None]:
+        """Delete it; raises ConflictError while it has recordings."""
+        yield from send(Request("DELETE", self._place))
+
+    # ── the queue ────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def tasks(
+        self, state: str | None = None, person: str | None = None, sequence: str | None = None
+    ) -> Steps[list[Task]]:
+        """Return all tasks, or those in a state, of an assignee, of a recording; by number."""
+        wanted = {"state": state, "person": person, "sequence": sequence}
+        query: dict[str, Any] = {n: value for n, value in wanted.items() if value is not None}
+        found: list[Task] = []
+        while True:
+            request = Request("GET", f"{self._place}/tasks", {"params": query}, again=True)
+            part = [read(Task, entry) for entry in (yield from send(request)).json()]
+            if not part:
+                return found
+            found += part
+            query["after"] = part[-1].number
+
+    @steps
+    def add_tasks(
+        self,
+        recordings: Sequence[str] | None = None,
+        *,
+        frames: str | None = None,
+        every: int | None = None,
+        assignee: str = "",
+    ) -> Steps[list[Task]]:
+        """Make a task of each recording (None: all), or of each ``every`` frames of ``frames``.
+
+        Raises ConflictError for frames that have a task which is not accepted yet.
+        """
+        given = {"recordings": recordings, "frames": frames, "every": every}
+        body: dict[str, Any] = {n: value for n, value in given.items() if value is not None}
+        body |= {"assignee": assignee, "id": str(uuid.uuid4())}
+        request = Request("POST", f"{self._place}/tasks", {"json": body}, again=True)
+        return [read(Task, entry) for entry in (yield from send(request)).json()]
+
+    @steps
+    def next_task(self, work: Literal["label", "review"] = "label") -> Steps[Task | None]:
+        """Take the next task, or return the one that was begun; None where there is none."""
+        request = Request("POST", f"{self._place}/tasks/next", {"json": {"work": work}}, again=True)
+        told = (yield from send(request)).json()
+        return None if told is None else read(Task, told)
+
+    @steps
+    def task(self, number: int) -> Steps[Task]:
+        """Return one task; raises NotFoundError."""
+        request = Request("GET", f"{self._place}/tasks/{number}", again=True)
+        return read(Task, (yield from send(request)).json())
+
+    @steps
+    def put_task(
+        self,
+        number: int,
+        *,
+        state: str | None = None,
+        assignee: str | None = None,
+        note: str | None = None,
+        frame: int | None = None,
+        place: Sequence[float] | None = None,
+    ) -> Steps[Task]:
+        """Set what is given of a task; raises ForbiddenError, ConflictError, BadInputError."""
+        given = {
+            "state": state,
+            "assignee": assignee,
+            "note": note,
+            "frame": frame,
+            "place": None if place is None else [float(value) for value in place],
+        }
+        body = {name: value for name, value in given.items() if value is not None}
+        request = Request("PATCH", f"{self._place}/tasks/{number}", {"json": body}, again=True)
+        return read(Task, (yield from send(request)).json())
+
+    @steps
+    def delete_task(self, number: int) -> Steps[None]:
+        """Remove a task with its history; labels stay."""
+        yield from send(Request("DELETE", f"{self._place}/tasks/{number}"))
+
+    @steps
+    def task_history(self, number: int) -> Steps[list[dict[str, Any]]]:
+        """List the changes of a task, the newest first."""
+        request = Request("GET", f"{self._place}/tasks/{number}/history", again=True)
+        found: list[dict[str, Any]] = (yield from send(request)).json()
+        return found
+
+
+class Projects(Part[L]):
+    """The projects of a workspace."""
+
+    @steps
+    def all(self) -> Steps[list[Project[L]]]:
+        """Return all that are for the caller, by name."""
+        answer = yield from send(Request("GET", "/projects", again=True))
+        return [Project(self._link, read(ProjectInfo, entry)) for entry in answer.json()]
+
+    @steps
+    def __getitem__(self, project: str) -> Steps[Project[L]]:
+        """Return the project of an id; raises NotFoundError."""
+        answer = yield from send(Request("GET", f"/projects/{project}", again=True))
+        return Project(self._link, read(ProjectInfo, answer.json()))
+
+    @steps
+    def create(self, name: str, /, **fields: Any) -> Steps[Project[L]]:
+        """Make one; ``fields``: id, roles, categories, recordings.  Raises ConflictError."""
+        answer = yield from send(Request("POST", "/projects", {"json": {"name": name, **fields}}))
+        return Project(self._link, read(ProjectInfo, answer.json()))

@@ -1,0 +1,77 @@
+"""The tables of projects, beside those of recordings in ``schema``: people's roles, the queue."""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    Column,
+    Double,
+    ForeignKey,
+    ForeignKeyConstraint,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+)
+
+metadata = MetaData()
+FIRST = "default"
+"""The project of recordings that are given to no other; it cannot be deleted."""
+
+
+def _project() -> Column[str]:
+    return Column("project", String(64), ForeignKey("projects.id"), primary_key=True)
+
+
+projects = Table(
+    "projects",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("created", Double, nullable=False),
+    Column("categories", Text),  # JSON list of the taxonomy's numbers; NULL: all
+)
+
+project_roles = Table(
+    "project_roles",
+    metadata,
+    _project(),
+    Column("account", String(256), primary_key=True),
+    Column("role", String(16), nullable=False),
+)
+
+tasks = Table(
+    "tasks",
+    metadata,
+    _project(),
+    Column("number", Integer, primary_key=True, autoincrement=False),  # 1, 2, … of the project
+    Column("sequence", Integer, ForeignKey("sequences.number"), nullable=False),
+    Column("first", Integer, nullable=False),  # frames first to last, both included
+    Column("last", Integer, nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("assignee", String(256)),
+    Column("reviewer", String(256)),
+    Column("note", Text, nullable=False),
+    Column("frame", Integer),  # here and below: where the note is pinned
+    Column("place", Text),  # JSON [x, y, z], source coordinates
+    Column("created", Double, nullable=False),
+    Column("changed", Double, nullable=False),
+    Column("batch", String(36)),  # of the call that made it: repeated, it makes no others
+    Index("tasks_queue", "project", "state", "number"),
+    Index("tasks_sequence", "sequence"),
+)
+
+task_events = Table(
+    "task_events",
+    metadata,
+    _project(),
+    Column("task", Integer, primary_key=True, autoincrement=False),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("time", Double, nullable=False),
+    Column("author", String(256), nullable=False),
+    Column("state", String(16), nullable=False),
+    Column("assignee", String(256)),
+    Column("note", Text, nullable=False),
+    ForeignKeyConstraint(["project", "task"], ["tasks.project", "tasks.number"]),
+)

@@ -1,0 +1,233 @@
+"""Projects: recordings in groups, the people of each, and the categories that it uses."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from sqlalchemy import Connection, delete, insert, select, update
+
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.labels.accounts import require_name
+from pointbrush.labels.database import CHUNK, Database
+from pointbrush.labels.lost_answers import write_once
+from pointbrush.labels.project_tables import FIRST, project_roles, projects, tasks
+from pointbrush.labels.schema import LIVE, PROJECT_OF, categories, sequences
+from pointbrush.labels.tasks import forget_tasks, lock_project
+from pointbrush.names import require_visible
+from pointbrush.roles import ROLES, Role, includes
+
+LONGEST_NAME = 200
+OVERSEES: Role = "manager"
+"""Role in the workspace whose holders are in every project."""
+_ID = re.compile("[a-z0-9][a-z0-9._-]{0,63}")
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """A group of recordings.
+
+    ``roles``: account → role in it; none: everybody has their role in the workspace.
+    ``categories``: numbers of the taxonomy's that it uses, None: all.  ``recordings``: their ids.
+    """
+
+    id: str
+    name: str
+    created: float = 0.0
+    categories: tuple[int, ...] | None = None
+    roles: Mapping[str, Role] = field(default_factory=dict)
+    recordings: tuple[str, ...] = ()
+
+    def role_of(self, account: str, role: Role) -> Role | None:
+        """Role in the project of an account that has ``role`` in the workspace; None: none."""
+        return role_in(self.roles, account, role)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """Values to set; None keeps.  ``recordings`` come from the projects that they were in.
+
+    ``all_categories``: no selection of them any more.
+    """
+
+    name: str | None = None
+    categories: Sequence[int] | None = None
+    all_categories: bool = False
+    roles: Mapping[str, Role] | None = None
+    recordings: Sequence[str] | None = None
+
+
+def role_in(roles: Mapping[str, Role], account: str, role: Role) -> Role | None:
+    """Role in a project with ``roles``: the lower of both.  Who leads the workspace leads it."""
+    if not roles or includes(role, OVERSEES):
+        return role
+    own = roles.get(account)
+    return None if own is None else min(own, role, key=ROLES.index)
+
+
+class Projects:
+    """The projects of one database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def all(self) -> list[Project]:
+        """Return all of them, by name."""
+        with self._database.read() as connection:
+            found = _projects(connection)
+        return sorted(found, key=lambda each: (each.name.lower(), each.id))
+
+    def get(self, project: str) -> Project:
+        """Return the project of an id; raises NotFoundError."""
+        with self._database.read() as connection:
+            return _project(connection, project)
+
+    def create(self, project: str, change: Change) -> Project:
+        """Make a project of a new id; raises ConflictError where it is another's."""
+        if not _ID.fullmatch(project):
+            raise BadInputError(
+                f"id: expected up to 64 letters a-z, digits, '.', '_' and '-', got {project!r}"
+            )
+        _check(change)
+        row = {"id": project, "name": change.name or project}
+
+        def make(connection: Connection) -> Project:
+            if connection.execute(select(projects.c.id).where(projects.c.id == project)).first():
+                raise ConflictError(f"id: expected one of no project yet, got {project!r}")
+            connection.execute(insert(projects), row | {"created": self._database.now(connection)})
+            _apply(connection, project, change)
+            return _project(connection, project)
+
+        return write_once(self._database, make, lambda connection: _found(connection, project))
+
+    def change(self, project: str, change: Change) -> Project:
+        """Change what is given; raises NotFoundError (project, recording, category).
+
+        Raises ConflictError for a recording that has tasks in another project.
+        """
+        _check(change)
+        with self._database.write() as connection:
+            lock_project(connection, project)
+            _apply(connection, project, change)
+            return _project(connection, project)
+
+    def remove(self, project: str) -> None:
+        """Delete a project without recordings; raises ConflictError for another."""
+        if project == FIRST:
+            raise ConflictError(f"project: expected another than {FIRST!r}, which always is there")
+        with self._database.write() as connection:
+            lock_project(connection, project)
+            held = select(sequences.c.id).where(project == PROJECT_OF, LIVE)
+            if (one := connection.execute(held.limit(1)).scalar()) is not None:
+                raise ConflictError(
+                    f"project: expected one without recordings, {project!r} has {one!r}: "
+                    "move them to another project first"
+                )
+            gone = update(sequences).where(sequences.c.project == project)
+            connection.execute(gone.values(project=None))  # deleted ones, which may come back
+            forget_tasks(connection, tasks.c.project == project)
+            connection.execute(delete(project_roles).where(project_roles.c.project == project))
+            connection.execute(delete(projects).where(projects.c.id == project))
+
+    def put_in(self, project: str, sequence: str) -> None:
+        """Put a recording into a project; raises NotFoundError."""
+        self.change(project, Change(recordings=(sequence,)))
+
+
+def _found(connection: Connection, project: str) -> Project | None:
+    try:
+        return _project(connection, project)
+    except NotFoundError:
+        return None
+
+
+def _project(connection: Connection, project: str) -> Project:
+    for found in _projects(connection, project):
+        return found
+    raise NotFoundError(f"project: expected a known id, got {project!r}")
+
+
+def _projects(connection: Connection, only: str | None = None) -> list[Project]:
+    chosen = select(projects)
+    held = select(PROJECT_OF.label("project"), sequences.c.id).where(LIVE).order_by(sequences.c.id)
+    roles = select(project_roles)
+    if only is not None:
+        chosen = chosen.where(projects.c.id == only)
+        held, roles = held.where(only == PROJECT_OF), roles.where(project_roles.c.project == only)
+    people: dict[str, dict[str, Role]] = {}
+    recordings: dict[str, list[str]] = {}
+    for row in connection.execute(roles):
+        people.setdefault(row.project, {})[row.account] = row.role
+    for row in connection.execute(held):
+        recordings.setdefault(row.project, []).append(row.id)
+    return [
+        Project(
+            row.id,
+            row.name,
+            row.created,
+            None if row.categories is None else tuple(json.loads(row.categories)),
+            people.get(row.id, {}),
+            tuple(recordings.get(row.id, ())),
+        )
+        for row in connection.execute(chosen)
+    ]
+
+
+def _check(change: Change) -> None:
+    if change.name is not None:
+        if not change.name.strip() or len(change.name) > LONGEST_NAME:
+            raise BadInputError(
+                f"name: expected 1 to {LONGEST_NAME} characters, got {len(change.name)}"
+            )
+        require_visible("name", change.name)
+    for account, role in (change.roles or {}).items():
+        require_name(account)
+        if role not in ROLES:
+            raise BadInputError(f"roles: expected one of {', '.join(ROLES)}, got {role!r}")
+
+
+def _apply(connection: Connection, project: str, change: Change) -> None:
+    here = update(projects).where(projects.c.id == project)
+    if change.name is not None:
+        connection.execute(here.values(name=change.name))
+    if change.all_categories:
+        connection.execute(here.values(categories=None))
+    elif change.categories is not None:
+        _require_categories(connection, change.categories)
+        connection.execute(here.values(categories=json.dumps(sorted(set(change.categories)))))
+    if change.roles is not None:
+        connection.execute(delete(project_roles).where(project_roles.c.project == project))
+        rows = [{"project": project, "account": a, "role": r} for a, r in change.roles.items()]
+        if rows:
+            connection.execute(insert(project_roles), rows)
+    if change.recordings:
+        _move(connection, project, change.recordings)
+
+
+def _require_categories(connection: Connection, wanted: Collection[int]) -> None:
+    known = set(connection.execute(select(categories.c.number)).scalars())
+    for number in wanted:
+        if number not in known:
+            raise NotFoundError(f"categories: expected numbers of the taxonomy, got {number}")
+
+
+def _move(connection: Connection, project: str, wanted: Sequence[str]) -> None:
+    names = list(dict.fromkeys(wanted))
+    for start in range(0, len(names), CHUNK):
+        part = names[start : start + CHUNK]
+        chosen = select(sequences.c.id, sequences.c.number).where(sequences.c.id.in_(part), LIVE)
+        numbers = {row.id: row.number for row in connection.execute(chosen)}
+        if missing := [name for name in part if name not in numbers]:
+            raise NotFoundError(f"recordings: expected known ids, got {missing[0]!r}")
+        elsewhere = tasks.c.sequence.in_(numbers.values()) & (tasks.c.project != project)
+        unfinished = select(tasks.c.sequence).where(elsewhere, tasks.c.state != "accepted")
+        busy = connection.execute(unfinished.limit(1)).scalar()
+        if busy is not None:
+            name = next(name for name, number in numbers.items() if number == busy)
+            raise ConflictError(
+                f"recordings: {name!r} has tasks in its project that are not accepted yet"
+            )
+        there = update(sequences).where(sequences.c.number.in_(numbers.values()))
+        connection.execute(there.values(project=None if project == FIRST else project))

@@ -1,0 +1,376 @@
+"""The queue of a project: ranges of frames, each somebody's to label, and then to look at.
+
+Whoever changes a queue locks its project's row first, so that no two people, at however many
+servers, take one task.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, Literal, get_args
+
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Row,
+    Select,
+    case,
+    delete,
+    func,
+    insert,
+    select,
+    tuple_,
+    update,
+)
+
+from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.labels.database import Database
+from pointbrush.labels.lost_answers import write_once
+from pointbrush.labels.project_tables import projects, task_events, tasks
+from pointbrush.labels.reviews import Place
+from pointbrush.labels.schema import LIVE, PROJECT_OF, sequences
+
+TaskState = Literal["open", "taken", "done", "review", "accepted", "returned"]
+TASK_STATES: tuple[TaskState, ...] = get_args(TaskState)
+"""Nobody's; being labelled; labelled; being looked at; good; to be labelled again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """Frames ``first`` to ``last``, both included, of a recording.
+
+    ``assignee``, ``reviewer``  accounts, or "".
+    ``note``  a reviewer's, pinned to ``place`` (source coordinates, metres) of ``frame``, if any.
+    ``created``, ``changed``  seconds since the epoch.
+    """
+
+    project: str
+    number: int
+    sequence: str
+    first: int
+    last: int
+    state: TaskState = "open"
+    assignee: str = ""
+    reviewer: str = ""
+    note: str = ""
+    frame: int | None = None
+    place: Place | None = None
+    created: float = 0.0
+    changed: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class TaskEvent:
+    """A change of a task: the state, assignee and note that it had from then on."""
+
+    number: int
+    time: float
+    author: str
+    state: TaskState
+    assignee: str
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Frames ``first`` to ``last`` of a recording, for a task to be made."""
+
+    sequence: str
+    first: int
+    last: int
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """Tasks that are asked for; None: all.  ``after``: a number; at most ``limit`` of them."""
+
+    state: TaskState | None = None
+    assignee: str | None = None
+    sequence: str | None = None
+    after: int = 0
+    limit: int = 1000
+
+
+class Tasks:
+    """The tasks of all projects of one database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def add(
+        self,
+        project: str,
+        author: str,
+        stretches: Sequence[Stretch],
+        *,
+        assignee: str = "",
+        batch: str | None = None,
+    ) -> list[Task]:
+        """Make tasks; a repeated ``batch`` is answered with those that it has made.
+
+        Raises NotFoundError (project, recording of it), ConflictError for frames that have a task
+        already.
+        """
+
+        def make(connection: Connection) -> list[Task]:
+            lock_project(connection, project)
+            made = _batch(connection, project, batch)
+            return made or self._add(connection, project, author, stretches, assignee, batch)
+
+        return write_once(self._database, make, lambda c: _batch(c, project, batch) or None)
+
+    def _add(
+        self,
+        connection: Connection,
+        project: str,
+        author: str,
+        stretches: Sequence[Stretch],
+        assignee: str,
+        batch: str | None,
+    ) -> list[Task]:
+        numbers = _numbers(connection, project)
+        _require_free(connection, project, stretches)
+        now = self._database.now(connection)
+        highest = select(func.max(tasks.c.number)).where(tasks.c.project == project)
+        last = connection.execute(highest).scalar() or 0
+        made = []
+        for number, each in enumerate(stretches, last + 1):
+            if each.sequence not in numbers:
+                raise NotFoundError(
+                    f"recordings: expected recordings of {project!r}, got {each.sequence!r}"
+                )
+            made.append(
+                Task(
+                    project, number, each.sequence, each.first, each.last,
+                    assignee=assignee, created=now, changed=now,
+                )
+            )  # fmt: skip
+        if made:
+            rows = [_row(task) | {"batch": batch} for task in made]
+            rows = [
+                row | {"sequence": numbers[task.sequence]}
+                for row, task in zip(rows, made, strict=True)
+            ]
+            connection.execute(insert(tasks), rows)
+            connection.execute(insert(task_events), [_event(t, 1, now, author) for t in made])
+        return made
+
+    def take(self, project: str, account: str, *, review: bool = False) -> Task | None:
+        """Give an account its next task, atomically; None where there is none for it.
+
+        First the one that it has begun: asked twice, it gets the same.  Then what was returned to
+        it, what was meant for it, what is free, the oldest first.  ``review``: a task to look at,
+        which is no work of its own.  Raises NotFoundError.
+        """
+        ranks = _to_review(account) if review else _to_label(account)
+        state: TaskState = "review" if review else "taken"
+
+        def make(connection: Connection) -> Task | None:
+            lock_project(connection, project)
+            order = case(*ranks, else_=len(ranks))
+            chosen = _chosen(project).where(order < len(ranks)).order_by(order, tasks.c.number)
+            row = connection.execute(chosen.limit(1)).first()
+            if row is None:
+                return None
+            task = _task(row)
+            if task.state == state:
+                return task
+            if review:
+                return self._put(connection, replace(task, state=state, reviewer=account), account)
+            return self._put(connection, replace(task, state=state, assignee=account), account)
+
+        def find(connection: Connection) -> Task | None:
+            row = connection.execute(_chosen(project).where(ranks[0][0]).limit(1)).first()
+            return None if row is None else _task(row)
+
+        return write_once(self._database, make, find)
+
+    def change(
+        self, project: str, number: int, author: str, decide: Callable[[Task], Task]
+    ) -> Task:
+        """Change a task to what ``decide`` makes of it as it is; what that raises changes nothing.
+
+        Raises NotFoundError.
+        """
+
+        def make(connection: Connection) -> Task:
+            lock_project(connection, project)
+            task = _get(connection, project, number)
+            wanted.append(decide(task))
+            return task if wanted[-1] == task else self._put(connection, wanted[-1], author)
+
+        def find(connection: Connection) -> Task | None:
+            task = _get(connection, project, number)
+            return task if replace(task, changed=wanted[-1].changed) == wanted[-1] else None
+
+        wanted: list[Task] = []
+        return write_once(self._database, make, find)
+
+    def _put(self, connection: Connection, task: Task, author: str) -> Task:
+        task = replace(task, changed=self._database.now(connection))
+        row = _row(task)
+        here = (tasks.c.project == row.pop("project")) & (tasks.c.number == row.pop("number"))
+        connection.execute(update(tasks).where(here).values(**row))
+        events = task_events.c
+        own = (events.project == task.project) & (events.task == task.number)
+        last = connection.execute(select(func.max(events.number)).where(own)).scalar() or 0
+        connection.execute(insert(task_events), _event(task, last + 1, task.changed, author))
+        return task
+
+    def remove(self, project: str, number: int) -> None:
+        """Remove a task with its history; raises NotFoundError."""
+        with self._database.write() as connection:
+            lock_project(connection, project)
+            _get(connection, project, number)
+            forget_tasks(connection, (tasks.c.project == project) & (tasks.c.number == number))
+
+    def get(self, project: str, number: int) -> Task:
+        """Return one task; raises NotFoundError."""
+        with self._database.read() as connection:
+            return _get(connection, project, number)
+
+    def entries(self, project: str, wanted: Wanted) -> list[Task]:
+        """Return tasks of a project, by number."""
+        chosen = _chosen(project).where(tasks.c.number > wanted.after)
+        if wanted.state is not None:
+            chosen = chosen.where(tasks.c.state == wanted.state)
+        if wanted.assignee is not None:
+            chosen = chosen.where(tasks.c.assignee == wanted.assignee)
+        if wanted.sequence is not None:
+            chosen = chosen.where(sequences.c.id == wanted.sequence)
+        chosen = chosen.order_by(tasks.c.number).limit(wanted.limit)
+        with self._database.read() as connection:
+            return [_task(row) for row in connection.execute(chosen)]
+
+    def history(self, project: str, number: int) -> list[TaskEvent]:
+        """Return the changes of a task, the newest first; raises NotFoundError."""
+        events = task_events.c
+        chosen = select(task_events).where(events.project == project, events.task == number)
+        with self._database.read() as connection:
+            _get(connection, project, number)
+            rows = connection.execute(chosen.order_by(events.number.desc())).all()
+        return [
+            TaskEvent(row.number, row.time, row.author, row.state, row.assignee or "", row.note)
+            for row in rows
+        ]
+
+    def counts(self) -> dict[str, dict[tuple[str, TaskState], int]]:
+        """Count the tasks of each project by assignee and state."""
+        chosen = (
+            select(tasks.c.project, tasks.c.assignee, tasks.c.state, func.count())
+            .join(sequences, sequences.c.number == tasks.c.sequence)
+            .where(LIVE)
+            .group_by(tasks.c.project, tasks.c.assignee, tasks.c.state)
+        )
+        found: dict[str, dict[tuple[str, TaskState], int]] = {}
+        with self._database.read() as connection:
+            for project, assignee, state, count in connection.execute(chosen):
+                found.setdefault(project, {})[assignee or "", state] = count
+        return found
+
+
+def lock_project(connection: Connection, project: str) -> None:
+    """Keep others from a project's queue and settings until the commit; raises NotFoundError."""
+    row = select(projects.c.id).where(projects.c.id == project).with_for_update()
+    if connection.execute(row).first() is None:
+        raise NotFoundError(f"project: expected a known id, got {project!r}")
+
+
+def forget_tasks(connection: Connection, gone: ColumnElement[bool]) -> None:
+    """Remove the tasks for which ``gone`` holds, with their history."""
+    keys = select(tasks.c.project, tasks.c.number).where(gone)
+    of_them = tuple_(task_events.c.project, task_events.c.task).in_(keys)
+    connection.execute(delete(task_events).where(of_them))
+    connection.execute(delete(tasks).where(gone))
+
+
+def _to_label(account: str) -> list[tuple[ColumnElement[bool], int]]:
+    state, own = tasks.c.state, tasks.c.assignee == account
+    return [
+        (own & (state == "taken"), 0),
+        (own & (state == "returned"), 1),
+        (own & (state == "open"), 2),
+        (tasks.c.assignee.is_(None) & (state == "open"), 3),
+    ]
+
+
+def _to_review(account: str) -> list[tuple[ColumnElement[bool], int]]:
+    state = tasks.c.state
+    return [
+        ((tasks.c.reviewer == account) & (state == "review"), 0),
+        ((tasks.c.assignee != account) & (state == "done"), 1),
+    ]
+
+
+def _chosen(project: str) -> Select[Any]:
+    columns = [column for column in tasks.c if column.name not in ("sequence", "batch")]
+    return (
+        select(*columns, sequences.c.id.label("sequence"))
+        .join(sequences, sequences.c.number == tasks.c.sequence)
+        .where(tasks.c.project == project, LIVE)
+    )
+
+
+def _batch(connection: Connection, project: str, batch: str | None) -> list[Task]:
+    if batch is None:
+        return []
+    chosen = _chosen(project).where(tasks.c.batch == batch).order_by(tasks.c.number)
+    return [_task(row) for row in connection.execute(chosen)]
+
+
+def _get(connection: Connection, project: str, number: int) -> Task:
+    row = connection.execute(_chosen(project).where(tasks.c.number == number)).first()
+    if row is None:
+        raise NotFoundError(f"task: expected the number of one of {project!r}, got {number}")
+    return _task(row)
+
+
+def _numbers(connection: Connection, project: str) -> dict[str, int]:
+    chosen = select(sequences.c.id, sequences.c.number).where(project == PROJECT_OF, LIVE)
+    return {row.id: row.number for row in connection.execute(chosen)}
+
+
+def _require_free(connection: Connection, project: str, wanted: Sequence[Stretch]) -> None:
+    """Raise ConflictError where two unfinished tasks would have a frame in common."""
+    chosen = _chosen(project).where(tasks.c.state != "accepted")
+    there = [Stretch(row.sequence, row.first, row.last) for row in connection.execute(chosen)]
+    in_order = sorted([*there, *wanted], key=lambda each: (each.sequence, each.first))
+    for one, other in pairwise(in_order):
+        if one.sequence == other.sequence and other.first <= one.last:
+            raise ConflictError(
+                f"frames: {other.first} to {other.last} of {other.sequence!r} have a task that is "
+                f"not accepted yet: {one.first} to {one.last}"
+            )
+
+
+def _row(task: Task) -> dict[str, Any]:
+    row = {name: getattr(task, name) for name in Task.__dataclass_fields__ if name != "sequence"}
+    place = None if task.place is None else json.dumps(task.place)
+    people = {"assignee": task.assignee or None, "reviewer": task.reviewer or None}
+    return row | people | {"place": place}
+
+
+def _task(row: Row[Any]) -> Task:
+    values = dict(row._mapping)
+    place = values["place"]
+    return Task(
+        **values
+        | {"assignee": row.assignee or "", "reviewer": row.reviewer or ""}
+        | {"place": None if place is None else tuple(json.loads(place))}
+    )
+
+
+def _event(task: Task, number: int, now: float, author: str) -> dict[str, Any]:
+    return {
+        "project": task.project,
+        "task": task.number,
+        "number": number,
+        "time": now,
+        "author": author,
+        "state": task.state,
+        "assignee": task.assignee or None,
+        "note": task.note,
+    }

@@ -1,0 +1,115 @@
+"""Projects: recordings in groups, with people's roles and a selection of the categories."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import Response
+from pydantic import Field
+
+from pointbrush.labels.projects import Change
+from pointbrush.labels.tasks import TaskState
+from pointbrush.roles import Role
+from pointbrush.web.auth import Caller, resource
+from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import VISIBLE, Body, Name, Out
+from pointbrush.work.projects import Overview
+
+router = resource("projects")
+Account = Annotated[str, Field(min_length=1, max_length=128, pattern=f"^{VISIBLE}+$")]
+Roles = Annotated[dict[Account, Role], Field(max_length=10_000)]
+Recordings = Annotated[
+    list[Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]], Field(max_length=100_000)
+]
+Categories = Annotated[
+    list[Annotated[int, Field(ge=1, le=65535)]],
+    Field(max_length=65535, description="numbers of the taxonomy"),
+]
+
+
+class ProjectBody(Body):
+    """A new project; ``roles`` by account: none given, everybody keeps theirs of the workspace."""
+
+    name: Name
+    id: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)] | None = None
+    roles: Roles | None = None
+    categories: Categories | None = None
+    recordings: Recordings | None = None
+
+
+class ProjectPatch(Body):
+    """Values to set; those left out stay.
+
+    ``recordings`` come from the projects that they were in; ``categories`` null: all of them.
+    """
+
+    name: Name | None = None
+    roles: Roles | None = None
+    categories: Categories | None = None
+    recordings: Recordings | None = None
+
+
+class ProjectOut(Out):
+    """A project: ``role`` is the caller's; ``tasks`` in each state, by the person in ``people``."""
+
+    id: str
+    name: str
+    created: datetime
+    role: Role
+    roles: dict[str, Role]
+    categories: list[int] | None
+    recordings: list[str]
+    tasks: dict[TaskState, int]
+    people: dict[str, dict[TaskState, int]]
+
+    @classmethod
+    def seen(cls, found: Overview) -> ProjectOut:
+        """From the workspace's."""
+        values = {name: getattr(found.project, name) for name in _OF_PROJECT}
+        counts = {"role": found.role, "tasks": found.tasks, "people": found.people}
+        return cls.model_validate({**values, **counts, "recordings": [*found.project.recordings]})
+
+
+_OF_PROJECT = ("id", "name", "created", "roles", "categories")
+
+
+@router.get("/projects")
+def list_projects(workspace: Ws, who: Caller) -> list[ProjectOut]:
+    """All projects that are for the caller, by name."""
+    return [ProjectOut.seen(each) for each in workspace.projects.all(who.author, who.role)]
+
+
+@router.post("/projects", status_code=201, responses=responses(404, 409, 413))
+def create_project(body: ProjectBody, response: Response, workspace: Ws, who: Caller) -> ProjectOut:
+    """Make a project, of an id made from its name unless one is given."""
+    change = Change(body.name, body.categories, roles=body.roles, recordings=body.recordings)
+    made = ProjectOut.seen(workspace.projects.create(change, body.id, who.role))
+    response.headers["Location"] = f"/api/v1/projects/{made.id}"
+    return made
+
+
+@router.get("/projects/{p}", responses=responses(404))
+def get_project(p: ProjectId, workspace: Ws, who: Caller) -> ProjectOut:
+    """One project."""
+    return ProjectOut.seen(workspace.projects.get(p, who.role))
+
+
+@router.patch("/projects/{p}", responses=responses(404, 409, 413))
+def patch_project(p: ProjectId, body: ProjectPatch, workspace: Ws, who: Caller) -> ProjectOut:
+    """Change name, roles or categories of a project, or put recordings into it."""
+    change = Change(
+        body.name,
+        body.categories,
+        all_categories="categories" in body.model_fields_set and body.categories is None,
+        roles=body.roles,
+        recordings=body.recordings,
+    )
+    return ProjectOut.seen(workspace.projects.change(p, change, who.role))
+
+
+@router.delete("/projects/{p}", status_code=204, responses=responses(404, 409))
+def delete_project(p: ProjectId, workspace: Ws) -> None:
+    """Delete a project without recordings, and its tasks; the first one stays."""
+    workspace.projects.remove(p)

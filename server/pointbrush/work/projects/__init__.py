@@ -1,0 +1,8 @@
+"""Projects: recordings in groups, their people, and the queue of who labels what next."""
+
+from __future__ import annotations
+
+from pointbrush.work.projects.queue import NewTasks, Queue, Wish
+from pointbrush.work.projects.service import Overview, Projects
+
+__all__ = ["NewTasks", "Overview", "Projects", "Queue", "Wish"]

@@ -1,0 +1,109 @@
+"""The queue of a project, for the fronts: tasks made, taken, handed in, accepted, returned."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels import LabelStore
+from pointbrush.labels.accounts import require_name
+from pointbrush.labels.tasks import Stretch, Task, TaskEvent, Wanted
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.exporting import parse_frames
+from pointbrush.work.projects.rules import Person, Wish, fulfilled
+
+MOST_TASKS = 10_000
+"""Tasks that one call makes."""
+
+__all__ = ["NewTasks", "Queue", "Wish"]
+
+
+@dataclass(frozen=True, slots=True)
+class NewTasks:
+    """Tasks to be made.
+
+    ``recordings``  their ids; None: all of the project.
+    ``frames``      "I:J" of each; None: all.
+    ``every``       frames of a task; None: a task has all.
+    ``assignee``    account that it is meant for, or "".
+    ``id``          of the call: repeated, it makes no others.
+    """
+
+    recordings: Sequence[str] | None = None
+    frames: str | None = None
+    every: int | None = None
+    assignee: str = ""
+    id: str | None = None
+
+
+class Queue:
+    """The tasks of all projects; thread-safe.
+
+    Every method raises NotFoundError for an unknown project or task.
+    """
+
+    def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
+        self._store, self._recording = store, recording
+
+    def add(self, project: str, author: str, new: NewTasks) -> list[Task]:
+        """Make tasks; raises ConflictError for frames that have one which is not accepted yet."""
+        if new.every is not None and new.every < 1:
+            raise BadInputError(f"every: expected 1 frame or more, got {new.every}")
+        if new.assignee:
+            require_name(new.assignee)
+        chosen = self._store.team.projects.get(project).recordings
+        stretches: list[Stretch] = []
+        for sequence in chosen if new.recordings is None else dict.fromkeys(new.recordings):
+            frames = parse_frames(new.frames, len(self._recording(sequence)))
+            every = new.every or len(frames)
+            for first in frames[::every]:
+                last = min(first + every, frames.stop) - 1
+                stretches.append(Stretch(sequence, first, last))
+            if len(stretches) > MOST_TASKS:
+                raise BadInputError(f"expected at most {MOST_TASKS} tasks of a call, got more")
+        made = self._store.team.tasks.add(
+            project, author, stretches, assignee=new.assignee, batch=new.id
+        )
+        return [self._named(task) for task in made]
+
+    def next(self, project: str, account: str, *, review: bool = False) -> Task | None:
+        """Take the next task to label, or to look at, if any; asked twice it is the same one."""
+        task = self._store.team.tasks.take(project, account, review=review)
+        return None if task is None else self._named(task)
+
+    def change(self, project: str, number: int, who: Person, wish: Wish) -> Task:
+        """Give a task another state, assignee or note; see ``rules.fulfilled``."""
+        if wish.assignee:
+            require_name(wish.assignee)
+        decide = partial(fulfilled, wish=wish, who=who)
+        return self._named(self._store.team.tasks.change(project, number, who.account, decide))
+
+    def remove(self, project: str, number: int) -> None:
+        """Remove a task with its history; labels stay."""
+        self._store.team.tasks.remove(project, number)
+
+    def get(self, project: str, number: int) -> Task:
+        """Return one task, people by their names."""
+        return self._named(self._store.team.tasks.get(project, number))
+
+    def entries(self, project: str, wanted: Wanted) -> list[Task]:
+        """Return tasks by number, people by their names."""
+        self._store.team.projects.get(project)
+        return [self._named(task) for task in self._store.team.tasks.entries(project, wanted)]
+
+    def history(self, project: str, number: int) -> list[TaskEvent]:
+        """Return the changes of a task, the newest first, people by their names."""
+        name = self._name
+        return [
+            replace(each, author=name(each.author), assignee=name(each.assignee))
+            for each in self._store.team.tasks.history(project, number)
+        ]
+
+    def _name(self, account: str) -> str:
+        return self._store.accounts.name(account) if account else ""
+
+    def _named(self, task: Task) -> Task:
+        assignee, reviewer = self._name(task.assignee), self._name(task.reviewer)
+        return replace(task, assignee=assignee, reviewer=reviewer)

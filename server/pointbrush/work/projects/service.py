@@ -1,0 +1,85 @@
+"""Projects of a workspace, for the fronts: made, changed, and how far each is."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from pointbrush.labels import LabelStore
+from pointbrush.labels.projects import Change, Project
+from pointbrush.labels.tasks import TaskState
+from pointbrush.roles import Role
+from pointbrush.work.events import Event, SequencesChanged
+from pointbrush.work.trash import ids_for
+
+
+@dataclass(frozen=True, slots=True)
+class Overview:
+    """A project as somebody sees it.
+
+    ``role``: theirs in it.  ``tasks``: how many are in each state; ``people``: the same by the
+    name of the assignee, "" for nobody.
+    """
+
+    project: Project
+    role: Role
+    tasks: Mapping[TaskState, int] = field(default_factory=dict)
+    people: Mapping[str, Mapping[TaskState, int]] = field(default_factory=dict)
+
+
+class Projects:
+    """The projects of a workspace; thread-safe."""
+
+    def __init__(self, store: LabelStore, publish: Callable[[Event], None]) -> None:
+        self._store, self._publish = store, publish
+
+    def all(self, account: str, role: Role) -> list[Overview]:
+        """Return the projects that an account may see, by name."""
+        counts = self._store.team.tasks.counts()
+        found = []
+        for project in self._store.team.projects.all():
+            own = project.role_of(account, role)
+            if own is not None:
+                found.append(self._overview(project, own, counts.get(project.id, {})))
+        return found
+
+    def get(self, project: str, role: Role) -> Overview:
+        """Return one, for somebody with ``role`` in it; raises NotFoundError."""
+        counts = self._store.team.tasks.counts().get(project, {})
+        return self._overview(self._store.team.projects.get(project), role, counts)
+
+    def create(self, change: Change, project: str | None, role: Role) -> Overview:
+        """Make a project, of an id made from its name unless given; raises ConflictError."""
+        there = {each.id for each in self._store.team.projects.all()}
+        wanted = project or next(name for name in ids_for(change.name or "") if name not in there)
+        made = self._store.team.projects.create(wanted, change)
+        self._changed(change)
+        return self.get(made.id, role)
+
+    def change(self, project: str, change: Change, role: Role) -> Overview:
+        """Change what is given of a project; raises as the store does."""
+        self._store.team.projects.change(project, change)
+        self._changed(change)
+        return self.get(project, role)
+
+    def remove(self, project: str) -> None:
+        """Delete a project without recordings."""
+        self._store.team.projects.remove(project)
+        self._store.team.access.forget()
+
+    def _changed(self, change: Change) -> None:
+        self._store.team.access.forget()
+        for sequence in change.recordings or ():
+            self._publish(SequencesChanged(sequence))
+
+    def _overview(
+        self, project: Project, role: Role, counts: Mapping[tuple[str, TaskState], int]
+    ) -> Overview:
+        states: Counter[TaskState] = Counter()
+        people: dict[str, dict[TaskState, int]] = {}
+        for (account, state), count in sorted(counts.items()):
+            states[state] += count
+            name = self._store.accounts.name(account) if account else ""
+            people.setdefault(name, {})[state] = count
+        return Overview(project, role, dict(states), people)

@@ -1,0 +1,161 @@
+"""The queue of a project, on both databases: nobody's task is another's, whoever asks at once."""
+
+from __future__ import annotations
+
+from collections import Counter
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from threading import Thread
+
+import pytest
+
+from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.labels import LabelStore, backup
+from pointbrush.labels.projects import Change
+from pointbrush.labels.tasks import Stretch, Task, Wanted
+from pointbrush.work.backup import make_backup
+from pointbrush.workspace import Workspace
+from tests.old_workspace import old_workspace
+
+SEQUENCE = "juggling"
+PROJECT = "default"
+
+
+def add(store: LabelStore, count: int, **more: str) -> list[Task]:
+    stretches = [Stretch(SEQUENCE, number, number) for number in range(count)]
+    return store.team.tasks.add(PROJECT, "lead", stretches, **more)
+
+
+def test_no_two_people_at_two_servers_take_one_task(store: LabelStore, url: str) -> None:
+    add(store, 24)
+    taken: list[tuple[str, int]] = []
+
+    def work(store: LabelStore, account: str) -> None:
+        while (task := store.team.tasks.take(PROJECT, account)) is not None:
+            taken.append((account, task.number))
+            store.team.tasks.change(
+                PROJECT, task.number, account, lambda t: replace(t, state="done")
+            )
+
+    with closing(LabelStore(url)) as other:
+        people = [
+            Thread(target=work, args=(at, f"person {number}"))
+            for number, at in enumerate((store, other, store, other))
+        ]
+        # And one person who asks at both at once.
+        people += [Thread(target=lambda at=at: taken_once(at)) for at in (store, other)]
+        for person in people:
+            person.start()
+        for person in people:
+            person.join()
+    numbers = Counter(number for _, number in taken)
+    mine = store.team.tasks.entries(PROJECT, Wanted(assignee="twice"))
+    assert len(mine) <= 1
+    assert sorted(numbers.elements()) == sorted(set(range(1, 25)) - {t.number for t in mine})
+
+
+def taken_once(store: LabelStore) -> None:
+    store.team.tasks.take(PROJECT, "twice")
+
+
+def test_what_comes_next_is_ones_own_then_what_was_returned_then_what_is_free(
+    store: LabelStore,
+) -> None:
+    add(store, 4)
+    tasks = store.team.tasks
+
+    def put(number: int, **values: str) -> None:
+        tasks.change(PROJECT, number, "lead", lambda task: replace(task, **values))
+
+    put(2, assignee="ada")
+    put(4, state="returned", assignee="ada")
+    order = []
+    for _ in range(3):
+        task = tasks.take(PROJECT, "ada")
+        assert task == tasks.take(PROJECT, "ada")
+        order.append(task.number)
+        put(task.number, state="done")
+    assert order == [4, 2, 1]
+    assert tasks.take(PROJECT, "ada", review=True) is None
+    assert tasks.take(PROJECT, "grace", review=True).number == 1
+    assert [(each.state, each.author) for each in tasks.history(PROJECT, 4)] == [
+        ("done", "lead"),
+        ("taken", "ada"),
+        ("returned", "lead"),
+        ("open", "lead"),
+    ]
+
+
+def test_a_call_that_is_repeated_makes_no_other_tasks_and_frames_have_one(
+    store: LabelStore,
+) -> None:
+    made = add(store, 2, batch="call")
+    assert add(store, 2, batch="call") == made
+    with pytest.raises(ConflictError, match="1 to 3 of 'juggling'"):
+        store.team.tasks.add(PROJECT, "lead", [Stretch(SEQUENCE, 1, 3)])
+    store.team.tasks.change(PROJECT, 2, "lead", lambda task: replace(task, state="accepted"))
+    assert store.team.tasks.add(PROJECT, "lead", [Stretch(SEQUENCE, 1, 3)])[0].number == 3
+    store.team.tasks.remove(PROJECT, 3)
+    with pytest.raises(NotFoundError):
+        store.team.tasks.history(PROJECT, 3)
+
+
+def test_a_recording_moves_when_its_tasks_are_over_and_a_project_goes_when_it_is_empty(
+    store: LabelStore,
+) -> None:
+    projects = store.team.projects
+    projects.create("night", Change(name="Night", roles={"ada": "reviewer"}))
+    add(store, 1)
+    with pytest.raises(ConflictError, match="not accepted yet"):
+        projects.change("night", Change(recordings=[SEQUENCE]))
+    store.team.tasks.change(PROJECT, 1, "lead", lambda task: replace(task, state="accepted"))
+    assert projects.change("night", Change(recordings=[SEQUENCE])).recordings == (SEQUENCE,)
+    access = store.team.access
+    assert access.to_sequence(SEQUENCE, "ada", "annotator") == "annotator"
+    assert access.to_sequence(SEQUENCE, "bob", "reviewer") is None
+    assert access.to_sequence(SEQUENCE, "bob", "manager") == "manager"
+    with pytest.raises(ConflictError, match="has 'juggling'"):
+        projects.remove("night")
+    projects.put_in(PROJECT, SEQUENCE)
+    projects.remove("night")
+    assert [each.id for each in projects.all()] == [PROJECT]
+    with pytest.raises(NotFoundError, match="taxonomy"):
+        projects.change(PROJECT, Change(categories=[7]))
+
+
+def test_they_move_with_the_database_and_go_with_the_recording(
+    store: LabelStore, url: str, tmp_path: Path
+) -> None:
+    add(store, 2)
+    store.team.projects.change(PROJECT, Change(name="First", roles={"ada": "viewer"}))
+    backup.back_up(store.database, tmp_path / "copy.sqlite")
+    backup.restore(tmp_path / "copy.sqlite", f"sqlite:///{tmp_path / 'again.sqlite'}")
+    with closing(LabelStore(f"sqlite:///{tmp_path / 'again.sqlite'}")) as again:
+        assert again.team.projects.get(PROJECT) == store.team.projects.get(PROJECT)
+        assert again.team.tasks.entries(PROJECT, Wanted()) == store.team.tasks.entries(
+            PROJECT, Wanted()
+        )
+    store.recordings.forget(SEQUENCE)
+    assert store.team.tasks.entries(PROJECT, Wanted()) == []
+
+
+def test_an_old_workspace_is_one_project(tmp_path: Path) -> None:
+    with closing(Workspace(old_workspace(tmp_path))) as workspace:
+        (project,) = workspace.labels.team.projects.all()
+        assert (project.id, project.name, project.recordings) == (
+            PROJECT,
+            "Default",
+            ("ball", "hall"),
+        )
+        other = workspace.labels.team.projects.create("other", Change(recordings=["ball"]))
+        make_backup(workspace.labels, workspace.library, tmp_path / "backup")
+        workspace.labels.team.projects.put_in(PROJECT, "ball")
+        workspace.labels.team.projects.remove("other")
+        restored = workspace.restore_from_backup(tmp_path / "backup", "ball")
+        assert other.recordings == ("ball",)
+        assert set(workspace.labels.team.projects.get(PROJECT).recordings) == {
+            "ball",
+            "hall",
+            restored,
+        }

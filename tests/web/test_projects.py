@@ -1,0 +1,158 @@
+"""Projects and their queues over REST and by the client: who may what, and who sees what."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from pointbrush.client import AsyncClient, Client
+from pointbrush.errors import BadInputError, ConflictError, ForbiddenError, NotFoundError
+from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
+
+ROLES = {
+    "ada": "annotator",
+    "bob": "annotator",
+    "grace": "reviewer",
+    "guest": "annotator",
+    "lead": "manager",
+}
+PLACE = [0.5, -0.25, 3.0]
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """Two recordings of 6 frames, ``day`` and ``night``."""
+    settings = settings_in(tmp_path_factory.mktemp("projects"))
+    for name in ("day", "night"):
+        add_sequence(settings, name, frames=6, points=500)
+    with serving(settings) as running:
+        yield running
+
+
+@pytest.fixture
+def people(served: Served) -> Iterator[dict[str, Client]]:
+    """A client of each person; the project ``night`` is theirs but for the guest."""
+    tokens = served.workspace.labels.tokens
+    for token in tokens.list():
+        tokens.revoke(token.id)
+    with ExitStack() as stack:
+        clients = {
+            name: stack.enter_context(Client(served.url, tokens.add(role, name)))
+            for name, role in ROLES.items()
+        }
+        roles = {"ada": "annotator", "bob": "annotator", "grace": "reviewer"}
+        project = clients["lead"].projects.create(
+            "Night", id="night", roles=roles, recordings=["night"]
+        )
+        yield clients
+        for task in project.tasks():
+            project.delete_task(task.number)
+        project = clients["lead"].projects["default"]
+        project.change(recordings=["night"])
+        clients["lead"].projects["night"].delete()
+
+
+def test_a_task_goes_from_its_lead_to_a_person_to_a_reviewer_and_back(
+    people: dict[str, Client],
+) -> None:
+    lead, ada, bob, grace = (
+        people[name].projects["night"] for name in ("lead", "ada", "bob", "grace")
+    )
+    made = lead.add_tasks(every=2)
+    assert [(task.first, task.last, task.state) for task in made] == [
+        (0, 1, "open"),
+        (2, 3, "open"),
+        (4, 5, "open"),
+    ]
+    task = ada.next_task()
+    assert (task.number, task.state, task.assignee) == (1, "taken", "ada")
+    assert bob.next_task().number == 2
+    with pytest.raises(ForbiddenError, match="another person's"):
+        bob.put_task(1, state="done")
+    with pytest.raises(ForbiddenError, match="role reviewer"):
+        grace_as_annotator(bob, 1)
+    ada.put_task(1, state="done")
+    assert ada.put_task(1, state="done").state == "done"
+    with pytest.raises(ForbiddenError, match="role reviewer"):
+        ada.put_task(1, state="accepted")
+    assert grace.next_task("review").number == 1
+    returned = grace.put_task(1, state="returned", note="the door", frame=1, place=PLACE)
+    assert (returned.note, returned.frame, returned.place) == ("the door", 1, tuple(PLACE))
+    assert ada.next_task().number == 1
+    ada.put_task(1, state="done")
+    accepted = grace.put_task(1, state="accepted")
+    assert (accepted.note, accepted.place, accepted.reviewer) == ("", None, "grace")
+    with pytest.raises(ConflictError, match="accepted"):
+        ada.put_task(1, state="taken")
+    bob.put_task(2, state="open")
+    assert ada.next_task().number == 2
+    info = people["lead"].projects["night"].info
+    assert info.tasks == {"accepted": 1, "open": 1, "taken": 1}
+    assert info.people == {"": {"open": 1}, "ada": {"accepted": 1, "taken": 1}}
+    assert [line["state"] for line in lead.task_history(1)][:2] == ["accepted", "done"]
+    assert [task.number for task in lead.tasks(person="ada")] == [1, 2]
+
+
+def grace_as_annotator(project: Any, number: int) -> None:
+    project.put_task(number, note="not mine to say")
+
+
+@pytest.mark.parametrize(
+    ("values", "error", "said"),
+    [
+        ({}, BadInputError, "a state, a note or an assignee"),
+        ({"state": "done"}, ConflictError, "expected one of taken"),
+        ({"note": "here", "frame": 5, "place": PLACE}, BadInputError, "0 to 1"),
+        ({"note": "here", "frame": 1}, BadInputError, "together"),
+        ({"state": "lost"}, BadInputError, "state"),
+    ],
+)
+def test_steps_that_there_are_not_are_refused_in_words(
+    people: dict[str, Client], values: dict[str, Any], error: type[Exception], said: str
+) -> None:
+    project = people["lead"].projects["night"]
+    project.add_tasks(frames="0:2")
+    with pytest.raises(error, match=said):
+        project.put_task(1, **values)
+
+
+def test_a_project_with_roles_is_not_there_for_others(
+    people: dict[str, Client], served: Served
+) -> None:
+    guest, ada = people["guest"], people["ada"]
+    assert [each.id for each in guest.sequences()] == ["day"]
+    assert [each.id for each in guest.projects.all()] == ["default"]
+    for look in (
+        lambda: guest["night"],
+        lambda: guest.projects["night"],
+        lambda: guest["day"].review.agreement("night"),
+        lambda: guest.call("GET", "/sequences/night/frames/0/points"),
+    ):
+        with pytest.raises(NotFoundError):
+            look()
+    assert [each.id for each in ada.sequences()] == ["day", "night"]
+    with pytest.raises(ForbiddenError, match="role manager"):
+        ada.projects["night"].add_tasks()
+    people["lead"].projects["night"].change(roles={"ada": "viewer"})
+    with pytest.raises(ForbiddenError, match="role annotator"):
+        ada["night"].create_label("wall")
+    ada["day"].create_label("wall")
+    with pytest.raises(NotFoundError):
+        people["grace"].projects["night"].tasks()
+
+
+def test_the_same_by_code_that_awaits(people: dict[str, Client], served: Served) -> None:
+    async def walk() -> None:
+        async with AsyncClient(served.url, TOKEN) as client:
+            night = await client.projects["night"]
+            (task,) = await night.add_tasks(["night"], assignee="owner")
+            assert (await night.next_task()).number == task.number
+            assert (await night.put_task(task.number, state="done")).state == "done"
+            assert await night.next_task("review") is None
+            assert [one.id for one in await client.projects.all()] == ["default", "night"]
+
+    asyncio.run(walk())
