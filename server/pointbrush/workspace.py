@@ -28,6 +28,7 @@ from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
 from pointbrush.work.backup import note_made, require_here, require_labels, restore_one
+from pointbrush.work.boxes.exporting import boxed_frames
 from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
@@ -241,6 +242,8 @@ class Workspace:
         gaps: list[str] | None = None if isinstance(out, Path) else []
         labeled = exporting.labeled_frames(self.labels, recording, chosen, gaps, above)
         labeled = exporting.split_frames(labeled, split)
+        if formats.EXPORTS[export_format].whole_boxes:
+            labeled = boxed_frames(labeled, self.labels, recording)
         palette = self.labels.palette(sequence)
         names = formats.category_names(palette)
         numbers = self.labels.taxonomy.numbers(names)

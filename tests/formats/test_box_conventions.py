@@ -12,7 +12,7 @@ import pytest
 from pyarrow import feather
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.boxes.figures import Box, PointFigure, instance_numbers
+from pointbrush.formats.boxes.figures import FrameBox, PointFigure, instance_numbers
 from pointbrush.formats.boxes.registry import is_box_file, read_boxes
 
 ANGLES = np.array([-0.3, 0.2, 1.45])
@@ -42,11 +42,11 @@ def write(path: Path, content: Any) -> Path:
     return path
 
 
-def only(path: Path, format: str) -> Box:
+def only(path: Path, format: str) -> FrameBox:
     assert is_box_file(path, format)
     (part,) = read_boxes(path, format)
     (box,) = part.boxes
-    assert isinstance(box, Box)
+    assert isinstance(box, FrameBox)
     return box
 
 
@@ -156,7 +156,7 @@ def test_tracklets_of_cvat_have_centres_names_and_gaps(tmp_path: Path) -> None:
     (part,) = read_boxes(path, "kitti-tracklets")
     (box,) = part.boxes
     assert part.frame == "right turn"
-    assert isinstance(box, Box)
+    assert isinstance(box, FrameBox)
     assert np.allclose(box.center, CENTER)
     assert np.allclose(box.size, SIZE)
     assert np.allclose(box.rotation, THREE)
@@ -178,7 +178,7 @@ def test_cuboids_of_argoverse_are_told_by_their_time(tmp_path: Path) -> None:
     (part,) = read_boxes(path, "argoverse")
     (box,) = part.boxes
     assert part.time == pytest.approx(315966265.359836)
-    assert isinstance(box, Box)
+    assert isinstance(box, FrameBox)
     assert (box.name, box.key) == ("BUS", "u-1")
     assert np.allclose(box.rotation, RZ)
 
@@ -232,7 +232,7 @@ def test_boxes_of_nuscenes_come_in_the_coordinates_of_the_scanner(tmp_path: Path
     (part,) = read_boxes(path, "nuscenes-boxes")
     (box,) = part.boxes
     assert part.time == pytest.approx(1533151603.54759)
-    assert isinstance(box, Box)
+    assert isinstance(box, FrameBox)
     assert (box.name, box.key) == ("vehicle.car", "i")
     assert np.allclose(box.center, CENTER)
     assert np.allclose(box.size, SIZE)
@@ -258,7 +258,7 @@ def test_waymo_in_the_form_of_kitti(tmp_path: Path, every_camera: bool) -> None:
     (tmp_path / "calib" / path.name).write_text(f"R0_rect: 1 0 0 0 1 0 0 0 1\n{name}: {numbers}\n")
     box = only(path, "kitti-object")
     assert np.allclose(box.center, CENTER)
-    assert np.allclose(box.size[[0, 2, 1]], SIZE)  # along x, y, z of the camera's object
+    assert np.allclose(box.size, SIZE)
     assert np.allclose(box.rotation[:, 0], RZ[:, 0])
     assert box.key == ("ZFpMuZ1cWW" if every_camera else "")
 

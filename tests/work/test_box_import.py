@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pointbrush.formats.boxes.figures import Box, points_of
+from pointbrush.formats.boxes.figures import FrameBox, points_of
 from pointbrush.formats.boxes.registry import read_boxes
 from pointbrush.formats.corrections import Corrections
 from pointbrush.frame import PointFrame
@@ -167,7 +167,7 @@ def test_a_point_in_two_boxes_goes_to_the_nearer_centre_and_ground_may_stay(
     car, tree = part.boxes
     points = np.array([[5.0, 2.0, 1.0], [-4.0, 3.0, 2.0], [5.0, 2.0, 0.3], [50.0, 0, 0]])
     assert points_of((car, tree), points, UP, no_ground=False).tolist() == [0, 1, 0, -1]
-    inner = Box("inner", "", car.center + [1.0, 0, 0], np.full(3, 3.0), np.eye(3))
+    inner = FrameBox("inner", "", car.center + [1.0, 0, 0], np.full(3, 3.0), np.eye(3))
     near = car.center + np.array([[0.2, 0, 0], [0.9, 0, 0]])
     assert points_of((car, inner), near, UP, no_ground=False).tolist() == [0, 1]
 

@@ -11,7 +11,8 @@ AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "labelcloud-points", "npy", "lines", "las"),
     *("labelcloud", "sustechpoints", "supervisely", "datumaro", "xtreme1", "argoverse"),
-    *("nuscenes-boxes", "kitti-object", "kitti-tracking", "kitti-tracklets"),
+    *("waymo", "segments", "nuscenes-boxes"),
+    *("kitti-object", "kitti-tracking", "kitti-tracklets"),
     *("openpcdet", "boxes"),
     "points",
 )

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.exports import EXPORTS, boxes
-from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT
+from pointbrush.formats.exports import EXPORTS
+from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT, TIMES
 
 MAX_BYTES = 64 << 20
 LEVELS = 4
@@ -35,6 +35,8 @@ class OwnExport:
     frames: Mapping[Path, int]
     deleted: Mapping[int, Path]
     T_export_source: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    times: Mapping[int, float] = field(default_factory=dict)
+    """Seconds of frames, for tables whose rows have times."""
 
     def label_files(self, place: Path) -> tuple[str, list[Path]]:
         """Find the format of labels and the files at ``place`` that have them, by frame.
@@ -47,8 +49,9 @@ class OwnExport:
             )
         name, pattern = EXPORTS[self.format].read_as
         above = place.absolute()
-        files = [*self.frames, self.root / boxes.FILE]
-        chosen = [p for p in files if p.is_relative_to(above) and p.match(pattern)]
+        chosen = [p for p in self.frames if p.is_relative_to(above) and p.match(pattern)]
+        if not chosen:  # all frames are in one file
+            chosen = [p for p in sorted(self.root.rglob(pattern)) if p.is_relative_to(above)]
         return name, [path for path in chosen if path.is_file()]
 
     def spread(self, frame: int, values: NDArray[Any]) -> NDArray[Any]:
@@ -103,6 +106,7 @@ def _parse(told: Path, alone: Path | None) -> OwnExport:
             MappingProxyType(frames),
             MappingProxyType(deleted),
             _rigid(document.get(PLACEMENT)),
+            {int(frame): float(time) for frame, time in document.get(TIMES, {}).items()},
         )
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise BadInputError(

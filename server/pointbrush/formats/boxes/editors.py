@@ -8,28 +8,29 @@ from typing import Any
 
 import numpy as np
 
+from pointbrush.formats.boxes.attributes import of_text
+from pointbrush.formats.boxes.conventions import box_by
 from pointbrush.formats.boxes.documents import document, vector
-from pointbrush.formats.boxes.figures import Box, FrameBoxes
-from pointbrush.formats.boxes.rotations import euler_matrix
+from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
 
 CLASSES = "_classes.json"
 """labelCloud's file of classes, which states the format of the labels beside it."""
 SIDES = ("length", "width", "height")
+PSR = ("position", "scale", "rotation")
 
 
 def read_labelcloud(path: Path) -> Iterator[FrameBoxes]:
     """Read labelCloud's boxes, by their centroid or by their eight corners."""
     entries = document(path)["objects"]
-    radians = _in_radians(path, entries)
+    tool = "labelcloud-radians" if _in_radians(path, entries) else "labelcloud"
     boxes = []
     for entry in entries:
         if "vertices" in entry:
             boxes.append(_of_corners(str(entry["name"]), entry["vertices"]))
             continue
-        angles = vector(entry["rotations"])
-        rotation = euler_matrix(angles if radians else np.radians(angles), "zyx")
+        place, angles = vector(entry["centroid"]), vector(entry["rotations"])
         size = vector(entry["dimensions"], SIDES)
-        boxes.append(Box(str(entry["name"]), "", vector(entry["centroid"]), size, rotation))
+        boxes.append(box_by(tool, str(entry["name"]), "", place, size, angles))
     yield FrameBoxes(None, tuple(boxes))
 
 
@@ -48,14 +49,14 @@ def _in_radians(path: Path, entries: Any) -> bool:
     return any(bool((turn < 0).any()) for turn in angles)
 
 
-def _of_corners(name: str, corners: Any) -> Box:
+def _of_corners(name: str, corners: Any) -> FrameBox:
     """Build the box of labelCloud's corners: 0 to 3 is its length, 0 to 1 width, 0 to 4 height."""
     places = np.array([vector(corner, range(3)) for corner in corners])
     edges = np.stack([places[3] - places[0], places[1] - places[0], places[4] - places[0]], axis=1)
     size = np.linalg.norm(edges, axis=0)
     if len(places) != 8 or not (size > 0).all():
         raise ValueError(corners)
-    return Box(name, "", places.mean(axis=0), size, edges / size)
+    return FrameBox(name, "", places.mean(axis=0), size, edges / size)
 
 
 def read_sustechpoints(path: Path) -> Iterator[FrameBoxes]:
@@ -64,10 +65,10 @@ def read_sustechpoints(path: Path) -> Iterator[FrameBoxes]:
     entries = content["objs"] if isinstance(content, dict) else content
     boxes = []
     for entry in entries:
-        place = entry["psr"]
-        rotation = euler_matrix(vector(place["rotation"]), "xyz")
         key, name = str(entry.get("obj_id") or ""), str(entry["obj_type"])
-        boxes.append(Box(name, key, vector(place["position"]), vector(place["scale"]), rotation))
+        parts = (vector(entry["psr"][field]) for field in PSR)
+        told = of_text(str(entry.get("obj_attr") or ""))
+        boxes.append(box_by("sustechpoints", name, key, *parts, attributes=told))
     yield FrameBoxes(None, tuple(boxes))
 
 
@@ -82,7 +83,6 @@ def read_xtreme1(path: Path) -> Iterator[FrameBoxes]:
                 continue
             name = entry.get("className") or entry["modelClass"]
             key = str(entry.get("trackId") or entry.get("trackName") or "")
-            rotation = euler_matrix(vector(place["rotation3D"]), "xyz")
-            center, size = vector(place["center3D"]), vector(place["size3D"])
-            boxes.append(Box(str(name), key, center, size, rotation))
+            parts = (vector(place[field]) for field in ("center3D", "size3D", "rotation3D"))
+            boxes.append(box_by("xtreme1", str(name), key, *parts))
     yield FrameBoxes(None, tuple(boxes))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from pointbrush.oriented_box import Attributes
 
 Floats = NDArray[np.float64]
 log = logging.getLogger(__name__)
@@ -22,12 +24,12 @@ GROUND_SHARE = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Box:
-    """A box of an object, in the coordinates of the points.
+class FrameBox:
+    """A box of an object in a frame, in the coordinates of the points.
 
-    ``center`` (3,) and ``size`` (3,) full edges, metres; ``rotation`` (3, 3) axes as columns;
-    ``key`` tells its object in all frames, "" where nothing does; ``label`` is the id of the label
-    of ours that it is of, 0 for others.
+    ``center`` (3,) and ``size`` (3,) length, width and height, metres; ``rotation`` (3, 3) its
+    axes forward, left and up as columns; ``key`` tells its object in all frames, "" where nothing
+    does; ``label`` is the id of the label of ours that it is of, 0 for others.
     """
 
     name: str
@@ -36,20 +38,28 @@ class Box:
     size: Floats
     rotation: Floats
     label: int = 0
+    attributes: Attributes = field(default_factory=dict)
+    margin: float = 0.0
+    """Metres beyond its faces that are inside too, where its numbers are rounded."""
 
-    def moved_back(self, T_boxes_points: Floats) -> Box:
+    def moved_back(self, T_boxes_points: Floats) -> FrameBox:
         """Move a box to the coordinates of the points; ``T_boxes_points`` (4, 4)."""
         R, t = T_boxes_points[:3, :3], T_boxes_points[:3, 3]
         return replace(self, center=R.T @ (self.center - t), rotation=R.T @ self.rotation)
 
-    def scaled(self, scale: float) -> Box:
+    def moved(self, T_new_points: Floats) -> FrameBox:
+        """Move a box from the coordinates of the points to others; ``T_new_points`` (4, 4)."""
+        R, t = T_new_points[:3, :3], T_new_points[:3, 3]
+        return replace(self, center=R @ self.center + t, rotation=R @ self.rotation)
+
+    def scaled(self, scale: float) -> FrameBox:
         """Scale a box about the origin of its coordinates."""
         return replace(self, center=self.center * scale, size=self.size * scale)
 
     def inside(self, xyz: Floats) -> NDArray[np.bool_]:
         """Mark the points of ``xyz`` (N, 3) that are in the box, its faces included."""
         local = np.abs((xyz - self.center) @ self.rotation)
-        return np.asarray((local <= self.size / 2).all(axis=1))
+        return np.asarray((local <= self.size / 2 + self.margin).all(axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +72,7 @@ class PointFigure:
     label: int = 0
 
 
-Figure = Box | PointFigure
+Figure = FrameBox | PointFigure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,9 +91,9 @@ class FrameBoxes:
         """Move the boxes to the coordinates of the points."""
         return self.changed(lambda box: box.moved_back(T_boxes_points))
 
-    def changed(self, change: Callable[[Box], Box]) -> FrameBoxes:
+    def changed(self, change: Callable[[FrameBox], FrameBox]) -> FrameBoxes:
         """Change the boxes, and leave the marked points as they are."""
-        changed = (change(each) if isinstance(each, Box) else each for each in self.boxes)
+        changed = (change(each) if isinstance(each, FrameBox) else each for each in self.boxes)
         return replace(self, boxes=tuple(changed))
 
 
@@ -95,7 +105,9 @@ def in_metres(
     They are where more of them lie between ``lo`` and ``hi`` (3,), the recording's bounds, than do
     as they are.
     """
-    boxes = [box for file in found for part in file for box in part.boxes if isinstance(box, Box)]
+    boxes = [
+        box for file in found for part in file for box in part.boxes if isinstance(box, FrameBox)
+    ]
     centers = np.array([box.center for box in boxes]).reshape(-1, 3)
     as_is, scaled = (
         int(((lo <= where) & (where <= hi)).all(axis=1).sum())
@@ -126,7 +138,7 @@ def instance_numbers(figures: Iterable[Figure]) -> dict[str, int]:
 
 
 def points_of(
-    boxes: tuple[Box, ...], xyz: Floats, up: Floats, *, no_ground: bool
+    boxes: tuple[FrameBox, ...], xyz: Floats, up: Floats, *, no_ground: bool
 ) -> NDArray[np.int64]:
     """Find the box (N,) that each point is in, -1 for none; of several the one of nearer centre.
 
@@ -146,9 +158,9 @@ def points_of(
     return which
 
 
-def _ground(box: Box, xyz: Floats, up: Floats) -> NDArray[np.bool_]:
+def _ground(box: FrameBox, xyz: Floats, up: Floats) -> NDArray[np.bool_]:
     """Mark the points (N,) near the level of the lowest ones round a box."""
-    wide = Box(box.name, "", box.center, box.size + 2 * GROUND_REACH, box.rotation)
+    wide = FrameBox(box.name, "", box.center, box.size + 2 * GROUND_REACH, box.rotation)
     height = xyz @ up
     near = wide.inside(xyz) & ~box.inside(xyz)
     if not near.any():

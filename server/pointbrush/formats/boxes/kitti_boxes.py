@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.boxes.conventions import box_by
 from pointbrush.formats.boxes.documents import lines_of_words
 from pointbrush.formats.boxes.editors import labelcloud_format
-from pointbrush.formats.boxes.figures import Box, FrameBoxes
-from pointbrush.formats.boxes.rotations import euler_matrix
+from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
 from pointbrush.formats.kitti_cameras import camera_from_velodyne, read_calibration
 from pointbrush.formats.options import read_bytes
 from pointbrush.formats.poses import rigid_of
@@ -25,6 +25,8 @@ OBJECT_WORDS = 15
 """Values of a line of KITTI's object labels."""
 TRACKING_WORDS = 17
 """Values of a line of KITTI's tracking labels: frame and track, then those of an object."""
+ATTRIBUTES = {"truncated": 1, "occluded": 2}
+"""Attributes by the places of their words in an object's line; 0 and below say nothing."""
 FRAME_LIST = "frame_list.txt"
 """CVAT's file beside its tracklets: number of a frame and its name a line."""
 OUTSIDE = ("2", "99")
@@ -36,28 +38,28 @@ def read_kitti_object(path: Path) -> Iterator[FrameBoxes]:
 
     labelCloud's ``kitti_untransformed`` has centres in the points' coordinates instead.
     """
-    if labelcloud_format(path) == "kitti_untransformed":
-        boxes = [_untransformed(words) for words in _lines(path, OBJECT_WORDS)]
-    else:
-        T_velo_cam = np.asarray(np.linalg.inv(_camera_from_velodyne(path)), np.float64)
-        boxes = [
-            # The converter from Waymo adds the camera and the object's key.
-            _of_camera(words, words[16] if len(words) > 16 else "", T_velo_cam)
-            for words in _lines(path, OBJECT_WORDS)
-        ]
-    yield FrameBoxes(None, tuple(boxes))
+    untransformed = labelcloud_format(path) == "kitti_untransformed"
+    tool = "kitti-untransformed" if untransformed else "kitti"
+    # The converter from Waymo adds the camera and the object's key.
+    boxes = tuple(
+        _box(tool, words, words[16] if len(words) > 16 else "")
+        for words in _lines(path, OBJECT_WORDS)
+    )
+    found = FrameBoxes(None, boxes)
+    yield found if untransformed else found.moved_back(_camera_from_velodyne(path))
 
 
 def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
     """Read ``label_02/0000.txt``: the boxes of all frames, in the camera's coordinates."""
-    T_velo_cam = np.asarray(np.linalg.inv(_camera_from_velodyne(path)), np.float64)
-    frames: dict[int, list[Box]] = {}
+    T_cam_velo = _camera_from_velodyne(path)
+    frames: dict[int, list[FrameBox]] = {}
     for words in _lines(path, TRACKING_WORDS):
         # Numbers of tracks count from 0, and 0 is no instance; -1 is no track.
         track = int(words[1])
-        box = _of_camera(words[2:], str(track + 1) if track >= 0 else "", T_velo_cam)
+        box = _box("kitti", words[2:], str(track + 1) if track >= 0 else "")
         frames.setdefault(int(words[0]), []).append(box)
-    yield from (FrameBoxes(frame, tuple(boxes)) for frame, boxes in sorted(frames.items()))
+    for frame, boxes in sorted(frames.items()):
+        yield FrameBoxes(frame, tuple(boxes)).moved_back(T_cam_velo)
 
 
 def _lines(path: Path, count: int) -> Iterator[list[str]]:
@@ -67,18 +69,12 @@ def _lines(path: Path, count: int) -> Iterator[list[str]]:
             yield words
 
 
-def _of_camera(words: list[str], key: str, T_velo_cam: Floats) -> Box:
-    """Build the box of an object's words: size h w l, the bottom's middle, the angle about y."""
-    height, width, length, x, y, z, turn = (float(word) for word in words[8:15])
-    center = T_velo_cam[:3, :3] @ [x, y - height / 2, z] + T_velo_cam[:3, 3]
-    rotation = T_velo_cam[:3, :3] @ euler_matrix(np.array([0.0, turn, 0.0]), "zyx")
-    return Box(words[0], key, center, np.array([length, height, width]), rotation)
-
-
-def _untransformed(words: list[str]) -> Box:
-    height, width, length, x, y, z, turn = (float(word) for word in words[8:15])
-    rotation = euler_matrix(np.array([0.0, 0.0, turn]), "zyx")
-    return Box(words[0], "", np.array([x, y, z]), np.array([length, width, height]), rotation)
+def _box(tool: str, words: list[str], key: str) -> FrameBox:
+    """Build the box of an object's words: size h w l, place, angle."""
+    numbers = np.array([float(word) for word in words[8:15]])
+    told = {name: float(words[place]) for name, place in ATTRIBUTES.items()}
+    told = {name: value for name, value in told.items() if value > 0}
+    return box_by(tool, words[0], key, numbers[3:6], numbers[:3], numbers[6:], attributes=told)
 
 
 def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
@@ -90,7 +86,7 @@ def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
     root = _tracklets(path)
     names = _frame_names(path)
     by_cvat = bool(names) or root.findtext("./tracklets/item/poses/item_version") == "0"
-    frames: dict[int, list[Box]] = {}
+    frames: dict[int, list[FrameBox]] = {}
     for number, item in enumerate(root.findall("./tracklets/item"), start=1):
         size = np.array([float(_text(item, name)) for name in ("whl" if by_cvat else "lwh")])
         first = int(_text(item, "first_frame"))
@@ -101,9 +97,8 @@ def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
             angles = np.array([float(_text(pose, f"r{axis}")) for axis in "xyz"])
             if not np.isfinite([*place, *angles, *size]).all():
                 raise BadInputError(f"{path.name}: expected finite numbers in item {number}")
-            rotation = euler_matrix(angles, "xyz" if by_cvat else "zyx")
-            center = place if by_cvat else place + rotation[:, 2] * size[2] / 2
-            box = Box(_text(item, "objectType"), str(number), center, size, rotation)
+            tool = "tracklets-cvat" if by_cvat else "tracklets"
+            box = box_by(tool, _text(item, "objectType"), str(number), place, size, angles)
             frames.setdefault(first + step, []).append(box)
     for frame, boxes in sorted(frames.items()):
         yield FrameBoxes(names.get(frame, frame), tuple(boxes))

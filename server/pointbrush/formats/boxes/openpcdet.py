@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
+from pointbrush.formats.boxes.conventions import box_by, numbers_by
 from pointbrush.formats.boxes.documents import lines_of_words, vector
-from pointbrush.formats.boxes.figures import Box, FrameBoxes
-from pointbrush.formats.boxes.rotations import euler_matrix
+from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
 
 WORDS = 8
 STEP = 1e-4
-"""Metres, last digit of the numbers of our export: boxes are enlarged by it on each side."""
+"""Metres, last digit of the numbers of our export."""
 
 
 def read_openpcdet(path: Path) -> Iterator[FrameBoxes]:
@@ -21,9 +19,16 @@ def read_openpcdet(path: Path) -> Iterator[FrameBoxes]:
 
     Raises BadInputError for another number of words, ValueError for numbers that are not finite.
     """
-    boxes: list[Box] = []
+    boxes: list[FrameBox] = []
     for words in lines_of_words(path, WORDS, WORDS):
         values = vector(words, range(7))
-        rotation = euler_matrix(np.array([0.0, 0.0, values[6]]), "zyx")
-        boxes.append(Box(words[7], "", values[:3], values[3:6] + 2 * STEP, rotation))
+        parts = values[:3], values[3:6], values[6:]
+        boxes.append(box_by("openpcdet", words[7], "", *parts, margin=STEP))
     yield FrameBoxes(None, tuple(boxes))
+
+
+def box_line(box: FrameBox) -> str:
+    """Write a box as a line of ``labels/NAME.txt``, without its end."""
+    place, size, turn = numbers_by("openpcdet", box)
+    numbers = " ".join(f"{value:.4f}" for value in (*place, *size, *turn))
+    return f"{numbers} {'_'.join(box.name.split())}"

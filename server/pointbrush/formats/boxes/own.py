@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.formats.boxes.documents import document, vector
-from pointbrush.formats.boxes.figures import Box, FrameBoxes
+from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
 
 MARGIN = 1e-6
-"""Metres by which a box of ours is enlarged: its outermost points lie on its faces."""
+"""Metres beyond the faces of a box of ours, on which its outermost points lie."""
 
 
 def read_own(path: Path) -> Iterator[FrameBoxes]:
     """Read ``boxes.json`` of our export: the tightest box of each label in each frame."""
-    frames: dict[int, list[Box]] = {}
+    frames: dict[int, list[FrameBox]] = {}
     for entry in document(path)["boxes"]:
         box, label = entry["box"], int(entry["label"])
         center, size = vector(box["center"], range(3)), vector(box["size"], range(3))
         rotation = np.array(box["rotation"], float).reshape(3, 3)
-        made = Box(str(entry["name"]), "", center, size + 2 * MARGIN, rotation, label)
+        made = FrameBox(str(entry["name"]), "", center, size, rotation, label, margin=MARGIN)
         frames.setdefault(int(entry["frame"]), []).append(made)
     yield from (FrameBoxes(frame, tuple(boxes)) for frame, boxes in sorted(frames.items()))

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pointbrush.errors import BadInputError
+from pointbrush.formats.boxes.attributes import value_of
+from pointbrush.formats.boxes.conventions import box_by
 from pointbrush.formats.boxes.documents import document, vector
-from pointbrush.formats.boxes.figures import Box, Figure, FrameBoxes, PointFigure
-from pointbrush.formats.boxes.rotations import Order, euler_matrix
+from pointbrush.formats.boxes.figures import Figure, FrameBoxes, PointFigure
+from pointbrush.oriented_box import AttributeValue
 
 FRAME_MAP = "frame_pointcloud_map.json"
 """Supervisely's file of an episode: index of a frame → name of its file of points."""
+CUBOID = ("position", "dimensions", "rotation")
+"""Supervisely's place, size and rotation of a cuboid."""
+SILENT = {"keyframe": True, "occluded": False, "outside": False}
+"""Values of attributes that CVAT gives to every cuboid."""
 _HYPHENATED = re.compile(r"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 """Keys that CVAT makes; Supervisely's own have no hyphens."""
 
@@ -23,29 +30,39 @@ def read_supervisely(path: Path) -> Iterator[FrameBoxes]:
     """Read the figures of an episode (``frames``) or of one frame: cuboids and point masks."""
     content = document(path)
     content = content.get("annotation", content)
-    classes = {str(entry["key"]): str(entry["classTitle"]) for entry in content["objects"]}
+    objects = {str(entry["key"]): entry for entry in content["objects"]}
     if "frames" not in content:
-        yield FrameBoxes(None, tuple(_figures(content["figures"], classes)))
+        yield FrameBoxes(None, tuple(_figures(content["figures"], objects, 0)))
         return
     beside = path.parent / FRAME_MAP
     names = document(beside) if beside.is_file() else None
     for entry in content["frames"]:
         index = int(entry["index"])
         frame = index if names is None else str(names[str(index)])
-        yield FrameBoxes(frame, tuple(_figures(entry["figures"], classes)))
+        yield FrameBoxes(frame, tuple(_figures(entry["figures"], objects, index)))
 
 
-def _figures(entries: Any, classes: dict[str, str]) -> Iterator[Figure]:
+def _figures(entries: Any, objects: Mapping[str, Any], index: int) -> Iterator[Figure]:
     for entry in entries:
         key, place = str(entry["objectKey"]), entry["geometry"]
-        kind = entry.get("geometryType", "cuboid_3d")
+        name, kind = str(objects[key]["classTitle"]), entry.get("geometryType", "cuboid_3d")
         if kind == "point_cloud":
-            yield PointFigure(classes[key], key, np.array(place["indices"], np.int64))
+            yield PointFigure(name, key, np.array(place["indices"], np.int64))
         elif kind == "cuboid_3d":
-            order: Order = "xyz" if _HYPHENATED.fullmatch(key) else "zyx"
-            rotation = euler_matrix(vector(place["rotation"]), order)
-            center, size = vector(place["position"]), vector(place["dimensions"])
-            yield Box(classes[key], key, center, size, rotation)
+            tool = "supervisely-cvat" if _HYPHENATED.fullmatch(key) else "supervisely"
+            parts = (vector(place[field]) for field in CUBOID)
+            yield box_by(tool, name, key, *parts, attributes=_tags(objects[key], index))
+
+
+def _tags(entry: Mapping[str, Any], index: int) -> dict[str, AttributeValue]:
+    """Read the tags that an object has in a frame; one without a value is true."""
+    told: dict[str, AttributeValue] = {}
+    for tag in entry.get("tags") or []:
+        first, last = tag.get("frameRange") or (index, index)
+        if first <= index <= last:
+            value = tag.get("value")
+            told[str(tag["name"])] = True if value is None else value_of(str(value))
+    return told
 
 
 def read_datumaro(path: Path) -> Iterator[FrameBoxes]:
@@ -57,11 +74,60 @@ def read_datumaro(path: Path) -> Iterator[FrameBoxes]:
         for entry in item["annotations"]:
             if entry["type"] != "cuboid_3d":
                 continue
-            center, angles, size = (
-                vector(entry[key], range(3)) for key in ("position", "rotation", "scale")
-            )
-            track = entry.get("attributes", {}).get("track_id")
-            key = "" if track is None else str(track)
-            rotation = euler_matrix(angles, "xyz")
-            boxes.append(Box(labels[int(entry["label_id"])], key, center, size, rotation))
+            parts = (vector(entry[key], range(3)) for key in ("position", "scale", "rotation"))
+            told = dict(entry.get("attributes", {}))
+            key, name = str(told.pop("track_id", "")), labels[int(entry["label_id"])]
+            boxes.append(box_by("datumaro", name, key, *parts, attributes=_stated(told)))
         yield FrameBoxes(str(item["id"]), tuple(boxes))
+
+
+def _stated(attributes: Mapping[str, Any]) -> dict[str, AttributeValue]:
+    """Keep the attributes that somebody has chosen, numbers as float."""
+    told = {
+        name: value if isinstance(value, str | bool) else float(value)
+        for name, value in attributes.items()
+        if isinstance(value, str | bool | int | float)
+    }
+    return {name: value for name, value in told.items() if SILENT.get(name) is not value}
+
+
+def read_segments(path: Path) -> Iterator[FrameBoxes]:
+    """Read the cuboids of a release of Segments.ai: sequences, and samples of one frame.
+
+    Without a quaternion a box turns about z by its yaw.  Raises BadInputError for a sequence among
+    other samples.
+    """
+    dataset = document(path)["dataset"]
+    names = {
+        int(each["id"]): str(each["name"]) for each in dataset["task_attributes"]["categories"]
+    }
+    samples = dataset["samples"]
+    for sample in samples:
+        told = next(iter(sample["labels"].values()))["attributes"]
+        if "frames" not in told:
+            yield FrameBoxes(str(sample["name"]), _cuboids(told["annotations"], names))
+            continue
+        if len(samples) > 1:
+            raise BadInputError(
+                f"{path.name}: expected one sequence, got {len(samples)} samples, of which "
+                f"{str(sample['name'])[:40]!r} is one"
+            )
+        files = sample["attributes"]["frames"]
+        for index, (entry, file) in enumerate(zip(told["frames"], files, strict=True)):
+            frame = str(file["name"]) if file.get("name") else index
+            yield FrameBoxes(frame, _cuboids(entry["annotations"], names))
+
+
+def _cuboids(entries: Any, names: Mapping[int, str]) -> tuple[Figure, ...]:
+    boxes: list[Figure] = []
+    for entry in entries:
+        if entry.get("type") != "cuboid":
+            continue
+        tool, turn = "waymo", np.array([float(entry["yaw"])])
+        if entry.get("rotation"):
+            tool, turn = "segments", vector(entry["rotation"], ("qx", "qy", "qz", "qw"))
+        place, size = vector(entry["position"]), vector(entry["dimensions"])
+        key, name = str(entry.get("track_id") or ""), names[int(entry["category_id"])]
+        told = _stated(entry.get("attributes") or {})
+        boxes.append(box_by(tool, name, key, place, size, turn, attributes=told))
+    return tuple(boxes)

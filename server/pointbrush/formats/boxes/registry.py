@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.boxes.drives import read_argoverse, read_nuscenes_boxes
+from pointbrush.formats.boxes.drives import read_argoverse, read_nuscenes_boxes, read_waymo
 from pointbrush.formats.boxes.editors import read_labelcloud, read_sustechpoints, read_xtreme1
 from pointbrush.formats.boxes.figures import FrameBoxes
 from pointbrush.formats.boxes.kitti_boxes import (
@@ -19,7 +19,7 @@ from pointbrush.formats.boxes.kitti_boxes import (
 )
 from pointbrush.formats.boxes.openpcdet import read_openpcdet
 from pointbrush.formats.boxes.own import read_own
-from pointbrush.formats.boxes.projects import read_datumaro, read_supervisely
+from pointbrush.formats.boxes.projects import read_datumaro, read_segments, read_supervisely
 
 START = 1 << 16
 """Bytes of a file by which its format is told."""
@@ -43,6 +43,8 @@ BOX_READERS: Mapping[str, BoxFormat] = MappingProxyType({
     "datumaro": BoxFormat(read_datumaro, ".json", ('"categories"', '"items"', '"annotations"')),
     "xtreme1": BoxFormat(read_xtreme1, ".json", ('"contour"', '"center3D"')),
     "argoverse": BoxFormat(read_argoverse, ".feather", ("track_uuid", "length_m")),
+    "waymo": BoxFormat(read_waymo, ".parquet", (r"\APAR1",)),
+    "segments": BoxFormat(read_segments, ".json", ('"dataset"', '"samples"', '"task_attributes"')),
     "nuscenes-boxes": BoxFormat(
         read_nuscenes_boxes, ".json", ('"sample_token"', '"instance_token"', '"size"')
     ),

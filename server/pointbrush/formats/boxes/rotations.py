@@ -1,4 +1,4 @@
-"""Rotations of boxes by Euler angles and quaternions."""
+"""Rotations of boxes: Euler angles both ways, and the axes of the level."""
 
 from __future__ import annotations
 
@@ -24,3 +24,31 @@ def euler_matrix(angles: Floats, order: Order) -> Floats:
     }
     first, second, third = (about[axis] for axis in order)
     return np.asarray(first @ second @ third)
+
+
+def euler_angles(rotation: Floats, order: Order) -> Floats:
+    """Compute the angles (3,) about x, y and z whose ``euler_matrix`` is ``rotation`` (3, 3).
+
+    Where y is a quarter turn, only the sum of the others is known: the last one to turn is 0.
+    """
+    # The factors of the transpose are the reverse ones, each turned back.
+    R = rotation if order == "zyx" else rotation.T
+    across = float(np.hypot(R[2, 1], R[2, 2]))
+    y = np.arctan2(-R[2, 0], across)
+    if across > 1e-9:
+        angles = np.array([np.arctan2(R[2, 1], R[2, 2]), y, np.arctan2(R[1, 0], R[0, 0])])
+    else:
+        angles = np.array([0.0, y, np.arctan2(-R[0, 1], R[1, 1])])
+    return angles if order == "zyx" else -angles
+
+
+def upright_axes(up: NDArray[np.floating]) -> Floats:
+    """Make ``R_upright_source`` (3, 3): rows forward, left, up; the identity for z up.
+
+    Where z is not the vertical it is forward, as of a camera (x right, y down, z ahead).
+    """
+    vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
+    aside = np.eye(3)[2 if abs(vertical[2]) < 0.9 else 0]
+    forward = aside - vertical * (aside @ vertical)
+    forward /= np.linalg.norm(forward)
+    return np.stack([forward, np.cross(vertical, forward), vertical])

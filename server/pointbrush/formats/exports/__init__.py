@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from pointbrush.errors import BadInputError, DamagedError
+from pointbrush.formats.boxes.writing import ATTRIBUTES as BOX_ATTRIBUTES
+from pointbrush.formats.boxes.writing import BOX_WRITERS, PRECISE, TILT
 from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
 from pointbrush.formats.exports.about import FrameLog, write_about, write_classes
 from pointbrush.formats.exports.labeled import (
@@ -22,6 +25,7 @@ from pointbrush.formats.exports.labeled import (
     sizes_of,
 )
 from pointbrush.formats.exports.output import Output, folder_output, single_output, stream_output
+from pointbrush.formats.exports.whole_boxes import write_whole_boxes
 from pointbrush.formats.numbering import (
     KITTI_NUMBERS,
     LAS_NUMBERS,
@@ -51,6 +55,8 @@ class Export:
     """Numbers that its files have for classes; None: those of the workspace."""
     splits: bool = False
     """Its frames are split into those for training and those for validation."""
+    whole_boxes: bool = False
+    """It has the boxes of labels as people or fits made them, not as their points end."""
     labels: tuple[str, str] | None = None
     """Format of labels as which it comes back in, and its files that have them; None: a file of
     points for each frame."""
@@ -68,6 +74,8 @@ _PROVENANCE = "provenance"
 _FIELDS = "further fields"
 _COLORS = "colours"
 _BOXES = "the points of a label, only boxes round them"
+_POINTS = "points and their labels, only boxes"
+_NAMELESS = ("names of labels", "the same object in several frames", _COLORS)
 
 _ALL = (
     Export("ply", "PLY", "points and labels", points.write_plys, (_PROVENANCE,), (".ply",)),
@@ -135,22 +143,45 @@ _ALL = (
         training.write_openpcdet,
         (
             _BOXES,
-            "names of labels",
-            "the same object in several frames",
+            *_NAMELESS,
             f"labels of fewer than {training.FEWEST} points",
-            _COLORS,
         ),
         masks=False,
         numbering=TRAINING_NUMBERS,
         splits=True,
         labels=("openpcdet", "labels/*.txt"),
     ),
+    *(
+        Export(
+            name,
+            kind.title,
+            kind.content,
+            partial(write_whole_boxes, kind),
+            (_POINTS, *kind.cannot_hold),
+            masks=False,
+            whole_boxes=True,
+            labels=kind.read_as,
+        )
+        for name, kind in BOX_WRITERS.items()
+    ),
+    Export(
+        "openpcdet-boxes",
+        "OpenPCDet, whole",
+        "points and whole boxes",
+        partial(training.write_openpcdet, whole=True),
+        (_BOXES, *_NAMELESS, TILT, BOX_ATTRIBUTES, PRECISE),
+        masks=False,
+        numbering=TRAINING_NUMBERS,
+        splits=True,
+        whole_boxes=True,
+        labels=("openpcdet", "labels/*.txt"),
+    ),
     Export(
         "boxes",
-        "Boxes",
-        "oriented boxes per frame",
+        "Boxes, visible part",
+        "boxes that end where points end",
         boxes.write_boxes,
-        (_BOXES,),
+        (_BOXES, "the size of objects that are seen in part"),
         masks=False,
         labels=("boxes", boxes.FILE),
     ),

@@ -15,6 +15,8 @@ from pointbrush.formats.table import Table
 
 NAME = "export.json"
 CLASSES = "classes.json"
+TIMES = "times"
+"""Key of the seconds of frames, by which rows of tables are of them."""
 PLACEMENT = "T_export_source"
 """Key of the rows of (4, 4) that place the source's points in the export."""
 VERSION = 1

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.exports.labeled import ExportFrame, Palette, category_of
 from pointbrush.formats.exports.output import Output
-from pointbrush.formats.exports.placement import upright_axes
 from pointbrush.formats.exports.points import write_palette
 
 Matrix = NDArray[np.float64]
@@ -21,9 +21,11 @@ MAX_EDGES = 360
 
 
 FILE = "boxes.json"
+VISIBLE = "visible"
+"""Extent of these boxes: they end where the points end, whatever the object's size is."""
 
 
-def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
+def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> dict[str, str]:
     """``boxes.json`` and ``label_02/0000.txt`` (KITTI tracking) of every label in every frame.
 
     JSON has per box the tightest box along the principal axes (``box``) and the smallest upright
@@ -53,10 +55,12 @@ def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output)
             listed.append(record)
             lines.append(_kitti(frame, label, category, upright))
     with output.file(FILE) as file:
-        file.write(json.dumps({"boxes": listed}, indent=1, ensure_ascii=False).encode())
+        document = {"extent": VISIBLE, "boxes": listed}
+        file.write(json.dumps(document, indent=1, ensure_ascii=False).encode())
     with output.file("label_02/0000.txt") as file:
         file.write("".join(line + "\n" for line in lines).encode())
     write_palette(palette, output)
+    return {"extent": VISIBLE}
 
 
 def _by_label(frame: ExportFrame) -> dict[int, NDArray[Any]]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.boxes.scene import SceneFrame
 from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.numbering import Numbering, numbering_of
 from pointbrush.formats.table import Table
@@ -95,6 +96,8 @@ class LabeledFrame:
     recording: str = ""
     """Id of the recording that the frame is of."""
     split: Split = Split()
+    boxes: SceneFrame | None = None
+    """The frame with the boxes of its labels, for formats that write those."""
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -153,6 +156,7 @@ class BlockedFrame:
     dropped: int = 0
     recording: str = ""
     split: Split = Split()
+    boxes: SceneFrame | None = None
 
     @property
     def stem(self) -> str:

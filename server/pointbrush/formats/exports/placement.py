@@ -36,15 +36,3 @@ def placed(T_export_source: Matrix, xyz: NDArray[np.floating]) -> Matrix:
     """Move points (N, 3) from the source's coordinates to those of the export, as float64."""
     moved = xyz.astype(np.float64) @ T_export_source[:3, :3].T + T_export_source[:3, 3]
     return np.asarray(moved, np.float64)
-
-
-def upright_axes(up: NDArray[np.floating]) -> Matrix:
-    """Make ``R_upright_source`` (3, 3): rows forward, left, up; the identity for z up.
-
-    Where z is not the vertical it is forward, as of a camera (x right, y down, z ahead).
-    """
-    vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
-    aside = np.eye(3)[2 if abs(vertical[2]) < 0.9 else 0]
-    forward = aside - vertical * (aside @ vertical)
-    forward /= np.linalg.norm(forward)
-    return np.stack([forward, np.cross(vertical, forward), vertical])

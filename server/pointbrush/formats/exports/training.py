@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.formats.boxes.figures import FrameBox
+from pointbrush.formats.boxes.openpcdet import box_line
+from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.exports.about import PLACEMENT
 from pointbrush.formats.exports.boxes import upright_box
 from pointbrush.formats.exports.labeled import (
@@ -23,9 +26,9 @@ from pointbrush.formats.exports.placement import (
     Matrix,
     placed,
     placement_of,
-    upright_axes,
 )
 from pointbrush.formats.exports.points import write_palette
+from pointbrush.formats.exports.whole_boxes import boxes_of
 from pointbrush.formats.npy import write_column
 from pointbrush.formats.numbering import TRAINING_NUMBERS
 from pointbrush.formats.table import Spools
@@ -121,12 +124,13 @@ def _scene(
 
 
 def write_openpcdet(
-    frames: Iterable[ExportFrame], palette: Palette, output: Output
+    frames: Iterable[ExportFrame], palette: Palette, output: Output, *, whole: bool = False
 ) -> dict[str, Any]:
     """Write OpenPCDet's custom dataset: ``points/``, ``labels/`` and ``ImageSets/``.
 
     ``points/RECORDING_NNNNNN.npy`` are x y z intensity in float32, z up, x ahead; the ``.txt`` of
-    that name in ``labels`` has lines ``x y z dx dy dz heading class`` of upright boxes.
+    that name in ``labels`` has lines ``x y z dx dy dz heading class`` of upright boxes: round the
+    points of each label, or with ``whole`` those that the labels have.
     """
     scenes = _Scenes(frames, upright_axes)
     for frame, _, name in scenes:
@@ -142,7 +146,8 @@ def write_openpcdet(
             with output.file(f"points/{name}.npy") as file:
                 write_column(file, columns.tables()["points"])
         with output.file(f"labels/{name}.txt") as file:
-            file.write("".join(f"{line}\n" for line in _box_lines(boxes, palette)).encode())
+            lines = _whole_lines(frame, scenes) if whole else _box_lines(boxes, palette)
+            file.write("".join(f"{line}\n" for line in lines).encode())
     for split, names in scenes.names.items():
         with output.file(f"ImageSets/{split}.txt") as file:
             file.write("".join(f"{name}\n" for name in names).encode())
@@ -158,7 +163,14 @@ def _box_lines(boxes: Mapping[int, list[Matrix]], palette: Palette) -> Iterator[
         if len(xyz) >= FEWEST:
             entry = entries.get(label)
             name = category_of(entry) if entry else f"label {label}"
-            yield _box_line(xyz, "_".join(name.split()))
+            box = upright_box(xyz, np.array([0.0, 0.0, 1.0]))
+            yield box_line(FrameBox(name, "", box.center, box.size, box.R))
+
+
+def _whole_lines(frame: ExportFrame, scenes: _Scenes) -> Iterator[str]:
+    """Give a line for each box of a frame."""
+    for box in boxes_of(frame).boxes:
+        yield box_line(box.moved(scenes.T_export_source))
 
 
 def _with_intensity(
@@ -169,10 +181,3 @@ def _with_intensity(
     if block.points.intensity is not None:
         table[:, 3] = block.points.intensity[keep]
     return table
-
-
-def _box_line(xyz: NDArray[np.float64], name: str) -> str:
-    """x y z of the middle, sizes along the box's own axes, heading about z, class."""
-    box = upright_box(xyz, np.array([0.0, 0.0, 1.0]))
-    numbers = (*box.center.tolist(), *box.size.tolist(), box.yaw)
-    return " ".join(f"{value:.4f}" for value in numbers) + f" {name}"

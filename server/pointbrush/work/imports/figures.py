@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.boxes.figures import Box, FrameBoxes, PointFigure, points_of
+from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes, PointFigure, points_of
 from pointbrush.sequences import Sequence as Recording
 
 Floats = NDArray[np.float64]
@@ -16,10 +16,10 @@ def figures_of(
     file: str, part: FrameBoxes, recording: Recording, frame: int, up: Floats, no_ground: bool
 ) -> NDArray[np.int64]:
     """Find the figure (N,) that each point is of, -1 for none; marked points go before boxes."""
-    boxes = [k for k, figure in enumerate(part.boxes) if isinstance(figure, Box)]
+    boxes = [k for k, figure in enumerate(part.boxes) if isinstance(figure, FrameBox)]
     which = np.full(recording.manifest.points[frame], -1, np.int64)
     if boxes:
-        solid = tuple(figure for figure in part.boxes if isinstance(figure, Box))
+        solid = tuple(figure for figure in part.boxes if isinstance(figure, FrameBox))
         found = points_of(solid, _source_points(recording, frame), up, no_ground=no_ground)
         which = np.where(found >= 0, np.array(boxes)[found], -1)
     rows = recording.source_rows(frame) if recording.manifest.dropped[frame] else None

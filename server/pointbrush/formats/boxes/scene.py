@@ -1,0 +1,168 @@
+"""Boxes of a recording on their way to files, and objects made of the boxes of frames."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.formats.boxes.figures import FrameBox
+from pointbrush.oriented_box import Attributes, AttributeValue, BoxPose, OrientedBox
+from pointbrush.quaternions import quaternion_of, rotation_of
+
+Floats = NDArray[np.float64]
+DIGITS = 8
+"""Hexadecimal digits of a token that are the number of a label or a frame."""
+SAME_SIZE = 1e-3
+"""Metres by which sizes of one box may differ in its frames without a word."""
+File = tuple[str, bytes]
+"""Name and content of a file of an export."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """A camera: ``K`` (3, 3), ``T_camera_source`` (4, 4), pixels."""
+
+    K: Floats
+    T_camera_source: Floats
+    width: int
+    height: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneFrame:
+    """A frame with its boxes, in source coordinates.
+
+    ``name`` of its source file, without ending; ``time`` seconds; ``points`` in each box;
+    ``up`` (3,); ``pose`` ``T_world_source`` (4, 4) or None; ``view`` the camera of pictures.
+    """
+
+    index: int
+    name: str
+    time: float
+    boxes: tuple[FrameBox, ...]
+    points: tuple[int, ...] = ()
+    up: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    pose: Floats | None = None
+    view: View | None = None
+
+    @property
+    def stem(self) -> str:
+        """File name by its number, without ending."""
+        return f"{self.index:06d}"
+
+    def counted(self) -> Iterator[tuple[FrameBox, int]]:
+        """Yield each box with the points in it, 0 where nobody counted."""
+        yield from zip(self.boxes, self.points or [0] * len(self.boxes), strict=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Id and classes of a recording, with their colours ``#rrggbb``, as files say them."""
+
+    recording: str
+    classes: Mapping[str, str]
+
+    def token(self, kind: str, number: int) -> str:
+        """Make a token of 32 hexadecimal digits; the last ones are ``number``."""
+        digest = hashlib.sha256(f"{self.recording}/{kind}".encode()).hexdigest()
+        return f"{digest[: 32 - DIGITS]}{number:0{DIGITS}x}"
+
+
+def label_of(key: str) -> int:
+    """Read the label's id in the key of a box of our own export; 0 for none."""
+    if len(plain := key.replace("-", "")) == 32:
+        return int(plain[-DIGITS:], 16)
+    return int(key) if key.isascii() and key.isdigit() else 0
+
+
+def by_frame(
+    boxes: Iterable[OrientedBox], names: Mapping[int, str]
+) -> dict[int, tuple[FrameBox, ...]]:
+    """List the boxes of each frame; ``names`` are the classes of labels."""
+    found: dict[int, list[FrameBox]] = {}
+    for box in boxes:
+        for frame, pose in box.poses.items():
+            found.setdefault(frame, []).append(
+                FrameBox(
+                    names.get(box.label, f"label {box.label}"),
+                    str(box.label),
+                    pose.centre,
+                    box.size,
+                    rotation_of(pose.quaternion),
+                    box.label,
+                    {**box.attributes, **pose.attributes},
+                )
+            )
+    return {frame: tuple(each) for frame, each in sorted(found.items())}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoxTrack:
+    """An object of boxes of frames: ``name``, ``key`` and ``label`` as theirs.
+
+    ``resized``: its boxes have other sizes in other frames; ``size`` is the median.
+    """
+
+    name: str
+    key: str
+    label: int
+    size: Floats
+    poses: Mapping[int, BoxPose]
+    attributes: Attributes
+    resized: bool
+
+    def box(self, label: int) -> OrientedBox:
+        """Make the box of a label, imported."""
+        return OrientedBox(0, label, self.size, self.poses, self.attributes, "imported")
+
+
+def tracked(frames: Iterable[tuple[int, Sequence[FrameBox]]]) -> list[BoxTrack]:
+    """Join the boxes of each object by its key; a box without one is an object of its own.
+
+    Attributes that are the same in all frames are the object's.
+    """
+    found: dict[tuple[str, str, int, int], dict[int, FrameBox]] = {}
+    single = 0
+    for frame, boxes in frames:
+        seen: dict[tuple[str, str, int], int] = {}
+        for box in boxes:
+            alike = (box.name, box.key, box.label)
+            if box.key:
+                # An object has one box in a frame: another one is another's.
+                number = seen[alike] = seen.get(alike, -1) + 1
+            else:
+                single += 1
+                number = single
+            found.setdefault((*alike, number), {})[frame] = box
+    return [_track(boxes) for boxes in found.values()]
+
+
+def _track(boxes: Mapping[int, FrameBox]) -> BoxTrack:
+    first = next(iter(boxes.values()))
+    sizes = np.stack([box.size for box in boxes.values()])
+    shared = _shared([box.attributes for box in boxes.values()])
+    poses = {
+        frame: BoxPose(
+            box.center,
+            quaternion_of(box.rotation),
+            "imported",
+            attributes={k: v for k, v in box.attributes.items() if k not in shared},
+        )
+        for frame, box in boxes.items()
+    }
+    resized = bool((np.ptp(sizes, axis=0) > SAME_SIZE).any())
+    size = np.median(sizes, axis=0)
+    return BoxTrack(first.name, first.key, first.label, size, poses, shared, resized)
+
+
+def _shared(attributes: Sequence[Attributes]) -> dict[str, AttributeValue]:
+    first, *others = attributes
+    return {
+        name: value
+        for name, value in first.items()
+        if all(name in other and other[name] == value for other in others)
+    }

@@ -1,0 +1,142 @@
+"""Boxes of every format go out and come in again."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pointbrush.formats.boxes.conventions import CONVENTIONS
+from pointbrush.formats.boxes.figures import FrameBox
+from pointbrush.formats.boxes.registry import is_box_file, read_boxes
+from pointbrush.formats.boxes.scene import (
+    BoxTrack,
+    Scene,
+    SceneFrame,
+    by_frame,
+    label_of,
+    tracked,
+)
+from pointbrush.formats.boxes.writing import ATTRIBUTES, BOX_WRITERS, OBJECTS
+from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.quaternions import quaternion_of, rotation_of
+
+CLASSES = {1: "vehicle", 2: "pedestrian", 3: "vehicle"}
+COLORS = {"vehicle": "#ff8800", "pedestrian": "#00ffaa"}
+STAMP = 1533151603547590000
+"""Nanoseconds of the first frame, as its file is called."""
+
+
+def turned(yaw: float, roll: float, pitch: float) -> np.ndarray:
+    c, s = np.cos([yaw, roll, pitch]), np.sin([yaw, roll, pitch])
+    Rz = np.array([[c[0], -s[0], 0], [s[0], c[0], 0], [0, 0, 1]])
+    Rx = np.array([[1, 0, 0], [0, c[1], -s[1]], [0, s[1], c[1]]])
+    Ry = np.array([[c[2], 0, s[2]], [0, 1, 0], [-s[2], 0, c[2]]])
+    return np.asarray(Rz @ Ry @ Rx)
+
+
+angle = st.floats(-3.1, 3.1)
+tilt = st.floats(-1.5, 1.5)
+place = st.tuples(*[st.floats(-80, 80)] * 3)
+
+
+@st.composite
+def boxes(draw: st.DrawFn, upright: bool) -> list[OrientedBox]:
+    made = []
+    for label in draw(st.sets(st.sampled_from(sorted(CLASSES)), min_size=1)):
+        poses = {}
+        for frame in draw(st.sets(st.integers(0, 2), min_size=1)):
+            roll, pitch = (0.0, 0.0) if upright else (draw(tilt), draw(tilt))
+            R = turned(draw(angle), roll, pitch)
+            told: dict[str, Any] = {"occluded": float(draw(st.integers(1, 2)))}
+            poses[frame] = BoxPose(np.array(draw(place)), quaternion_of(R), attributes=told)
+        size = np.array(draw(st.tuples(*[st.floats(0.2, 20)] * 3)))
+        made.append(OrientedBox(label, label, size, poses, {"parked": True, "load": "sand"}))
+    return made
+
+
+def frames_of(made: list[OrientedBox], **more: Any) -> list[SceneFrame]:
+    found = by_frame(made, CLASSES)
+    return [
+        SceneFrame(
+            k, str(STAMP + k * 10**8), STAMP / 1e9 + k / 10, found.get(k, ()),
+            tuple(range(len(found.get(k, ())))), **more,
+        )
+        for k in range(3)
+    ]  # fmt: skip
+
+
+def out(format: str, frames: list[SceneFrame], folder: Path) -> list[Path]:
+    """Write frames to a folder; return the files that have boxes."""
+    for name, content in BOX_WRITERS[format].write(iter(frames), Scene("drive", COLORS)):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
+    wanted, pattern = BOX_WRITERS[format].read_as
+    found = [path for path in sorted(folder.rglob("*")) if path.match(pattern)]
+    return [path for path in found if is_box_file(path, wanted)]
+
+
+def back(format: str, frames: list[SceneFrame], folder: Path) -> list[BoxTrack]:
+    """Write frames, read them, and tell their frames as an import does."""
+    parts: dict[int, list[FrameBox]] = {}
+    for path in out(format, frames, folder):
+        for part in read_boxes(path, BOX_WRITERS[format].read_as[0]):
+            known = [
+                f.index
+                for f in frames
+                if part.frame in (f.index, f.name, f"{f.name}.pcd")
+                or (part.time is not None and abs(part.time - f.time) < 1e-5)
+                or (part.frame is None and part.time is None and path.stem in (f.stem, f.name))
+            ]
+            (index,) = known
+            each = [box for box in part.boxes if isinstance(box, FrameBox)]
+            parts.setdefault(index, []).extend(each)
+    return tracked(sorted(parts.items()))
+
+
+def told(attributes: Mapping[str, Any], box: OrientedBox | BoxTrack, frame: int) -> dict[str, Any]:
+    return {**attributes, **box.poses[frame].attributes}
+
+
+def nearest(found: list[BoxTrack], box: OrientedBox, frame: int) -> BoxTrack:
+    here = [each for each in found if frame in each.poses]
+    return min(here, key=lambda e: np.abs(e.poses[frame].centre - box.poses[frame].centre).max())
+
+
+def require_same(format: str, made: list[OrientedBox], found: list[BoxTrack]) -> None:
+    lost = BOX_WRITERS[format].lost
+    for box in made:
+        for frame, pose in box.poses.items():
+            mine = nearest(found, box, frame)
+            assert np.abs(mine.poses[frame].centre - pose.centre).max() < 1e-3
+            assert np.abs(mine.size - box.size).max() < 1e-3
+            R = rotation_of(mine.poses[frame].quaternion).T @ rotation_of(pose.quaternion)
+            assert np.degrees(np.linalg.norm(R - np.eye(3)) / np.sqrt(2)) < 0.01
+            assert mine.name == CLASSES[box.label]
+            kept = told(mine.attributes, mine, frame)
+            if "occluded" in " ".join(lost):
+                assert kept == {"occluded": pose.attributes["occluded"]}
+            else:
+                assert kept == ({} if ATTRIBUTES in lost else told(box.attributes, box, frame))
+            if OBJECTS not in lost:
+                assert label_of(mine.key) == box.label
+                assert set(mine.poses) == set(box.poses)
+
+
+@pytest.mark.parametrize("format", BOX_WRITERS)
+def test_boxes_come_back(format: str) -> None:
+    upright = CONVENTIONS[BOX_WRITERS[format].convention].upright
+
+    @settings(max_examples=8, deadline=None)
+    @given(boxes(upright))
+    def run(made: list[OrientedBox]) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            require_same(format, made, back(format, frames_of(made), Path(folder)))
+
+    run()
