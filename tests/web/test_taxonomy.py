@@ -11,6 +11,8 @@ from pathlib import Path
 import httpx
 import pytest
 
+from pointbrush.client import BoxAttribute, BoxPose, Category, Client
+from pointbrush.errors import BadInputError
 from tests.serving import Served, add_sequence, serving, settings_in
 
 
@@ -48,9 +50,10 @@ def test_exports_of_two_recordings_agree(served: Served) -> None:
         (3, "tree"),
     ]
     listed["categories"][0]["datasets"] = {"semantickitti": 10}
-    listed["categories"].append(
-        {"number": 40, "name": "road", "color": "#808080", "datasets": {"las": 11}}
-    )
+    sizes = {"size": [4.5, 1.8, 1.6], "spread": [0.4, 0.1, 0.1]}
+    listed["categories"][0] |= sizes
+    road = {"number": 40, "name": "road", "color": "#808080", "datasets": {"las": 11}}
+    listed["categories"].append({**road, "size": None, "spread": None})
     put = httpx.put(url, json=listed, headers=served.headers)
     assert put.json() == listed
     moved = {"categories": [{"number": 41, "name": "road"}]}
@@ -84,3 +87,54 @@ def test_palettes_of_templates_and_files_are_added_in_one_edit(served: Served) -
     assert httpx.get(url, headers=served.headers).json()["labels"] == []
     for body in ({}, {"template": "none"}, {"template": "las", "labels": [{"name": "a"}]}):
         assert post("one", body).status_code in (404, 422)
+
+
+def test_boxes_have_the_attributes_that_the_taxonomy_defines(served: Served) -> None:
+    defined = [
+        BoxAttribute("door", "choice", "frame", ("open", "shut")),
+        BoxAttribute("riders", "number"),
+        BoxAttribute("towed", "yes/no"),
+    ]
+    with Client(served.url, served.token) as client:
+        client.change_taxonomy(attributes=defined)
+        assert client.box_attributes() == defined
+        one = client["one"]
+        one.create_label("car")
+        place = ((0.0, 0.0, 3.0), (0.0, 0.0, 0.0, 1.0))
+        pose = BoxPose(*place, attributes={"door": "open", "truncated": 0.5})
+        made = one.boxes.add(1, (4, 2, 1.5), {0: pose}, {"riders": 2, "towed": True, "occluded": 3})
+        assert made.poses[0].attributes == {"door": "open", "truncated": 0.5}
+        refused: list[dict[str, float | str | bool]] = [
+            {"colour": "red"}, {"riders": "two"}, {"towed": 1}, {"door": "open"}, {"occluded": 4},
+        ]  # fmt: skip
+        for attributes in refused:
+            with pytest.raises(BadInputError):
+                one.boxes.change(made.id, attributes=attributes)
+        wrong: list[dict[str, float | str | bool]] = [
+            {"door": "ajar"}, {"riders": 1}, {"truncated": 2},
+        ]  # fmt: skip
+        for attributes in wrong:
+            with pytest.raises(BadInputError):
+                one.boxes.change(made.id, poses={0: BoxPose(*place, attributes=attributes)})
+        assert one.boxes[made.id] == made
+        client.change_taxonomy([Category(1, "car", size=(4.5, 1.8, 1.6))])
+        assert client.box_attributes() == defined
+        assert client.taxonomy()[0].size == (4.5, 1.8, 1.6)
+        client.change_taxonomy(attributes=[])
+        assert client.box_attributes() == []
+
+
+@pytest.mark.parametrize(
+    "attribute",
+    [
+        {"name": "parked", "kind": "yes/no"},
+        {"name": "door", "kind": "choice"},
+        {"name": "door", "kind": "text", "choices": ["open"]},
+        {"name": "door", "kind": "choice", "choices": ["open", "open"]},
+        {"name": "door", "kind": "colour"},
+    ],
+)
+def test_attributes_that_cannot_be_are_refused(served: Served, attribute: dict[str, str]) -> None:
+    url = f"{served.url}/api/v1/taxonomy"
+    answer = httpx.put(url, json={"attributes": [attribute]}, headers=served.headers)
+    assert answer.status_code in (400, 422), answer.text

@@ -34,6 +34,7 @@ from pointbrush.client.steps import PATIENCE
 from pointbrush.client.values import (
     Annotation,
     Bounds,
+    BoxAttribute,
     Camera,
     Candidate,
     Category,
@@ -54,6 +55,7 @@ __all__ = [
     "AsyncClient",
     "Bounds",
     "Box",
+    "BoxAttribute",
     "BoxPose",
     "Boxes",
     "ByExample",

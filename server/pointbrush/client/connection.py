@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import uuid
+from collections.abc import Sequence
+from dataclasses import asdict
 from types import TracebackType
 from typing import Any, Self
 
@@ -27,7 +29,7 @@ from pointbrush.client.steps import (
     steps,
 )
 from pointbrush.client.uploads import AnyPath, Files, upload
-from pointbrush.client.values import Category, ExportFormat, Job, Manifest, read
+from pointbrush.client.values import BoxAttribute, Category, ExportFormat, Job, Manifest, read
 from pointbrush.errors import ConflictError
 
 TIMEOUT = 60.0
@@ -173,6 +175,27 @@ class Server(Part[L]):
         """Return the workspace's classes, by number."""
         answer = yield from send(Request("GET", "/taxonomy", again=True))
         return [read(Category, entry) for entry in answer.json()["categories"]]
+
+    @steps
+    def box_attributes(self) -> Steps[list[BoxAttribute]]:
+        """Return the attributes that boxes may have beside occluded, truncated and parked."""
+        answer = yield from send(Request("GET", "/taxonomy", again=True))
+        return [read(BoxAttribute, entry) for entry in answer.json()["attributes"]]
+
+    @steps
+    def change_taxonomy(
+        self,
+        categories: Sequence[Category] = (),
+        attributes: Sequence[BoxAttribute] | None = None,
+    ) -> Steps[None]:
+        """Add classes, or change those of their numbers; ``attributes``: all that boxes may have.
+
+        Numbers of classes never change meaning: raises ConflictError.
+        """
+        body: dict[str, Any] = {"categories": [asdict(each) for each in categories]}
+        if attributes is not None:
+            body["attributes"] = [asdict(each) for each in attributes]
+        yield from send(Request("PUT", "/taxonomy", {"json": body}, again=True))
 
     @steps
     def templates(self) -> Steps[list[str]]:

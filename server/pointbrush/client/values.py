@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cache
 from typing import Annotated, Any, Literal, TypeVar, cast
@@ -193,12 +193,27 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Category:
-    """A class of the workspace; ``datasets``: its numbers in those by name."""
+    """A class of the workspace; ``datasets``: its numbers in those by name.
+
+    ``size``: length, width, height of its objects, metres, ``spread``: their standard deviation.
+    """
 
     number: int
     name: str
-    color: str
-    datasets: dict[str, int]
+    color: str = ""
+    datasets: dict[str, int] = field(default_factory=dict)
+    size: Vector | None = None
+    spread: Vector | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class BoxAttribute:
+    """An attribute that boxes may have, for the track or in each frame."""
+
+    name: str
+    kind: Literal["text", "choice", "number", "yes/no"]
+    scope: Literal["track", "frame"] = "track"
+    choices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

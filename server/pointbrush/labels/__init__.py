@@ -12,6 +12,7 @@ from pointbrush.lazy import lazily
 if TYPE_CHECKING:
     from pointbrush.labels.accounts import Token
     from pointbrush.labels.backup import move, restore
+    from pointbrush.labels.box_attributes import BoxAttribute
     from pointbrush.labels.boxes import BoxEdit, BoxList, Made
     from pointbrush.labels.database import Limits
     from pointbrush.labels.integrity import check_database
@@ -36,6 +37,7 @@ if not TYPE_CHECKING:
         {
             "accounts": "Token",
             "backup": "move restore",
+            "box_attributes": "BoxAttribute",
             "boxes": "BoxEdit BoxList Made",
             "database": "Limits",
             "integrity": "check_database",

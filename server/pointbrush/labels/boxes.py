@@ -8,11 +8,13 @@ from typing import Any
 
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import box_journal
+from pointbrush.labels.box_attributes import check_given
 from pointbrush.labels.box_maps import asked, box_of, fields_of
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry
 from pointbrush.labels.plans import SUMMARY_LIMIT, new_entry
 from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.types import Commit
 from pointbrush.labels.writer import Writer
 from pointbrush.oriented_box import OrientedBox
@@ -53,8 +55,9 @@ class Boxes:
     for values that cannot be, LockedLabelError for boxes of locked labels, and UnavailableError.
     """
 
-    def __init__(self, sessions: Sessions, writer: Writer) -> None:
-        self._sessions, self._writer = sessions, writer
+    def __init__(self, sessions: Sessions, writer: Writer, taxonomy: Taxonomy) -> None:
+        """``taxonomy``: defines the attributes that people may give."""
+        self._sessions, self._writer, self._taxonomy = sessions, writer, taxonomy
 
     def listing(
         self,
@@ -86,6 +89,7 @@ class Boxes:
         self, sequence: str, author: str, box: OrientedBox, *, edit_id: str | None = None
     ) -> Made:
         """Add a box, whatever its ``id`` says; its id is the recording's next."""
+        self._check(box.attributes, [pose.attributes for pose in box.poses.values()])
 
         def draw(draft: Draft) -> str:
             box_journal.put(draft, [replace(box, id=0)])
@@ -103,6 +107,9 @@ class Boxes:
         edit_id: str | None = None,
     ) -> Made:
         """Change ``size``, ``label``, ``attributes`` or ``poses``, as ``box_maps.asked`` says."""
+        poses = [pose for pose in change.get("poses", {}).values() if pose is not None]
+        attributes = [pose.get("attributes", {}) for pose in poses]
+        self._check(change.get("attributes", {}), attributes)
         apply = asked(change)
 
         def draw(draft: Draft) -> str:
@@ -135,6 +142,7 @@ class Boxes:
     ) -> Commit:
         """Change many boxes as one edit, by what there is when it commits.
 
+        Attributes need not be defined: files have their own.
         ``commit.boxes`` has the ids of those that changed.  ``identity``: of the import that the
         edit was made for.
         """
@@ -151,6 +159,14 @@ class Boxes:
             return summary
 
         return self._commit(sequence, author, draw, edit_id, kind=kind, identity=identity)
+
+    def _check(self, track: Mapping[str, Any], frames: Sequence[Mapping[str, Any]]) -> None:
+        """Check attributes against the taxonomy, those of a box and those of its poses."""
+        if track or any(frames):
+            known = self._taxonomy.attributes()
+            check_given(known, track, "track")
+            for given in frames:
+                check_given(known, given, "frame")
 
     def _commit(
         self,

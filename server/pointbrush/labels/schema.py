@@ -35,7 +35,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0015"
+HEAD = "0016"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -252,6 +252,18 @@ categories = Table(
     Column("number", Integer, primary_key=True, autoincrement=False),
     Column("name", String(256), nullable=False, unique=True),
     Column("color", String(7), nullable=False),
+    Column("size", Text),  # JSON [length, width, height], mean of its objects, or NULL
+    Column("spread", Text),  # the same, standard deviation
+)
+
+box_attributes = Table(
+    "box_attributes",
+    metadata,
+    Column("name", String(64), primary_key=True),
+    Column("position", Integer, nullable=False),
+    Column("kind", String(8), nullable=False),
+    Column("scope", String(8), nullable=False),
+    Column("choices", Text, nullable=False),  # JSON list of texts
 )
 
 dataset_numbers = Table(

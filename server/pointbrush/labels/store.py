@@ -59,7 +59,7 @@ class LabelStore:
         self.taxonomy = Taxonomy(self.database)
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)
-        self.boxes = Boxes(self._sessions, self._writer)
+        self.boxes = Boxes(self._sessions, self._writer, self.taxonomy)
         self.team = Team(self.database)
         self.guards = Guards(self.database)
         self.jobs = JobRecords(self.database, self.guards.owner)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,6 +13,8 @@ from sqlalchemy.engine import Connection
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
 from pointbrush.formats.numbering import Numbering
+from pointbrush.labels.box_attributes import BoxAttribute, read_attributes, write_attributes
+from pointbrush.labels.box_maps import LONGEST_SIDE
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import categories, dataset_numbers
 from pointbrush.names import require_visible
@@ -23,17 +26,23 @@ LONGEST = 256
 _DATASET = re.compile("[a-z0-9][a-z0-9-]{0,63}")
 
 
+Size = tuple[float, float, float]
+
+
 @dataclass(frozen=True, slots=True)
 class Category:
     """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
 
-    ``datasets`` are its numbers in the datasets it is known from, by their names.
+    ``datasets`` are its numbers in the datasets that it is known from.  ``size``, length,
+    width and height of its objects, and the standard deviation ``spread``, metres; None: unknown.
     """
 
     number: int
     name: str
     color: str = ""
     datasets: Mapping[str, int] = field(default_factory=dict)
+    size: Size | None = None
+    spread: Size | None = None
 
 
 class Taxonomy:
@@ -46,6 +55,11 @@ class Taxonomy:
         """Return all categories, by number."""
         with self._database.read() as connection:
             return _entries(connection)
+
+    def attributes(self) -> list[BoxAttribute]:
+        """Return the attributes that boxes may have, beside those that all have."""
+        with self._database.read() as connection:
+            return read_attributes(connection)
 
     def numbers(self, names: Iterable[str]) -> dict[str, int]:
         """Return the number of each name; new names get the next ones, in their order.
@@ -150,10 +164,13 @@ class Taxonomy:
                 ],
             )
 
-    def put(self, wanted: Sequence[Category]) -> list[Category]:
+    def put(
+        self, wanted: Sequence[Category], attributes: Sequence[BoxAttribute] | None = None
+    ) -> list[Category]:
         """Add categories, and give those of known numbers their names and colours.
 
-        Numbers in datasets are added, or changed.  Raises BadInputError for a number or name out
+        Numbers in datasets and sizes are added, or changed; ``attributes`` of boxes take the place
+        of those there are, None leaves them.  Raises BadInputError for a number or name out
         of range or given twice, ConflictError for a name that has another number: numbers never
         change; or for a number of a dataset that another category has.
         """
@@ -172,12 +189,14 @@ class Taxonomy:
                     )
             _write(connection, before, wanted)
             _write_datasets(connection, wanted)
+            if attributes is not None:
+                write_attributes(connection, attributes)
             return _entries(connection)
 
 
 def _entries(connection: Connection) -> list[Category]:
     columns = categories.c
-    query = select(columns.number, columns.name, columns.color).order_by(columns.number)
+    query = select(categories).order_by(columns.number)
     datasets: dict[int, dict[str, int]] = {}
     known = dataset_numbers.c
     for dataset, category, number in connection.execute(
@@ -185,9 +204,29 @@ def _entries(connection: Connection) -> list[Category]:
     ):
         datasets.setdefault(int(category), {})[str(dataset)] = int(number)
     return [
-        Category(int(n), str(name), str(color), datasets.get(int(n), {}))
-        for n, name, color in connection.execute(query)
+        Category(
+            row.number,
+            row.name,
+            row.color,
+            datasets.get(row.number, {}),
+            _size(row.size),
+            _size(row.spread),
+        )
+        for row in connection.execute(query)
     ]
+
+
+def _size(told: str | None) -> Size | None:
+    if told is None:
+        return None
+    length, width, height = json.loads(told)
+    return length, width, height
+
+
+def _sizes(each: Category) -> dict[str, str]:
+    """Return the columns of the sizes that are given."""
+    given = {"size": each.size, "spread": each.spread}
+    return {name: json.dumps(size) for name, size in given.items() if size is not None}
 
 
 def _write_datasets(connection: Connection, wanted: Sequence[Category]) -> None:
@@ -233,6 +272,12 @@ def _check(wanted: Sequence[Category]) -> None:
                 f"{each.number}"
             )
         require_visible("name", each.name)
+        for name, size in (("size", each.size), ("spread", each.spread)):
+            if size is not None and not all(0 < side <= LONGEST_SIDE for side in size):
+                raise BadInputError(
+                    f"{name}: expected length, width, height above 0 m and at most "
+                    f"{LONGEST_SIDE:,.0f}, got {size} for '{each.name}'"
+                )
         for dataset, number in each.datasets.items():
             if not _DATASET.fullmatch(dataset) or not 0 <= number <= GREATEST:
                 raise BadInputError(
@@ -251,12 +296,22 @@ def _write(connection: Connection, before: dict[int, Category], wanted: Sequence
         connection.execute(update(categories).where(where).values(name=f"\n{each.number}"))
     for each in known:
         where = categories.c.number == each.number
-        values = {"name": each.name, "color": each.color}
+        values = {"name": each.name, "color": each.color, **_sizes(each)}
         connection.execute(update(categories).where(where).values(**values))
     _insert(connection, [each for each in wanted if each.number not in before])
 
 
 def _insert(connection: Connection, fresh: Sequence[Category]) -> None:
     if fresh:
-        rows = [{"number": each.number, "name": each.name, "color": each.color} for each in fresh]
+        rows = [
+            {
+                "number": each.number,
+                "name": each.name,
+                "color": each.color,
+                "size": None,
+                "spread": None,
+                **_sizes(each),
+            }
+            for each in fresh
+        ]
         connection.execute(insert(categories), rows)

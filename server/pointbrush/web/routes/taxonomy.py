@@ -6,7 +6,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, Field
 
-from pointbrush.labels import Category
+from pointbrush.labels import BoxAttribute, Category
+from pointbrush.labels.box_attributes import MOST_CHOICES, AttributeKind, Scope
+from pointbrush.labels.box_maps import LONGEST_SIDE, MOST_ATTRIBUTES, NAME_LIMIT
+from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.names import HIDDEN
 from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws
@@ -22,8 +25,16 @@ DatasetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 DatasetNumber = Annotated[int, Field(ge=0, le=65535)]
 
 
+Side = Annotated[float, Field(gt=0, le=LONGEST_SIDE, allow_inf_nan=False)]
+Sides = Annotated[list[Side], Field(min_length=3, max_length=3)]
+
+
 class CategoryBody(Body):
-    """A class; its number never changes.  ``datasets`` are its numbers in those by name."""
+    """A class; its number never changes.  ``datasets`` are its numbers in those by name.
+
+    ``size``: length, width, height of its objects, metres, ``spread``: their standard deviation;
+    null keeps what is known.
+    """
 
     number: Annotated[int, Field(ge=1, le=65535)]
     name: Annotated[str, Field(min_length=1, max_length=256, pattern=NAME)]
@@ -31,12 +42,45 @@ class CategoryBody(Body):
     datasets: Annotated[
         dict[DatasetName, DatasetNumber], Field(max_length=64, default_factory=dict)
     ]
+    size: Sides | None = None
+    spread: Sides | None = None
+
+    def category(self) -> Category:
+        """Make the class."""
+        return Category(
+            self.number,
+            self.name,
+            self.color,
+            self.datasets,
+            None if self.size is None else (self.size[0], self.size[1], self.size[2]),
+            None if self.spread is None else (self.spread[0], self.spread[1], self.spread[2]),
+        )
+
+
+AttributeText = Annotated[str, Field(min_length=1, max_length=NAME_LIMIT, pattern=NAME)]
+
+
+class AttributeBody(Body):
+    """An attribute of boxes, for a track or for each frame; ``choices`` of the kind choice."""
+
+    name: AttributeText
+    kind: AttributeKind
+    scope: Scope = "track"
+    choices: Annotated[list[AttributeText], Field(max_length=MOST_CHOICES, default_factory=list)]
+
+    def attribute(self) -> BoxAttribute:
+        """Make the definition."""
+        return BoxAttribute(self.name, self.kind, self.scope, tuple(self.choices))
 
 
 class TaxonomyBody(Body):
-    """Classes to add, and new names and colours of those that there are."""
+    """Classes to add, and new names and colours of those that there are.
 
-    categories: Annotated[list[CategoryBody], Field(max_length=65535)]
+    ``attributes`` of boxes take the place of those defined; null leaves them.
+    """
+
+    categories: Annotated[list[CategoryBody], Field(max_length=65535, default_factory=list)]
+    attributes: Annotated[list[AttributeBody], Field(max_length=MOST_ATTRIBUTES)] | None = None
 
 
 class CategoryOut(Out):
@@ -46,29 +90,44 @@ class CategoryOut(Out):
     name: str
     color: str
     datasets: dict[str, int]
+    size: list[float] | None
+    spread: list[float] | None
+
+
+class AttributeOut(Out):
+    """An attribute that boxes may have beside ``occluded``, ``truncated`` and ``parked``."""
+
+    name: str
+    kind: AttributeKind
+    scope: Scope
+    choices: list[str]
 
 
 class TaxonomyOut(BaseModel):
-    """All classes, by number."""
+    """All classes, by number, and the attributes of boxes."""
 
     categories: list[CategoryOut]
+    attributes: list[AttributeOut]
 
     @classmethod
-    def of(cls, entries: list[Category]) -> TaxonomyOut:
+    def of(cls, taxonomy: Taxonomy) -> TaxonomyOut:
         """From the workspace's."""
-        return cls(categories=[CategoryOut.of(each) for each in entries])
+        return cls(
+            categories=[CategoryOut.of(each) for each in taxonomy.entries()],
+            attributes=[AttributeOut.of(each) for each in taxonomy.attributes()],
+        )
 
 
 @router.get("/taxonomy")
 def get_taxonomy(workspace: Ws) -> TaxonomyOut:
     """All classes of the workspace; the answer can be put into another one."""
-    return TaxonomyOut.of(workspace.labels.taxonomy.entries())
+    return TaxonomyOut.of(workspace.labels.taxonomy)
 
 
 @router.put("/taxonomy", responses=responses(409, 413))
 def put_taxonomy(body: TaxonomyBody, workspace: Ws) -> TaxonomyOut:
-    """Add classes, or change their names and colours; those left out stay."""
-    wanted = [
-        Category(each.number, each.name, each.color, each.datasets) for each in body.categories
-    ]
-    return TaxonomyOut.of(workspace.labels.taxonomy.put(wanted))
+    """Add classes, change their names, colours and sizes; those left out stay."""
+    attributes = None if body.attributes is None else [a.attribute() for a in body.attributes]
+    wanted = [each.category() for each in body.categories]
+    workspace.labels.taxonomy.put(wanted, attributes)
+    return TaxonomyOut.of(workspace.labels.taxonomy)

@@ -1,0 +1,127 @@
+"""Attributes that boxes of a workspace may have: defined in its taxonomy, checked when given."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from sqlalchemy import Connection, delete, insert, select
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels.box_maps import MOST_ATTRIBUTES, NAME_LIMIT, check_attributes
+from pointbrush.labels.schema import box_attributes
+
+AttributeKind = Literal["text", "choice", "number", "yes/no"]
+Scope = Literal["track", "frame"]
+MOST_CHOICES = 60
+
+
+@dataclass(frozen=True, slots=True)
+class BoxAttribute:
+    """An attribute of boxes: ``scope`` "track" has one value, "frame" one in each frame.
+
+    ``choices`` are the values of the kind "choice".
+    """
+
+    name: str
+    kind: AttributeKind
+    scope: Scope = "track"
+    choices: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Check the definition.  Raises BadInputError."""
+        about = f"attribute {self.name[:NAME_LIMIT]}"
+        check_attributes(dict.fromkeys((self.name, *self.choices), True))
+        if self.name in BUILT_IN:
+            raise BadInputError(f"{about}: expected another name, all boxes have it")
+        for value, known in ((self.kind, AttributeKind), (self.scope, Scope)):
+            if value not in get_args(known):
+                raise BadInputError(f"{about}: expected {', '.join(get_args(known))}, got {value}")
+        count = len(set(self.choices))
+        if count < len(self.choices) or (count > 0) != (self.kind == "choice"):
+            raise BadInputError(f"{about}: expected different choices, for the kind choice alone")
+
+    def check(self, value: Any) -> None:
+        """Raise BadInputError unless a value is of this kind."""
+        kinds: dict[str, bool] = {
+            "text": isinstance(value, str),
+            "choice": value in self.choices,
+            "number": isinstance(value, int | float) and not isinstance(value, bool),
+            "yes/no": isinstance(value, bool),
+        }
+        if not kinds[self.kind]:
+            expected = f"one of {', '.join(self.choices)}" if self.choices else self.kind
+            raise BadInputError(f"attribute {self.name}: expected {expected}, got {value!r}")
+
+
+BUILT_IN = {
+    "occluded": "expected 0 (seen whole), 1 (in part), 2 (hardly) or 3 (unknown)",
+    "truncated": "expected 0 (whole in the picture) to 1 (outside)",
+    "parked": "expected true or false",
+}
+"""Attributes that every box may have, for the track or in a frame: the first two are KITTI's."""
+
+
+def _check_built_in(name: str, value: Any) -> None:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    good = {
+        "occluded": number and value in (0, 1, 2, 3),
+        "truncated": number and 0 <= value <= 1,
+        "parked": isinstance(value, bool),
+    }
+    if not good[name]:
+        raise BadInputError(f"attribute {name}: {BUILT_IN[name]}, got {value!r}")
+
+
+def check_given(known: Sequence[BoxAttribute], given: Mapping[str, Any], scope: Scope) -> None:
+    """Check attributes that somebody gives a box, or its pose in a frame; None removes one.
+
+    Raises BadInputError for one that is not defined, of another scope, or of another kind.
+    """
+    defined = {each.name: each for each in known}
+    for name, value in given.items():
+        if value is None:
+            continue
+        if name in BUILT_IN:
+            _check_built_in(name, value)
+            continue
+        if name not in defined:
+            names = ", ".join((*BUILT_IN, *defined))
+            raise BadInputError(f"attributes: expected {names} (PUT /taxonomy adds), got {name!r}")
+        if defined[name].scope != scope:
+            raise BadInputError(
+                f"attribute {name}: expected it for the {defined[name].scope}, got the {scope}'s"
+            )
+        defined[name].check(value)
+
+
+# ── in the database ──────────────────────────────────────────────────────────────────────────
+
+
+def read_attributes(connection: Connection) -> list[BoxAttribute]:
+    """Read the definitions, in their order."""
+    rows = connection.execute(select(box_attributes).order_by(box_attributes.c.position))
+    return [
+        BoxAttribute(row.name, row.kind, row.scope, tuple(json.loads(row.choices))) for row in rows
+    ]
+
+
+def write_attributes(connection: Connection, wanted: Sequence[BoxAttribute]) -> None:
+    """Replace the definitions.  Raises BadInputError for too many, or a name given twice."""
+    if len({each.name for each in wanted}) < len(wanted) or len(wanted) > MOST_ATTRIBUTES:
+        raise BadInputError(f"attributes: expected at most {MOST_ATTRIBUTES}, each name once")
+    connection.execute(delete(box_attributes))
+    rows = [
+        {
+            "name": each.name,
+            "position": position,
+            "kind": each.kind,
+            "scope": each.scope,
+            "choices": json.dumps(each.choices),
+        }
+        for position, each in enumerate(wanted)
+    ]
+    if rows:
+        connection.execute(insert(box_attributes), rows)
