@@ -87,7 +87,7 @@ def test_what_is_wrong_is_one_line(
     (full / "kept").write_text("mine")
     export = ["export", "drift", "--format", "npz", "--out", str(full)]
     wrong = {
-        "expected one for --server": ["info", "--server", served.url],
+        "expected one for the server": ["info", "--server", served.url],
         "expected http": ["info", "--server", "example"],
         "nothing": ["info", "nothing", "--server", printed],
         "new or empty": [*export, "--server", printed],

@@ -9,7 +9,6 @@ import zipfile
 from functools import partial
 from pathlib import Path
 from typing import Any
-from urllib.parse import parse_qs, urlsplit, urlunsplit
 
 from pointbrush import printing
 from pointbrush.client import PATIENCE, Classifier, Client, Job, Recording
@@ -23,19 +22,8 @@ from pointbrush.work.tracking.options import RunOptions
 
 
 def client_of(settings: Settings) -> Client:
-    """Connect to the server that is meant.
-
-    The URL may be the one that a server prints when it starts, which holds a token.  Raises
-    BadInputError for no URL, or no token.
-    """
-    parts = urlsplit(settings.server)
-    if parts.scheme not in ("http", "https") or not parts.netloc:
-        raise BadInputError(f"server: expected http(s)://HOST:PORT, got {settings.server!r}")
-    (own,) = parse_qs(parts.query).get("token", [""])
-    token = settings.token or own
-    if not token:
-        raise BadInputError("token: expected one for --server: set POINTBRUSH_TOKEN")
-    return Client(urlunsplit((parts.scheme, parts.netloc, parts.path, "", "")), token)
+    """Connect to the server that is meant; raises BadInputError for no URL, or no token."""
+    return Client(settings.server, settings.token)
 
 
 def _followed(client: Client, job: Job) -> dict[str, Any]:

@@ -222,3 +222,40 @@ def test_the_review(served: Served, tmp_path: Path) -> None:
         assert people.startswith("frame,person,")
         with pytest.raises(NotFoundError):
             wall.review.put(7, state="open")
+
+
+def test_many_frames_are_annotated_as_one_edit(served: Served) -> None:
+    with Client(served.url, TOKEN) as client:
+        wall = client["wall"]
+        brick = wall.create_label("brick")
+        made = {
+            frame: (np.arange(wall.manifest.points[frame]) % 3 == 0) * brick.id for frame in (0, 2)
+        }
+        edit = wall.annotate(made)
+        assert edit.changed == sum(np.count_nonzero(values) for values in made.values())
+        for frame, values in made.items():
+            assert (wall.frames[frame].annotation() == values).all()
+        wall.undo()
+        assert not wall.frames[0].annotation().any()
+        assert not wall.frames[2].annotation().any()
+        wrong = {"frames": {9: made[0]}, "shape": {1: made[0][1:]}, "at least one": {}}
+        for sentence, values in wrong.items():
+            with pytest.raises(BadInputError, match=sentence):
+                wall.annotate({0: made[0], **values} if values else {})
+        assert not wall.frames[0].annotation().any(), "nothing is written in part"
+
+
+def test_a_recording_is_found_by_its_name_and_a_server_by_the_environment(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("POINTBRUSH_SERVER", f"{served.url}/?token={TOKEN}")
+    monkeypatch.delenv("POINTBRUSH_TOKEN", raising=False)
+    with Client() as client:
+        client["wall"].update(name="The <Wall>")
+        wall = client["The <Wall>"]
+        assert wall.id == "wall"
+        assert "The &lt;Wall&gt;" in wall._repr_html_()
+    for wrong in ("", "example", served.url):
+        monkeypatch.setenv("POINTBRUSH_SERVER", wrong)
+        with pytest.raises(BadInputError, match="expected"):
+            Client()

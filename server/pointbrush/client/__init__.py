@@ -47,6 +47,7 @@ from pointbrush.client.values import (
     Run,
     Track,
 )
+from pointbrush.client.watching import Doubt, Watch
 
 __all__ = [
     "PATIENCE",
@@ -66,6 +67,7 @@ __all__ = [
     "Classifier",
     "Classifiers",
     "Client",
+    "Doubt",
     "Edit",
     "ExportFormat",
     "Finding",
@@ -88,4 +90,5 @@ __all__ = [
     "Standing",
     "Task",
     "Track",
+    "Watch",
 ]

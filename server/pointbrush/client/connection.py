@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import uuid
 from collections.abc import Sequence
 from dataclasses import asdict
 from types import TracebackType
 from typing import Any, Self
+from urllib.parse import parse_qs, urlsplit, urlunsplit
 
 import httpx
 
@@ -30,10 +33,13 @@ from pointbrush.client.steps import (
 )
 from pointbrush.client.uploads import AnyPath, Files, upload
 from pointbrush.client.values import BoxAttribute, Category, ExportFormat, Job, Manifest, read
-from pointbrush.errors import ConflictError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 
 TIMEOUT = 60.0
 """Seconds of one call without a byte; jobs are waited for as long as they take."""
+ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")
+"""Form of the ids of recordings."""
+URL_VARIABLE, TOKEN_VARIABLE = "POINTBRUSH_SERVER", "POINTBRUSH_TOKEN"
 
 
 class Server(Part[L]):
@@ -70,8 +76,22 @@ class Server(Part[L]):
 
     @steps
     def __getitem__(self, sequence: str) -> Steps[Recording[L]]:
-        """Return the recording of an id; raises NotFoundError."""
-        return (yield from self._open(sequence))
+        """Open a recording by its id, or else by its name.
+
+        Raises NotFoundError, and BadInputError for the name of several.
+        """
+        if ID.fullmatch(sequence):
+            try:
+                return (yield from self._open(sequence))
+            except NotFoundError:
+                pass
+        named = [each for each in (yield from self._manifests()) if each.name == sequence]
+        if len(named) > 1:
+            ids = ", ".join(each.id for each in named)
+            raise BadInputError(f"sequence: expected the name of one recording, got that of {ids}")
+        if not named:
+            raise NotFoundError(f"sequence: expected a recording's id or name, got {sequence!r}")
+        return Recording(self._link, named[0])
 
     @steps
     def deleted(self) -> Steps[list[Manifest]]:
@@ -250,10 +270,18 @@ class Server(Part[L]):
 
 
 class Client(Server[SyncLink]):
-    """A pointbrush server at ``url``; a context manager, and safe to share between threads."""
+    """A pointbrush server; a context manager, and safe to share between threads."""
 
-    def __init__(self, url: str, token: str, *, timeout: float = TIMEOUT, **options: Any) -> None:
-        """``timeout`` in seconds, of one call; ``options`` go to httpx: verify, proxy, …."""
+    def __init__(
+        self, url: str = "", token: str = "", *, timeout: float = TIMEOUT, **options: Any
+    ) -> None:
+        """Connect to a server.
+
+        ``url`` is its address, also as it printed it, with a token; without one, and without a
+        ``token``, the variables POINTBRUSH_SERVER and POINTBRUSH_TOKEN say them.
+        ``timeout`` in seconds, of one call; ``options`` go to httpx: verify, proxy, ….
+        Raises BadInputError for no address, or no token.
+        """
         super().__init__(SyncLink(httpx.Client(**_address(url, token), timeout=timeout, **options)))
 
     def __enter__(self) -> Self:
@@ -275,8 +303,16 @@ class Client(Server[SyncLink]):
 class AsyncClient(Server[AsyncLink]):
     """The same for code that awaits: ``async with``, and every call of ``Client`` a coroutine."""
 
-    def __init__(self, url: str, token: str, *, timeout: float = TIMEOUT, **options: Any) -> None:
-        """``timeout`` in seconds, of one call; ``options`` go to httpx: verify, proxy, …."""
+    def __init__(
+        self, url: str = "", token: str = "", *, timeout: float = TIMEOUT, **options: Any
+    ) -> None:
+        """Connect to a server.
+
+        ``url`` is its address, also as it printed it, with a token; without one, and without a
+        ``token``, the variables POINTBRUSH_SERVER and POINTBRUSH_TOKEN say them.
+        ``timeout`` in seconds, of one call; ``options`` go to httpx: verify, proxy, ….
+        Raises BadInputError for no address, or no token.
+        """
         http = httpx.AsyncClient(**_address(url, token), timeout=timeout, **options)
         super().__init__(AsyncLink(http))
 
@@ -297,8 +333,17 @@ class AsyncClient(Server[AsyncLink]):
 
 
 def _address(url: str, token: str) -> dict[str, Any]:
+    given = url or os.environ.get(URL_VARIABLE, "")
+    parts = urlsplit(given)
+    if parts.scheme not in ("http", "https") or not parts.netloc:
+        raise BadInputError(f"server: expected http(s)://HOST:PORT, got {given!r}")
+    (own,) = parse_qs(parts.query).get("token", [""])
+    token = token or own or os.environ.get(TOKEN_VARIABLE, "")
+    if not token:
+        raise BadInputError(f"token: expected one for the server: set {TOKEN_VARIABLE}")
+    path = f"{parts.path.rstrip('/')}/api/v1"
     return {
-        "base_url": f"{url.rstrip('/')}/api/v1",
+        "base_url": urlunsplit((parts.scheme, parts.netloc, path, "", "")),
         "headers": {"Authorization": f"Bearer {token}"},
     }
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import uuid
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import Any, Literal
 
 import httpx
+from numpy.typing import ArrayLike
 
 from pointbrush.client.boxes import Boxes
 from pointbrush.client.classifiers import ByExample
@@ -34,8 +36,11 @@ from pointbrush.client.values import (
     PastEdit,
     Run,
     Track,
+    layer_of,
+    npz_of,
     read,
 )
+from pointbrush.client.watching import Watch
 from pointbrush.errors import NotFoundError
 
 
@@ -53,6 +58,19 @@ class Recording(Part[L]):
 
     def __repr__(self) -> str:
         return f"Recording({self.id!r}, {len(self.frames)} frames)"
+
+    def _repr_html_(self) -> str:
+        """Describe the recording in a notebook."""
+        known = self.manifest
+        told = {
+            "id": known.id,
+            "frames": f"{known.frames:,}, {known.fps:g} a second",
+            "points": f"{sum(known.points):,}",
+            "fields": ", ".join(known.fields),
+            "labelled frames": f"{known.labelled:,}",
+        }
+        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in told.items())
+        return f"<table><caption>{escape(known.name)}</caption>{rows}</table>"
 
     def _call(
         self,
@@ -146,6 +164,28 @@ class Recording(Part[L]):
         query = {"limit": limit} | ({} if before is None else {"before": before})
         answer = yield from self._call("GET", "/edits", params=query)
         return [read(PastEdit, entry) for entry in answer.json()]
+
+    def watch(self, after: int | None = None, *, patience: float = PATIENCE) -> Watch[L]:
+        """Watch edits, doubts and jobs as they happen: ``for`` each, or ``async for``.
+
+        ``after``: a revision whose followers come first; from now on unless given.  ``patience``:
+        seconds for which the server may be away.
+        """
+        return Watch(self._link, self.id, after, patience)
+
+    @steps
+    def annotate(self, values: Mapping[int, ArrayLike], layer: str = "label") -> Steps[Edit]:
+        """Replace a layer in several frames, ``values`` by frame, as one edit.
+
+        BadInputError as of ``Frame.annotate``; then no frame has changed.
+        """
+        arrays = {frame: layer_of(array, layer) for frame, array in values.items()}
+        query = {"layer": layer, "id": str(uuid.uuid4())}
+        headers = {"Content-Type": "application/zip"}
+        answer = yield from self._call(
+            "PUT", "/annotations", again=True, content=npz_of(arrays), headers=headers, params=query
+        )
+        return read(Edit, answer.json())
 
     @steps
     def accept(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:

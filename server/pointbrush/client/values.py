@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Hashable
+import zipfile
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cache
@@ -302,6 +303,15 @@ def npy_of(values: NDArray[Any]) -> bytes:
     """Return an array as ``.npy``."""
     content = io.BytesIO()
     np.save(content, np.asarray(values), allow_pickle=False)
+    return content.getvalue()
+
+
+def npz_of(arrays: Mapping[int, NDArray[Any]]) -> bytes:
+    """Return arrays by frame as a compressed ``.npz``."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for frame, array in arrays.items():
+            archive.writestr(f"{frame}.npy", npy_of(array))
     return content.getvalue()
 
 

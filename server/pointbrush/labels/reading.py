@@ -154,9 +154,12 @@ def having(connection: Connection, wanted: Mapping[str, str]) -> set[str]:
 
 
 def history_lines(
-    connection: Connection, number: int, before: int | None, limit: int
+    connection: Connection, number: int, before: int | None, limit: int, after: int | None = None
 ) -> list[EditInfo]:
-    """Lines of the history, newest first; raises BadInputError for a limit below 1."""
+    """Lines of the history, newest first, or those ``after`` a revision, oldest first.
+
+    Raises BadInputError for a limit below 1.
+    """
     if limit < 1:
         raise BadInputError(f"limit: expected 1 or more, got {limit}")
     target = edits.alias()
@@ -171,9 +174,10 @@ def history_lines(
     )
     if before is not None:
         query = query.where(edits.c.revision < before)
-    rows = connection.execute(
-        query.order_by(edits.c.revision.desc()).limit(min(limit, HISTORY_LIMIT))
-    )
+    order = edits.c.revision.desc()
+    if after is not None:
+        query, order = query.where(edits.c.revision > after), edits.c.revision.asc()
+    rows = connection.execute(query.order_by(order).limit(min(limit, HISTORY_LIMIT)))
     return [edit_info(row, row.target_id) for row in rows]
 
 

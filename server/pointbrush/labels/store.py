@@ -334,11 +334,19 @@ class LabelStore:
             return reading.stacks(self.database.look, state.number, author)
 
     def edits(
-        self, sequence: str, *, before: int | None = None, limit: int = 100
+        self,
+        sequence: str,
+        *,
+        before: int | None = None,
+        after: int | None = None,
+        limit: int = 100,
     ) -> list[EditInfo]:
-        """The history, newest first, from below revision ``before``; at most 1,000 lines."""
+        """The history, newest first, from below revision ``before``; at most 1,000 lines.
+
+        With ``after`` the lines of later revisions than that, oldest first.
+        """
         with self._sessions.reading(sequence) as (connection, state):
-            return reading.history_lines(connection, state.number, before, limit)
+            return reading.history_lines(connection, state.number, before, limit, after)
 
     def authors(self, sequence: str) -> set[str]:
         """The accounts that edited a sequence."""

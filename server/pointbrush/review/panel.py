@@ -17,11 +17,10 @@ from pointbrush.review.drawing import STEPS, Drawing, add_plot, blend, curves, l
 from pointbrush.review.explaining import Explaining, ExplainRequest, first_frame
 from pointbrush.settings import Settings
 from pointbrush.work.annotate.accepting import Verdict
+from pointbrush.work.doubts import is_doubtful
 from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace
 
-DOUBTFUL = 0.5
-"""Confidence under which a tracked frame should be looked at."""
 POINT_SIZE = 0.006
 AUTHOR = "review"
 SHOWN_FIRST = STEPS[:3]
@@ -35,13 +34,7 @@ FROM = np.array([0.0, 0.35, 0.94])
 
 def doubtful_frames(tracks: Sequence[Mapping[str, Any]]) -> list[int]:
     """Frames, ascending, in which a label was lost, occluded or tracked with little confidence."""
-    return sorted(
-        {
-            int(track["frame"])
-            for track in tracks
-            if track["state"] in ("lost", "occluded") or track["confidence"] < DOUBTFUL
-        }
-    )
+    return sorted({int(track["frame"]) for track in tracks if is_doubtful(track)})
 
 
 class ReviewPanel:

@@ -29,6 +29,7 @@ from pointbrush.web.roles import PREFIX
 from pointbrush.web.routes import RESOURCES, meta, objects, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.upload_files import KeptUploads
+from pointbrush.web.watching import Watching
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.work.objects import StaleCandidateError
 from pointbrush.workspace import Workspace
@@ -84,7 +85,10 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with Hub(app.state.workspace, app.state.metrics).running() as hub:
             app.state.hub = hub
             checked = Admissions(partial(hub.read, socket.admit))
-            async with checked.running() as app.state.admissions:
+            async with (
+                checked.running() as app.state.admissions,
+                Watching().running(app.state.workspace) as app.state.watching,
+            ):
                 yield
     finally:
         uploads.close()

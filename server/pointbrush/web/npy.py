@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterator, Mapping
+import zlib
+from collections.abc import Container, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Any, cast
 
@@ -12,10 +13,14 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.streaming.shared.status import MalformedError
 
 MEDIA_TYPE = "application/x-npy"
+HEADER_ROOM = 4096
+"""Bytes of a header, at most."""
+MOST_BYTES = 256 << 20
+"""Of the arrays of several frames that come in one call."""
 BLOCK = 1 << 18
 """Points formatted at once while an array is streamed."""
 
@@ -39,6 +44,47 @@ def parse(body: bytes | bytearray, dtype: np.dtype[Any], count: int) -> NDArray[
         )
     array = np.frombuffer(body, found, count, offset)
     return array.astype(dtype, copy=False)
+
+
+def parse_by_frame(
+    body: bytes | bytearray, dtype: np.dtype[Any], counts: Sequence[int]
+) -> dict[int, NDArray[Any]]:
+    """Read the arrays of a ``.npz`` body by frame: members ``I.npy`` of (counts[I],) ``dtype``.
+
+    Raises MalformedError (no .npz), BadInputError (another name, type or shape, no member),
+    TooLargeError.
+    """
+    found: dict[int, NDArray[Any]] = {}
+    room = MOST_BYTES
+    try:
+        with zipfile.ZipFile(io.BytesIO(body)) as archive:
+            for member in archive.infolist():
+                frame = _frame_of(member.filename, len(counts), found)
+                limit = counts[frame] * dtype.itemsize + HEADER_ROOM
+                room -= limit
+                if room < 0:
+                    raise TooLargeError(f"body: expected at most {MOST_BYTES} bytes of arrays")
+                with archive.open(member) as file:
+                    content = file.read(limit + 1)  # the size that a member states may be untrue
+                found[frame] = parse(content, dtype, counts[frame])
+    # RuntimeError: encrypted; NotImplementedError: a compression that Python has not.
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError) as error:
+        raise MalformedError(f"body: expected an .npz archive: {error}") from None
+    if not found:
+        raise BadInputError("body: expected an array of at least one frame, got none")
+    return found
+
+
+def _frame_of(name: str, frames: int, found: Container[int]) -> int:
+    """Read the frame of a member's name, below ``frames`` and not ``found`` yet."""
+    number = name.removesuffix(".npy")
+    if not (number.isascii() and number.isdigit() and len(number) < 10 and int(number) < frames):
+        raise BadInputError(
+            f"array: expected names of frames, 0 to {frames - 1}, got {number[:60]!r}"
+        )
+    if int(number) in found:
+        raise BadInputError(f"array: expected frame {number} once, got it again")
+    return int(number)
 
 
 def _header(body: bytes | bytearray) -> tuple[tuple[int, ...], np.dtype[Any], int]:

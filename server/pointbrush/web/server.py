@@ -103,6 +103,7 @@ class Server(uvicorn.Server):
             probe.stopping = True  # a proxy sends nobody here any more
         hub = getattr(getattr(self.config.app, "state", None), "hub", None)
         if hub is not None:
+            self.config.app.state.watching.end()  # type: ignore[union-attr]
             await hub.drain(DRAIN_SECONDS)
         await super().shutdown(sockets)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -48,16 +49,50 @@ class Annotations(Part):
         ``if_match``: a revision since which the frame must not have changed.
         Raises BadInputError (shape, dtype, unknown labels), LockedLabelError, ConflictError.
         """
-        writes = layers.replacement(self._store, self._recording(sequence), frame, layer, array)
+        match = None if if_match is None else (frame, if_match)
+        summary = f"annotation of frame {frame}"
+        return self._replace(sequence, {frame: array}, layer, summary, author, match, edit)
+
+    def put_many(
+        self,
+        sequence: str,
+        arrays: Mapping[int, NDArray[Any]],
+        *,
+        author: str,
+        layer: str = "label",
+        edit: str | None = None,
+    ) -> Commit:
+        """Replace a layer in several frames, ``arrays`` by frame, as one edit.
+
+        Raises what ``put`` raises; then no frame has changed.
+        """
+        summary = f"annotation of {len(arrays)} frames"
+        return self._replace(sequence, arrays, layer, summary, author, None, edit)
+
+    def _replace(
+        self,
+        sequence: str,
+        arrays: Mapping[int, NDArray[Any]],
+        layer: str,
+        summary: str,
+        author: str,
+        if_match: tuple[int, int] | None,
+        edit: str | None,
+    ) -> Commit:
+        recording = self._recording(sequence)
+        writes = [
+            layers.replacement(self._store, recording, frame, layer, array)
+            for frame, array in arrays.items()
+        ]
         return self._store.apply(
             sequence,
             edit_id=edit_id(edit),
             author=author,
             kind="import",
-            writes=writes,
-            summary=f"annotation of frame {frame}",
-            if_match=None if if_match is None else (frame, if_match),
-            identity=self._recording(sequence).identity,
+            writes=chain.from_iterable(writes),
+            summary=summary,
+            if_match=if_match,
+            identity=recording.identity,
         )
 
     def changed(self, sequence: str, frame: int, commit: Commit) -> int:

@@ -6,6 +6,7 @@ from pointbrush.web.routes import (
     checks,
     classifiers,
     edits,
+    events,
     export,
     frames,
     imports,
@@ -22,6 +23,6 @@ from pointbrush.web.routes import (
 )
 
 RESOURCES = (
-    meta, sequences, imports, frames, labels, boxes, taxonomy, edits, objects, annotations,
-    tracking, classifiers, export, jobs, review, checks, projects, tasks,
+    meta, sequences, imports, frames, labels, boxes, taxonomy, edits, events, objects,
+    annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
 )  # fmt: skip

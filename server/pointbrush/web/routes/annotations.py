@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import Query, Request, Response
+from fastapi import Depends, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from pydantic import Field
 from starlette.datastructures import FormData, UploadFile
@@ -18,12 +18,16 @@ from pointbrush.formats.inside import allowed
 from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.job import Job
 from pointbrush.options import chosen
+from pointbrush.streaming.messages import Uuid
+from pointbrush.web import npy
 from pointbrush.web.auth import Caller, Gate, resource
-from pointbrush.web.context import SequenceId, Ws, one_of
+from pointbrush.web.context import SequenceId, Ws, body_within, one_of
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body
+from pointbrush.web.routes.frames import BINARY, Written
+from pointbrush.web.schemas import Body, EditOut
 from pointbrush.web.schemas_work import JobId, JobOut
 from pointbrush.web.upload_files import described, parse_form, parse_json, save
+from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
@@ -94,6 +98,33 @@ async def import_labels(
         job = await run_in_threadpool(begin)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
+
+
+async def arrays_body(request: Request) -> bytearray:
+    """Read the body, within the server's limit."""
+    limit: int = request.app.state.workspace.settings.max_body
+    return await body_within(request, limit, "annotations")
+
+
+@router.put(
+    "/sequences/{seq}/annotations",
+    responses=responses(404, 409, 413),
+    openapi_extra={"requestBody": {"required": True, "content": {"application/zip": BINARY}}},
+)
+def put_annotations(
+    seq: SequenceId,
+    body: Annotated[bytearray, Depends(arrays_body)],
+    workspace: Ws,
+    who: Caller,
+    layer: Written = "label",
+    id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
+) -> EditOut:
+    """Replace a layer in several frames, as one edit: ``.npz`` with an array ``I`` of frame I."""
+    counts = workspace.recording(seq).manifest.points
+    arrays = npy.parse_by_frame(body, require_layer(layer), counts)
+    return EditOut.of(
+        workspace.annotations.put_many(seq, arrays, author=who.author, layer=layer, edit=id)
+    )
 
 
 def _more(options: LabelImportOptions) -> dict[str, Any]:

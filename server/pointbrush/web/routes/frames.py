@@ -37,7 +37,6 @@ Layer = Annotated[
     Literal["label", "provenance", "deleted", "confidence"], Query(description="which values")
 ]
 Written = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
-HEADER_ROOM = 4096
 WIDEST = 8
 """Bytes a value of the widest type that is read, to say that the type is wrong."""
 BINARY = {"schema": {"type": "string", "format": "binary"}}
@@ -118,7 +117,7 @@ async def annotation_body(
 ) -> bytearray:
     """The body, if it can be an array of this frame's values."""
     frame = await run_in_threadpool(lambda: workspace.recording(seq)[i])
-    return await body_within(request, frame.count * WIDEST + HEADER_ROOM, "annotation")
+    return await body_within(request, frame.count * WIDEST + npy.HEADER_ROOM, "annotation")
 
 
 AnnotationBody = Annotated[bytearray, Depends(annotation_body)]

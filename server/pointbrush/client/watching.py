@@ -1,0 +1,88 @@
+"""Events of a recording, as they happen."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from pointbrush.client.steps import AsyncLink, L, Part, Request, Steps, SyncLink, send, steps
+from pointbrush.client.values import Job, PastEdit, Track, read
+
+WAIT_SECONDS = 25.0
+"""Time for which the server holds a call in which nothing happens."""
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """A frame in which the tracker is not sure of a label: lost, occluded, or little confidence."""
+
+    label: int
+    frame: int
+    confidence: float
+    state: str
+
+
+Happening: TypeAlias = PastEdit | Doubt | Job
+
+
+@dataclass(frozen=True, slots=True)
+class _Answer:
+    revision: int
+    jobs_seen: str
+    edits: tuple[PastEdit, ...]
+    doubts: tuple[Track, ...]
+    jobs: tuple[Job, ...]
+
+
+class Watch(Part[L]):
+    """Edits, doubts and changes of jobs, without an end: for ``for`` and ``async for``.
+
+    Nothing is missed where the connection is lost or the server restarts: the next call goes on
+    from ``revision``, that of the last edit that was asked for.
+    """
+
+    def __init__(self, link: L, sequence: str, after: int | None, patience: float) -> None:
+        super().__init__(link)
+        self.revision = after
+        self._path = f"/sequences/{sequence}/events"
+        self._patience = patience
+        self._jobs_seen: str | None = None
+        self._jobs: dict[str, Job] = {}
+        self._ahead: deque[Happening] = deque()
+
+    @steps
+    def next(self) -> Steps[Happening]:
+        """Wait for what happens next; raises UnavailableError after ``patience`` seconds."""
+        while not self._ahead:
+            query = {"wait": WAIT_SECONDS, "after": self.revision, "jobs_seen": self._jobs_seen}
+            given = {name: value for name, value in query.items() if value is not None}
+            asked = Request(
+                "GET", self._path, {"params": given}, again=True, patience=self._patience
+            )
+            self._take(read(_Answer, (yield from send(asked)).json()))
+        return self._ahead.popleft()
+
+    def _take(self, answer: _Answer) -> None:
+        self._ahead.extend(answer.edits)
+        self._ahead.extend(
+            Doubt(each.label, each.frame, each.confidence, each.state) for each in answer.doubts
+        )
+        changed = [job for job in answer.jobs if self._jobs.get(job.id) != job]
+        # Jobs of before are no news to who begins to watch.
+        if self._jobs_seen is not None:
+            self._ahead.extend(reversed(changed))
+        self._jobs |= {job.id: job for job in changed}
+        self.revision, self._jobs_seen = answer.revision, answer.jobs_seen
+
+    def __iter__(self: Watch[SyncLink]) -> Watch[SyncLink]:
+        return self
+
+    def __next__(self: Watch[SyncLink]) -> Happening:
+        return self.next()
+
+    def __aiter__(self) -> Watch[L]:
+        return self
+
+    async def __anext__(self: Watch[AsyncLink]) -> Happening:
+        return await self.next()

@@ -1,0 +1,108 @@
+"""Events of a recording, for scripts that react."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+from fastapi import Query, Request
+
+from pointbrush.job import Job
+from pointbrush.labels import EditInfo
+from pointbrush.web.auth import resource
+from pointbrush.web.context import WholeSequence, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import EditInfoOut, Out
+from pointbrush.web.schemas_work import JobOut, TrackOut
+from pointbrush.web.watching import Watching
+from pointbrush.work.doubts import is_doubtful
+from pointbrush.workspace import Workspace
+
+router = resource("edits")
+LONGEST_WAIT = 50.0
+"""Seconds; proxies give up an answer that does not begin in a minute."""
+MOST_EDITS = 500
+TRACKING = "tracking"
+
+
+class EventsOut(Out):
+    """Edits after a revision, oldest first, doubts of the tracking among them, and jobs.
+
+    ``revision`` and ``jobs_seen`` are for the next call's ``after`` and ``jobs_seen``.
+    """
+
+    revision: int
+    jobs_seen: str
+    edits: list[EditInfoOut]
+    doubts: list[TrackOut]
+    jobs: list[JobOut]
+
+
+@dataclass(frozen=True, slots=True)
+class Happened:
+    """The fields of an ``EventsOut``."""
+
+    revision: int
+    jobs_seen: str
+    edits: Sequence[EditInfo]
+    doubts: Sequence[dict[str, Any]]
+    jobs: Sequence[Job]
+
+
+@router.get("/sequences/{seq}/events", responses=responses(404))
+async def wait_for_events(
+    seq: WholeSequence,
+    request: Request,
+    workspace: Ws,
+    after: Annotated[
+        int | None, Query(ge=0, lt=2**53, description="a revision; none: the present one")
+    ] = None,
+    jobs_seen: Annotated[
+        str | None, Query(max_length=64, description="of the last answer; none: jobs are news")
+    ] = None,
+    wait: Annotated[float, Query(ge=0, le=LONGEST_WAIT, description="seconds")] = 0.0,
+) -> EventsOut:
+    """Wait for edits and changes of jobs; answers with what happened, or nothing after ``wait``.
+
+    Asked with the ``revision`` and ``jobs_seen`` of the last answer, nothing is missed, also where
+    the connection was lost or the server restarted meanwhile.
+    """
+    watching: Watching = request.app.state.watching
+
+    def look() -> tuple[Happened, bool]:
+        found = happened(workspace, seq, after, jobs_seen)
+        return found, bool(found.edits or found.jobs) or after is None
+
+    return EventsOut.of(await watching.until(seq, look, wait))
+
+
+def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str | None) -> Happened:
+    """Collect the edits after a revision and, where any differs from those seen, the jobs."""
+    jobs = [job for job in workspace.jobs.all() if job.sequence == seq]
+    seen = _digest(jobs)
+    revision = workspace.labels.revision(seq) if after is None else after
+    name = workspace.labels.accounts.name
+    edits = [
+        replace(edit, author=name(edit.author))
+        for edit in workspace.labels.edits(seq, after=revision, limit=MOST_EDITS)
+    ]
+    tracked = {frame for edit in edits if edit.kind == TRACKING for frame in edit.frames}
+    doubts = [
+        track
+        for track in (workspace.labels.tracks(seq) if tracked else ())
+        if track["frame"] in tracked and is_doubtful(track)
+    ]
+    return Happened(
+        edits[-1].revision if edits else revision,
+        seen,
+        edits,
+        doubts,
+        [] if seen == jobs_seen else jobs,
+    )
+
+
+def _digest(jobs: Sequence[Job]) -> str:
+    told = [(job.id, job.state, job.progress, job.message) for job in jobs]
+    return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
