@@ -40,7 +40,7 @@ from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing
 from pointbrush.work.objects import Objects
-from pointbrush.work.projects import Projects, Queue
+from pointbrush.work.projects import Projects, Queue, Versions
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
@@ -112,7 +112,7 @@ class Workspace:
         self.splitting = Splitting(self.labels, self.recording)
         self.boxes = BoxPainting(self.labels, self.recording)
         self.queue = Queue(self.labels, self.recording)
-        self.projects = Projects(self.labels, publish)
+        self.projects, self.versions = Projects(self.labels, publish), Versions(self.labels)
         self.deletion.tidy()
         if not self.read_only:
             self.library.store.clear_remains(self.labels.guards.importing)
@@ -224,11 +224,13 @@ class Workspace:
         frames: str | None = None,
         val: str | None = None,
         above: float = 0.0,
+        snapshot: str | None = None,
     ) -> None:
         """Write frames ``I:J`` with their labels; a folder or file at a Path, zip to a stream.
 
         ``val``: frames for validation in a format for training, as ``exporting.choose_split``;
-        ``above``: predicted labels of a confidence, 0 to 1, below it are left out.
+        ``above``: predicted labels of a confidence, 0 to 1, below it are left out; ``snapshot``:
+        labels as they were in this version of the project.
         Raises BadInputError for an unknown format or range, DamagedError for a damaged frame: at a
         Path nothing is left then, a stream has not begun, or goes on and names the gap.
         """
@@ -240,11 +242,14 @@ class Workspace:
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
         gaps: list[str] | None = None if isinstance(out, Path) else []
-        labeled = exporting.labeled_frames(self.labels, recording, chosen, gaps, above)
+        kept = self.labels if snapshot is None else self.versions.labels(sequence, snapshot)
+        labeled = exporting.labeled_frames(kept, recording, chosen, gaps, above)
         labeled = exporting.split_frames(labeled, split)
         if formats.EXPORTS[export_format].whole_boxes:
+            if snapshot is not None:
+                raise BadInputError("snapshot: expected a format without boxes, it has none")
             labeled = boxed_frames(labeled, self.labels, recording)
-        palette = self.labels.palette(sequence)
+        palette = kept.palette(sequence)
         names = formats.category_names(palette)
         numbers = self.labels.taxonomy.numbers(names)
         datasets = {name: self.labels.taxonomy.known_as(name) for name in DATASETS}

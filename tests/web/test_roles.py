@@ -75,6 +75,7 @@ def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
         ("id", UUID),
         ("p", "none"),
         ("t", "1"),
+        ("s", "none"),
     ):
         path = path.replace(f"{{{name}}}", value)
     path = path.replace(f"labels/{UUID}", "labels/1").replace(f"boxes/{UUID}", "boxes/1")

@@ -19,7 +19,7 @@ from pointbrush.client.boxes import Box, Boxes, BoxPose
 from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
-from pointbrush.client.projects import Project, ProjectInfo, Projects, Task
+from pointbrush.client.projects import Difference, Project, ProjectInfo, Projects, Snapshot, Task
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import (
     Agreement,
@@ -67,6 +67,7 @@ __all__ = [
     "Classifier",
     "Classifiers",
     "Client",
+    "Difference",
     "Doubt",
     "Edit",
     "ExportFormat",
@@ -87,6 +88,7 @@ __all__ = [
     "Recording",
     "Review",
     "Run",
+    "Snapshot",
     "Standing",
     "Task",
     "Track",

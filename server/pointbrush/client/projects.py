@@ -35,6 +35,47 @@ class Task:
 
 
 @dataclass(frozen=True, slots=True)
+class Snapshot:
+    """A version of a project's labels: the revision of each recording then."""
+
+    id: str
+    name: str
+    created: datetime
+    author: str
+    recordings: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class LabelDifference:
+    """A label that ``came``, ``went`` or was ``changed``."""
+
+    label: int
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class FrameDifference:
+    """Points of a frame that got a label, lost theirs, have another; ids of labels there."""
+
+    frame: int
+    came: int
+    went: int
+    changed: int
+    objects_came: tuple[int, ...]
+    objects_went: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Difference of a recording's labels between two versions."""
+
+    sequence: str
+    labels: tuple[LabelDifference, ...]
+    frames: tuple[FrameDifference, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ProjectInfo:
     """Facts of a project; ``role``: the caller's; ``tasks`` in each state, by person too."""
 
@@ -155,6 +196,36 @@ class Project(Part[L]):
         request = Request("GET", f"{self._place}/tasks/{number}/history", again=True)
         found: list[dict[str, Any]] = (yield from send(request)).json()
         return found
+
+    # ── versions ─────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def snapshots(self) -> Steps[list[Snapshot]]:
+        """Return the versions of its labels, the newest first."""
+        answer = yield from send(Request("GET", f"{self._place}/snapshots", again=True))
+        return [read(Snapshot, entry) for entry in answer.json()]
+
+    @steps
+    def snapshot(self, name: str) -> Steps[Snapshot]:
+        """Name its labels as they are now."""
+        request = Request("POST", f"{self._place}/snapshots", {"json": {"name": name}})
+        return read(Snapshot, (yield from send(request)).json())
+
+    @steps
+    def delete_snapshot(self, snapshot: str) -> Steps[None]:
+        """Forget a version; labels stay."""
+        yield from send(Request("DELETE", f"{self._place}/snapshots/{snapshot}"))
+
+    @steps
+    def difference(
+        self, snapshot: str, other: str | None = None, sequence: str | None = None
+    ) -> Steps[list[Difference]]:
+        """Compare a version with another, or with now; of one recording or of all."""
+        given = {"with": other, "sequence": sequence}
+        query = {name: value for name, value in given.items() if value is not None}
+        place = f"{self._place}/snapshots/{snapshot}/difference"
+        answer = yield from send(Request("GET", place, {"params": query}, again=True))
+        return [read(Difference, entry) for entry in answer.json()]
 
 
 class Projects(Part[L]):

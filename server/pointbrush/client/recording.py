@@ -345,14 +345,17 @@ class Recording(Part[L]):
         frames: str | None = None,
         val: str | None = None,
         above: float = 0.0,
+        snapshot: str | None = None,
     ) -> Steps[Path]:
         """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path.
 
         ``val`` are the frames for validation of a format that splits: ``I:J``, ids of recordings
         with commas, or ``none``; by default those of one recording in five.  ``above``: predicted
-        labels of a confidence, 0 to 1, below it are left out.
+        labels of a confidence, 0 to 1, below it are left out; ``snapshot``: labels as they were
+        then.
         """
         asked = {"format": format, "frames": frames, "val": val, "above": above or None}
+        asked |= {"snapshot": snapshot}
         return (yield from self._export(out, asked))
 
     def _export(self, out: AnyPath, asked: dict[str, Any]) -> Steps[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sqlalchemy import (
+    BigInteger,
     Column,
     Double,
     ForeignKey,
@@ -74,4 +75,24 @@ task_events = Table(
     Column("assignee", String(256)),
     Column("note", Text, nullable=False),
     ForeignKeyConstraint(["project", "task"], ["tasks.project", "tasks.number"]),
+)
+
+versions = Table(
+    "versions",
+    metadata,
+    Column("id", String(64), primary_key=True),
+    Column("project", String(64), ForeignKey("projects.id"), nullable=False),
+    Column("name", Text, nullable=False),
+    Column("created", Double, nullable=False),
+    Column("author", String(256), nullable=False),
+    Index("versions_project", "project"),
+)
+
+version_recordings = Table(
+    "version_recordings",
+    metadata,
+    Column("version", String(64), ForeignKey("versions.id"), primary_key=True),
+    Column("sequence", Integer, ForeignKey("sequences.number"), primary_key=True),
+    Column("revision", BigInteger, nullable=False),
+    Column("palette", Text, nullable=False),  # JSON list of the labels that there were
 )

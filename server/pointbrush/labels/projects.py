@@ -13,7 +13,14 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.accounts import require_name
 from pointbrush.labels.database import CHUNK, Database
 from pointbrush.labels.lost_answers import write_once
-from pointbrush.labels.project_tables import FIRST, project_roles, projects, tasks
+from pointbrush.labels.project_tables import (
+    FIRST,
+    project_roles,
+    projects,
+    tasks,
+    version_recordings,
+    versions,
+)
 from pointbrush.labels.schema import LIVE, PROJECT_OF, categories, sequences
 from pointbrush.labels.tasks import forget_tasks, lock_project
 from pointbrush.names import require_visible
@@ -128,6 +135,10 @@ class Projects:
             gone = update(sequences).where(sequences.c.project == project)
             connection.execute(gone.values(project=None))  # deleted ones, which may come back
             forget_tasks(connection, tasks.c.project == project)
+            named = select(versions.c.id).where(versions.c.project == project)
+            held_then = version_recordings.c.version.in_(named)
+            connection.execute(delete(version_recordings).where(held_then))
+            connection.execute(delete(versions).where(versions.c.project == project))
             connection.execute(delete(project_roles).where(project_roles.c.project == project))
             connection.execute(delete(projects).where(projects.c.id == project))
 

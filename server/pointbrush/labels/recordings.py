@@ -14,7 +14,7 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels import plans, schema
 from pointbrush.labels.database import Database
 from pointbrush.labels.guards import busy_with
-from pointbrush.labels.project_tables import tasks
+from pointbrush.labels.project_tables import tasks, version_recordings
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LIVE, decode_points, encode_points
 from pointbrush.labels.statements import driver_of
@@ -209,6 +209,7 @@ def _change(connection: Connection, number: int, **values: Any) -> None:
 
 def _erase(connection: Connection, number: int) -> None:
     forget_tasks(connection, tasks.c.sequence == number)
+    connection.execute(delete(version_recordings).where(version_recordings.c.sequence == number))
     for table in schema.PER_SEQUENCE:
         connection.execute(delete(table).where(table.c.sequence == number))
     connection.execute(delete(schema.sequences).where(_SEQUENCES.number == number))

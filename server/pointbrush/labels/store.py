@@ -60,7 +60,7 @@ class LabelStore:
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)
         self.boxes = Boxes(self._sessions, self._writer, self.taxonomy)
-        self.team = Team(self.database)
+        self.team = Team(self.database, self._sessions)
         self.guards = Guards(self.database)
         self.jobs = JobRecords(self.database, self.guards.owner)
 

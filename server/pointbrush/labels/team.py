@@ -5,12 +5,20 @@ from __future__ import annotations
 from pointbrush.labels.access import Access
 from pointbrush.labels.database import Database
 from pointbrush.labels.projects import Projects
+from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.tasks import Tasks
+from pointbrush.labels.versions import Moment, PastLabels, Versions
 
 
 class Team:
-    """Projects and their tasks; thread-safe."""
+    """Projects, their tasks and versions; thread-safe."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, sessions: Sessions) -> None:
+        self._sessions = sessions
         self.projects, self.tasks = Projects(database), Tasks(database)
+        self.versions = Versions(database)
         self.access = Access(database)
+
+    def at(self, moment: Moment) -> PastLabels:
+        """Return the labels of a recording as they were at a moment."""
+        return PastLabels(self._sessions, moment)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import Annotated
 
-from fastapi import Depends, Path, Request
+from fastapi import Depends, Path, Query, Request
 from fastapi.dependencies.models import Dependant
 
 from pointbrush.errors import BadInputError, TooLargeError
@@ -15,6 +15,10 @@ from pointbrush.workspace import Workspace
 
 SEQUENCE_ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
 SequenceId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="sequence id")]
+SnapshotQuery = Annotated[
+    str | None,
+    Query(pattern=SEQUENCE_ID, max_length=64, description="labels as they were in this snapshot"),
+]
 ProjectId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="project id")]
 FramePath = Annotated[int, Path(ge=0, lt=2**31, description="frame number, from 0")]
 LabelPath = Annotated[int, Path(ge=1, le=65534, description="label id")]

@@ -15,6 +15,7 @@ from pointbrush import formats
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
+from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence, source_blocks
 from pointbrush.work.annotate.layers import KeptAnnotation, require_layer
 
@@ -73,7 +74,7 @@ def require_whole(recording: Sequence, frames: range) -> None:
 
 
 def labeled_frames(
-    store: LabelStore,
+    store: LabelStore | PastLabels,
     recording: Sequence,
     frames: range,
     gaps: list[str] | None = None,
@@ -159,7 +160,7 @@ def _blocks(
 
 
 def layer_blocks(
-    store: LabelStore, recording: Sequence, index: int, layer: str
+    store: LabelStore | PastLabels, recording: Sequence, index: int, layer: str
 ) -> tuple[Iterator[NDArray[Any]], int]:
     """A layer of a frame in source order, in blocks, and the frame's last change's revision.
 

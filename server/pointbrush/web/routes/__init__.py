@@ -17,6 +17,7 @@ from pointbrush.web.routes import (
     projects,
     review,
     sequences,
+    snapshots,
     tasks,
     taxonomy,
     tracking,
@@ -25,4 +26,5 @@ from pointbrush.web.routes import (
 RESOURCES = (
     meta, sequences, imports, frames, labels, boxes, taxonomy, edits, events, objects,
     annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
+    snapshots,
 )  # fmt: skip

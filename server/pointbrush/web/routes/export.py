@@ -21,7 +21,7 @@ from starlette.types import Receive, Scope, Send
 from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
 from pointbrush.web.auth import Caller, Gate, Principal, resource
-from pointbrush.web.context import SequenceId, Ws, one_of
+from pointbrush.web.context import SequenceId, SnapshotQuery, Ws, one_of
 from pointbrush.web.problems import responses
 
 PIECES = 16
@@ -252,12 +252,13 @@ async def export_sequence(
     above: Annotated[
         float, Query(ge=0, le=1, description="least confidence of predicted labels")
     ] = 0.0,
+    snapshot: SnapshotQuery = None,
 ) -> Response:
     """Frames with their labels in the source's order, as a zip."""
     return await respond(
         request.app.state.exports,
         person_of(request, who),
-        lambda file: workspace.export(seq, format, file, frames, val, above),
+        lambda file: workspace.export(seq, format, file, frames, val, above, snapshot),
         {"Content-Disposition": f'attachment; filename="{seq}-{format}.zip"'},
     )
 

@@ -14,6 +14,7 @@ from pointbrush.errors import BadInputError, LockedLabelError
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.packing import BLOCK
 from pointbrush.labels.types import IMPORTED, PREDICTED
+from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence as Recording
 
 _LEVEL = 1  # zlib: the fastest; neighbours in stored order have the same label mostly
@@ -140,7 +141,7 @@ class KeptAnnotation:
 
     def __init__(
         self,
-        store: LabelStore,
+        store: LabelStore | PastLabels,
         sequence: str,
         frame: int,
         layers: Collection[str] = tuple(LAYERS),

@@ -4,5 +4,6 @@ from __future__ import annotations
 
 from pointbrush.work.projects.queue import NewTasks, Queue, Wish
 from pointbrush.work.projects.service import Overview, Projects
+from pointbrush.work.projects.versions import Versions
 
-__all__ = ["NewTasks", "Overview", "Projects", "Queue", "Wish"]
+__all__ = ["NewTasks", "Overview", "Projects", "Queue", "Versions", "Wish"]

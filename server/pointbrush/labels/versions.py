@@ -1,0 +1,307 @@
+"""Named versions of a project's labels, and the labels of a recording as they were in one.
+
+The journal keeps what each edit found: going back from now to a revision gives exactly what was
+there.  The palette of that moment is written down with the version.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from sqlalchemy import ColumnElement, Connection, delete, insert, select
+
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.labels.database import Database
+from pointbrush.labels.lost_answers import write_once
+from pointbrush.labels.packing import (
+    BLOCK,
+    DELETION,
+    LABELS,
+    confidence_of,
+    decode_change,
+    deleted_of,
+    label_of,
+    provenance_of,
+)
+from pointbrush.labels.palette import in_order
+from pointbrush.labels.project_tables import version_recordings, versions
+from pointbrush.labels.projects import LONGEST_NAME
+from pointbrush.labels.schema import (
+    LIVE,
+    PROJECT_OF,
+    edit_blocks,
+    edit_tracks,
+    edits,
+    labels,
+    sequences,
+)
+from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.state import SequenceState, exists_table, visible
+from pointbrush.labels.tasks import lock_project
+from pointbrush.labels.types import FrameValues, Label
+from pointbrush.names import require_visible
+
+_FIELDS = tuple(Label.__dataclass_fields__)
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A version: the revision that each recording of the project had then, by id.
+
+    ``created``: seconds since the epoch; ``author``: an account.
+    """
+
+    id: str
+    project: str
+    name: str
+    created: float
+    author: str
+    recordings: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A recording as it was: row ``number``, ``revision``, its palette then."""
+
+    number: int
+    revision: int
+    palette: Mapping[int, Label]
+
+
+class Versions:
+    """The versions of all projects of one database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def create(self, project: str, version: str, name: str, author: str) -> Version:
+        """Name the labels of a project's recordings as they are now.
+
+        Raises NotFoundError, ConflictError for an id that a version has.
+        """
+        if not name.strip() or len(name) > LONGEST_NAME:
+            raise BadInputError(f"name: expected 1 to {LONGEST_NAME} characters, got {len(name)}")
+        require_visible("name", name)
+
+        def make(connection: Connection) -> Version:
+            lock_project(connection, project)
+            if _find(connection, version) is not None:
+                raise ConflictError(f"id: expected one of no snapshot yet, got {version!r}")
+            now = self._database.now(connection)
+            row = {"id": version, "project": project, "name": name, "created": now}
+            connection.execute(insert(versions), row | {"author": author})
+            rows = [
+                {
+                    "version": version,
+                    "sequence": number,
+                    "revision": revision,
+                    "palette": json.dumps(palette),
+                }
+                for number, revision, palette in _moments(connection, project == PROJECT_OF)
+            ]
+            if rows:
+                connection.execute(insert(version_recordings), rows)
+            return _get(connection, project, version)
+
+        return write_once(self._database, make, lambda c: _find(c, version))
+
+    def all(self, project: str) -> list[Version]:
+        """Return the versions of a project, the newest first."""
+        chosen = select(versions).where(versions.c.project == project)
+        with self._database.read() as connection:
+            rows = connection.execute(chosen.order_by(versions.c.created.desc())).all()
+            return [_version(connection, row) for row in rows]
+
+    def get(self, project: str, version: str) -> Version:
+        """Return one; raises NotFoundError."""
+        with self._database.read() as connection:
+            return _get(connection, project, version)
+
+    def remove(self, project: str, version: str) -> None:
+        """Forget a version; labels stay.  Raises NotFoundError."""
+        with self._database.write() as connection:
+            _get(connection, project, version)
+            parts = version_recordings.c.version == version
+            connection.execute(delete(version_recordings).where(parts))
+            connection.execute(delete(versions).where(versions.c.id == version))
+
+    def moment(self, version: str, sequence: str) -> Moment:
+        """Return a recording as it was in a version; raises NotFoundError."""
+        chosen = (
+            select(version_recordings)
+            .join(sequences, sequences.c.number == version_recordings.c.sequence)
+            .where(version_recordings.c.version == version, sequences.c.id == sequence, LIVE)
+        )
+        with self._database.read() as connection:
+            row = connection.execute(chosen).first()
+        if row is None:
+            raise NotFoundError(f"snapshot: expected one with {sequence!r} in it, got {version!r}")
+        palette = in_order(Label(**entry) for entry in json.loads(row.palette))
+        return Moment(row.sequence, row.revision, {label.id: label for label in palette})
+
+    def now(self, sequence: str) -> Moment:
+        """Return a recording as it is; raises NotFoundError."""
+        with self._database.read() as connection:
+            for number, revision, palette in _moments(connection, sequences.c.id == sequence):
+                labels = in_order(Label(**entry) for entry in palette)
+                return Moment(number, revision, {label.id: label for label in labels})
+        raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
+
+
+class PastLabels:
+    """Labels of one recording as they were at a moment, read like those of a LabelStore."""
+
+    def __init__(self, sessions: Sessions, moment: Moment) -> None:
+        self._sessions, self._moment = sessions, moment
+
+    def palette(self, sequence: str) -> list[Label]:  # noqa: ARG002 - there is one recording
+        """The labels, in their order."""
+        return list(self._moment.palette.values())
+
+    def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
+        """Annotation of a whole frame in runs of ``size`` points."""
+        with self._sessions.reading(sequence) as (_, state):
+            count = _same(state, self._moment).frame_points(frame)
+        for first in range(0, max(count, 1), size):
+            yield self.values(sequence, frame, first, size)
+
+    def values(self, sequence: str, frame: int, first: int, count: int) -> FrameValues:
+        """Annotation of points [first, first + count) of a frame, as far as it has them."""
+        with self._sessions.reading(sequence) as (connection, state):
+            stop = min(_same(state, self._moment).frame_points(frame), first + count)
+            words = {
+                layer: _words(connection, state, (frame, layer), first, stop, self._moment.revision)
+                for layer in (LABELS, DELETION)
+            }
+        shown = visible(words[LABELS], exists_table(self._moment.palette))
+        revision = self._moment.revision
+        return FrameValues(
+            label_of(shown),
+            provenance_of(shown),
+            deleted_of(words[DELETION]),
+            confidence_of(shown),
+            revision,
+            revision,
+        )
+
+    def tracks(self, sequence: str) -> list[dict[str, Any]]:
+        """The tracks of labels that there were, by frame and label."""
+        number, until = self._moment.number, self._moment.revision
+        table = edit_tracks.c
+        chosen = select(table.frame, table.label, table.revision, table.data).where(
+            table.sequence == number, table.revision <= until
+        )
+        with self._sessions.reading(sequence) as (connection, state):
+            _same(state, self._moment)
+            undone = _undone(connection, number, until)
+            rows = connection.execute(chosen.order_by(table.revision)).all()
+        found = {
+            (row.frame, row.label): row.data
+            for row in rows
+            if row.revision not in undone and row.label in self._moment.palette
+        }
+        return [json.loads(found[key]) for key in sorted(found)]
+
+    def changed_frames(self, sequence: str, since: int) -> list[int]:
+        """Frames that edits after revision ``since`` have changed."""
+        chosen = select(edits.c.frames).where(
+            edits.c.sequence == self._moment.number,
+            edits.c.revision > since,
+            edits.c.revision <= self._moment.revision,
+        )
+        with self._sessions.reading(sequence) as (connection, _):
+            rows = connection.execute(chosen.distinct()).scalars().all()
+        return sorted({frame for row in rows for frame in json.loads(row)})
+
+
+def _same(state: SequenceState, moment: Moment) -> SequenceState:
+    if state.number != moment.number:
+        raise NotFoundError(f"snapshot: {state.id!r} was imported anew since")
+    return state
+
+
+def _words(
+    connection: Connection,
+    state: SequenceState,
+    layer: tuple[int, int],
+    first: int,
+    stop: int,
+    revision: int,
+) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
+    """Words of points first..stop - 1 of a layer of a frame, as they were at ``revision``."""
+    if stop <= first:
+        return np.zeros(0, np.uint64)
+    begin, last = first // BLOCK, (stop - 1) // BLOCK
+    held = state.block_run(connection, *layer, begin, last)
+    words = np.zeros((last - begin + 1) * BLOCK, np.uint64)
+    for number, block in enumerate(held):
+        if block.states is not None:
+            words[number * BLOCK : number * BLOCK + len(block.states)] = block.states
+    table = edit_blocks.c
+    later = select(table.block, table.data).where(
+        table.sequence == state.number,
+        table.frame == layer[0],
+        table.layer == layer[1],
+        table.block.between(begin, last),
+        table.revision > revision,
+    )
+    for block, data in connection.execute(later.order_by(table.revision.desc())):
+        change = decode_change(data)
+        words[change.indices + (block - begin) * BLOCK] = change.before
+    return words[first - begin * BLOCK : stop - begin * BLOCK]
+
+
+def _undone(connection: Connection, number: int, until: int) -> set[int]:
+    """Revisions of the edits that were out of force at revision ``until``."""
+    chosen = select(edits.c.kind, edits.c.target).where(
+        edits.c.sequence == number, edits.c.revision <= until, edits.c.target.is_not(None)
+    )
+    undone: set[int] = set()
+    for kind, target in connection.execute(chosen.order_by(edits.c.revision)):
+        (undone.add if kind == "undo" else undone.discard)(target)
+    return undone
+
+
+def _moments(
+    connection: Connection, which: ColumnElement[bool]
+) -> list[tuple[int, int, list[dict[str, Any]]]]:
+    """Number, revision and palette of recordings, all of one statement: of one moment."""
+    fields = [labels.c[name] for name in _FIELDS]
+    chosen = (
+        select(sequences.c.number, sequences.c.revision, *fields)
+        .join(labels, labels.c.sequence == sequences.c.number, isouter=True)
+        .where(which, LIVE)
+    )
+    palettes: dict[tuple[int, int], list[dict[str, Any]]] = {}
+    for number, revision, *values in connection.execute(chosen):
+        palette = palettes.setdefault((number, revision), [])
+        if values[0] is not None:
+            palette.append(dict(zip(_FIELDS, values, strict=True)))
+    return [(number, revision, palette) for (number, revision), palette in palettes.items()]
+
+
+def _find(connection: Connection, version: str) -> Version | None:
+    row = connection.execute(select(versions).where(versions.c.id == version)).first()
+    return None if row is None else _version(connection, row)
+
+
+def _get(connection: Connection, project: str, version: str) -> Version:
+    found = _find(connection, version)
+    if found is None or found.project != project:
+        raise NotFoundError(f"snapshot: expected one of {project!r}, got {version!r}")
+    return found
+
+
+def _version(connection: Connection, row: Any) -> Version:
+    parts = (
+        select(sequences.c.id, version_recordings.c.revision)
+        .join(sequences, sequences.c.number == version_recordings.c.sequence)
+        .where(version_recordings.c.version == row.id, LIVE)
+        .order_by(sequences.c.id)
+    )
+    recordings = {row.id: row.revision for row in connection.execute(parts)}
+    return Version(row.id, row.project, row.name, row.created, row.author, recordings)

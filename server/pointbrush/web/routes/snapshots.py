@@ -1,0 +1,111 @@
+"""Named versions of a project's labels, and their differences."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import Path, Query, Response
+
+from pointbrush.web.auth import Caller, resource
+from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Body, Name, Out
+from pointbrush.work.projects.versions import Kind
+
+router = resource("snapshots")
+SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="snapshot id")]
+
+
+class SnapshotBody(Body):
+    """A version to make."""
+
+    name: Name
+
+
+class SnapshotOut(Out):
+    """A version: the revision that each recording had then."""
+
+    id: str
+    name: str
+    created: datetime
+    author: str
+    recordings: dict[str, int]
+
+
+class LabelDifferenceOut(Out):
+    """A label that came, went, or has another name, category or colour."""
+
+    label: int
+    name: str
+    kind: Kind
+
+
+class FrameDifferenceOut(Out):
+    """Points that got a label, lost theirs, or have another; labels with points in one alone."""
+
+    frame: int
+    came: int
+    went: int
+    changed: int
+    objects_came: list[int]
+    objects_went: list[int]
+
+
+class DifferenceOut(Out):
+    """Difference of a recording's labels; what is the same is left out."""
+
+    sequence: str
+    labels: list[LabelDifferenceOut]
+    frames: list[FrameDifferenceOut]
+
+
+@router.get("/projects/{p}/snapshots", responses=responses(404))
+def list_snapshots(p: ProjectId, workspace: Ws) -> list[SnapshotOut]:
+    """The versions of a project's labels, the newest first."""
+    return [SnapshotOut.of(each) for each in workspace.versions.all(p)]
+
+
+@router.post("/projects/{p}/snapshots", status_code=201, responses=responses(404, 409, 413))
+def create_snapshot(
+    p: ProjectId, body: SnapshotBody, response: Response, workspace: Ws, who: Caller
+) -> SnapshotOut:
+    """Name the labels of a project as they are now."""
+    made = workspace.versions.create(p, body.name, who.author)
+    response.headers["Location"] = f"/api/v1/projects/{p}/snapshots/{made.id}"
+    return SnapshotOut.of(made)
+
+
+@router.get("/projects/{p}/snapshots/{s}", responses=responses(404))
+def get_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> SnapshotOut:
+    """One version."""
+    return SnapshotOut.of(workspace.versions.get(p, s))
+
+
+@router.delete("/projects/{p}/snapshots/{s}", status_code=204, responses=responses(404))
+def delete_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> None:
+    """Forget a version; labels stay."""
+    workspace.versions.remove(p, s)
+
+
+@router.get("/projects/{p}/snapshots/{s}/difference", responses=responses(404))
+def get_difference(
+    p: ProjectId,
+    s: SnapshotId,
+    workspace: Ws,
+    other: Annotated[
+        str | None,
+        Query(
+            alias="with",
+            pattern=SEQUENCE_ID,
+            max_length=64,
+            description="another snapshot; without it the labels of now",
+        ),
+    ] = None,
+    sequence: Annotated[
+        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="of this one alone")
+    ] = None,
+) -> list[DifferenceOut]:
+    """Difference of two versions, of all recordings that are in both, by frame."""
+    found = workspace.versions.difference(p, s, other, sequence)
+    return [DifferenceOut.of(each) for each in found]

@@ -1,0 +1,165 @@
+"""Versions of a project's labels, for the fronts: named, read, and compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels import Label, LabelStore
+from pointbrush.labels.versions import Moment, PastLabels, Version
+from pointbrush.work.annotate.layers import READ_POINTS
+from pointbrush.work.reviewing.comparing import pairs
+from pointbrush.work.trash import ids_for
+
+Kind = Literal["came", "went", "changed"]
+
+
+@dataclass(frozen=True, slots=True)
+class LabelDifference:
+    """A label that came, went, or was changed (name, category or colour)."""
+
+    label: int
+    name: str
+    kind: Kind
+
+
+@dataclass(frozen=True, slots=True)
+class FrameDifference:
+    """Points of a frame that got a label, lost theirs, or have another; and objects.
+
+    ``objects_came``, ``objects_went``: ids of labels that have points in one of the two alone.
+    """
+
+    frame: int
+    came: int
+    went: int
+    changed: int
+    objects_came: Sequence[int]
+    objects_went: Sequence[int]
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Difference of a recording's labels between two moments; what is the same is left out."""
+
+    sequence: str
+    labels: Sequence[LabelDifference]
+    frames: Sequence[FrameDifference]
+
+
+class Versions:
+    """The versions of a workspace's projects; thread-safe.
+
+    Every method raises NotFoundError for an unknown project, version or recording in it.
+    """
+
+    def __init__(self, store: LabelStore) -> None:
+        self._store = store
+
+    def create(self, project: str, name: str, author: str) -> Version:
+        """Name a project's labels as they are now."""
+        there = {
+            version.id
+            for each in self._store.team.projects.all()
+            for version in self._store.team.versions.all(each.id)
+        }
+        wanted = next(each for each in ids_for(name) if each not in there)
+        return self._named(self._store.team.versions.create(project, wanted, name, author))
+
+    def all(self, project: str) -> list[Version]:
+        """Return those of a project, the newest first."""
+        self._store.team.projects.get(project)
+        return [self._named(each) for each in self._store.team.versions.all(project)]
+
+    def get(self, project: str, version: str) -> Version:
+        """Return one."""
+        return self._named(self._store.team.versions.get(project, version))
+
+    def remove(self, project: str, version: str) -> None:
+        """Forget one; labels stay."""
+        self._store.team.versions.remove(project, version)
+
+    def labels(self, sequence: str, version: str) -> PastLabels:
+        """Return the labels of a recording as they were in a version."""
+        return self._store.team.at(self._store.team.versions.moment(version, sequence))
+
+    def difference(
+        self, project: str, version: str, other: str | None = None, sequence: str | None = None
+    ) -> list[Difference]:
+        """Compare a version with a later one, or with the labels of now (None).
+
+        ``sequence``: of this recording alone; recordings that are not in both are left out.
+        """
+        first = self._store.team.versions.get(project, version).recordings
+        second = None if other is None else self._store.team.versions.get(project, other).recordings
+        if sequence is not None and sequence not in first:
+            raise NotFoundError(f"sequence: expected one of {version!r}, got {sequence!r}")
+        chosen = first.keys() if sequence is None else {sequence}
+        if second is not None:
+            chosen = chosen & second.keys()
+        found = [self._compare(each, version, other) for each in sorted(chosen)]
+        return [each for each in found if each.labels or each.frames]
+
+    def _compare(self, sequence: str, version: str, other: str | None) -> Difference:
+        moments = [self._store.team.versions.moment(version, sequence)]
+        versions = self._store.team.versions
+        later = versions.now(sequence) if other is None else versions.moment(other, sequence)
+        moments.append(later)
+        swapped = moments[0].revision > later.revision
+        past = [self._store.team.at(moment) for moment in moments]
+        since = min(moment.revision for moment in moments)
+        frames = past[0 if swapped else 1].changed_frames(sequence, since)
+        told = (_frame(sequence, frame, *past) for frame in frames)
+        return Difference(sequence, _labels(*moments), [each for each in told if each is not None])
+
+    def _named(self, version: Version) -> Version:
+        return replace(version, author=self._store.accounts.name(version.author))
+
+
+def _labels(first: Moment, second: Moment) -> list[LabelDifference]:
+    found = []
+    for number in sorted(first.palette.keys() | second.palette.keys()):
+        before, after = first.palette.get(number), second.palette.get(number)
+        if before is None and after is not None:
+            found.append(LabelDifference(number, after.name, "came"))
+        elif before is not None and after is None:
+            found.append(LabelDifference(number, before.name, "went"))
+        elif before and after and _looks(before) != _looks(after):
+            found.append(LabelDifference(number, after.name, "changed"))
+    return found
+
+
+def _looks(label: Label) -> tuple[str, str, str]:
+    return label.name, label.category, label.color
+
+
+def _frame(
+    sequence: str, frame: int, first: PastLabels, second: PastLabels
+) -> FrameDifference | None:
+    came = went = changed = 0
+    objects: tuple[set[int], set[int]] = set(), set()
+    for before, after in zip(
+        _seen(first, sequence, frame), _seen(second, sequence, frame), strict=True
+    ):
+        for (mine, theirs), points in pairs(before, after).items():
+            objects[0].add(mine)
+            objects[1].add(theirs)
+            if mine == theirs:
+                continue
+            came += points if not mine else 0
+            went += points if not theirs else 0
+            changed += points if mine and theirs else 0
+    if not came + went + changed:
+        return None
+    gone, fresh = objects[0] - objects[1] - {0}, objects[1] - objects[0] - {0}
+    return FrameDifference(frame, came, went, changed, sorted(fresh), sorted(gone))
+
+
+def _seen(past: PastLabels, sequence: str, frame: int) -> Iterator[NDArray[np.uint16]]:
+    for values in past.runs(sequence, frame, READ_POINTS):
+        yield np.where(values.deleted, np.uint16(0), values.label)
