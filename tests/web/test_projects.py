@@ -156,3 +156,33 @@ def test_the_same_by_code_that_awaits(people: dict[str, Client], served: Served)
             assert [one.id for one in await client.projects.all()] == ["default", "night"]
 
     asyncio.run(walk())
+
+
+def test_recordings_are_found_by_name_class_label_state_and_person(
+    people: dict[str, Client], served: Served
+) -> None:
+    lead, ada, grace = people["lead"], people["ada"], people["grace"]
+    night, day = ada["night"], ada["day"]
+    car = night.create_label("car 1", category="car")
+    wall = day.create_label("brickwork")
+    for recording, label in ((night, car), (day, wall)):
+        recording.frames[0].stroke(label=label.id, radius=0.5, samples=[[0, 0, 3]])
+    project = lead.projects["night"]
+    project.add_tasks(assignee="bob")
+
+    def found(*text: str, **wanted: str) -> list[str]:
+        return [each.id for each in grace.search(*text, **wanted)]
+
+    assert found("igh") == found(project="night") == found(class_="CAR") == ["night"]
+    assert found(label="brickwork") == found(class_="brickwork") == found("DAY") == ["day"]
+    assert found(state="open") == found(person="bob") == ["night"]
+    assert found(person="ada") == ["day", "night"]
+    assert found(class_="car", label="brickwork") == found(state="taken") == []
+    assert [each.id for each in people["guest"].search(person="ada")] == ["day"]
+    figures = project.statistics()
+    assert figures["recordings"] == figures["labelled_frames"] == figures["objects"] == 1
+    ((cars,), (mine,)) = figures["classes"], figures["people"]
+    assert (cars["name"], mine["name"], mine["edits"]) == ("car", "ada", 2)
+    assert cars["points"] == mine["points"] > 0
+    assert cars["hours"] == mine["hours"] > 0
+    project.put_task(1, state="open")

@@ -62,6 +62,16 @@ class Server(Part[L]):
         return [Recording(self._link, entry) for entry in listed if entry.damaged is None]
 
     @steps
+    def search(self, q: str = "", /, **wanted: str) -> Steps[list[Manifest]]:
+        """Find recordings by a part of their name, and by what is ``wanted``.
+
+        That is project, class_, label, state (of a task) or person.
+        """
+        query = {name.rstrip("_"): value for name, value in wanted.items()} | {"q": q}
+        answer = yield from send(Request("GET", "/sequences", {"params": query}, again=True))
+        return [read(Manifest, entry) for entry in answer.json()]
+
+    @steps
     def manifests(self) -> Steps[list[Manifest]]:
         """Return the facts of all recordings, also of ``damaged`` ones, by name."""
         return (yield from self._manifests())

@@ -108,6 +108,13 @@ class Project(Part[L]):
         return read(ProjectInfo, answer.json())
 
     @steps
+    def statistics(self) -> Steps[dict[str, Any]]:
+        """Return points, objects and hours, by class and person."""
+        answer = yield from send(Request("GET", f"{self._place}/statistics", again=True))
+        found: dict[str, Any] = answer.json()
+        return found
+
+    @steps
     def delete(self) -> Steps[None]:
         """Delete it; raises ConflictError while it has recordings."""
         yield from send(Request("DELETE", self._place))

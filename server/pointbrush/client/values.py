@@ -87,6 +87,7 @@ class Manifest:
     large: bool
     created: datetime | None = None
     labelled: int = 0
+    project: str = "default"
     labels_missing: str | None = None
     damaged: str | None = None
     identity: str | None = None

@@ -6,6 +6,7 @@ from pointbrush.labels.access import Access
 from pointbrush.labels.database import Database
 from pointbrush.labels.projects import Projects
 from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.summaries import Summaries
 from pointbrush.labels.tasks import Tasks
 from pointbrush.labels.versions import Moment, PastLabels, Versions
 
@@ -16,7 +17,7 @@ class Team:
     def __init__(self, database: Database, sessions: Sessions) -> None:
         self._sessions = sessions
         self.projects, self.tasks = Projects(database), Tasks(database)
-        self.versions = Versions(database)
+        self.versions, self.summaries = Versions(database), Summaries(database)
         self.access = Access(database)
 
     def at(self, moment: Moment) -> PastLabels:

@@ -61,6 +61,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/taxonomy"): "viewer",
     ("GET", "/projects"): "viewer",
     ("GET", "/projects/{p}"): "viewer",
+    ("GET", "/projects/{p}/statistics"): "viewer",
     ("GET", "/projects/{p}/tasks"): "viewer",
     ("GET", "/projects/{p}/snapshots"): "viewer",
     ("GET", "/projects/{p}/snapshots/{s}"): "viewer",

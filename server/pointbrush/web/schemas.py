@@ -92,6 +92,7 @@ class SequenceOut(BaseModel):
     labels_missing: Annotated[
         str | None, Field(description="why the labels in its files did not come in")
     ] = None
+    project: Annotated[str, Field(description="id of its project")] = "default"
     identity: Annotated[str | None, Field(description="tells this import from others")] = None
     deleted: Annotated[datetime | None, Field(description="when it was deleted")] = None
     until: Annotated[datetime | None, Field(description="how long it can be restored")] = None
@@ -105,6 +106,7 @@ class SequenceOut(BaseModel):
             "damaged": entry.damaged,
             "labelled": entry.labelled,
             "labels_missing": entry.labels_missing,
+            "project": entry.project,
         }
         return cls.of(entry.manifest, entry.revision).model_copy(update=more)
 

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 
-from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
+from pointbrush.errors import (
+    DamagedError,
+    NotFoundError,
+    PointbrushError,
+    ReadOnlyError,
+    UnavailableError,
+)
 from pointbrush.labels import LabelStore
+from pointbrush.labels.project_tables import FIRST
+from pointbrush.labels.summaries import Search
 from pointbrush.sequences import Manifest, note_checksums, verify
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
@@ -57,8 +66,8 @@ def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
 class Listed:
     """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
 
-    ``labelled`` is the number of its frames with labelled points; ``labels_missing`` the reason why
-    the labels in its files did not come in, or None.
+    ``project`` is the one that it is in, ``labelled`` the number of its frames with labelled
+    points; ``labels_missing`` the reason why the labels in its files did not come in, or None.
     """
 
     id: str
@@ -67,6 +76,7 @@ class Listed:
     damaged: str | None
     labelled: int = 0
     labels_missing: str | None = None
+    project: str = FIRST
 
     @property
     def name(self) -> str:
@@ -97,7 +107,7 @@ class Listing:
             revisions = self._store.sequences()
         whole = revisions.keys() == {one.id for one in found}
         importing = () if whole else self._store.guards.importing()
-        labelled = self._store.labelled_frames()
+        labelled, projects = self._store.labelled_frames(), self._store.team.summaries.projects()
         missing = self._imports.source_labels.missing(one.manifest for one in found if one.manifest)
         entries = [
             Listed(
@@ -107,12 +117,37 @@ class Listing:
                 one.damaged,
                 labelled.get(one.id, 0),
                 missing.get(one.id),
+                projects.get(one.id, FIRST),
             )
             for one in found
             if one.id in revisions or one.id not in importing
         ]
         alone = revisions.keys() - {one.id for one in found}
         entries += [Listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
+        return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
+
+    def search(self, search: Search, text: str = "") -> list[Listed]:
+        """Find recordings by what is known of their labels, and by a part of their name or id."""
+        wanted = text.strip().lower()
+        found = []
+        for sequence in self._store.team.summaries.matching(search):
+            with suppress(NotFoundError, DamagedError):
+                manifest = self._library.recording(sequence).manifest
+                if wanted in sequence or wanted in manifest.name.lower():
+                    found.append(manifest)
+        revisions, labelled = self._store.sequences(), self._store.labelled_frames()
+        projects = self._store.team.summaries.projects()
+        entries = [
+            Listed(
+                each.id,
+                revisions.get(each.id, 0),
+                each,
+                None,
+                labelled.get(each.id, 0),
+                project=projects.get(each.id, FIRST),
+            )
+            for each in found
+        ]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
     def entry(self, sequence: str) -> Listed:
@@ -122,7 +157,10 @@ class Listing:
             found = self._library.look(sequence)
             labelled = self._store.labelled_frames(sequence).get(sequence, 0)
             missing = self._labels_missing(found.manifest)
-            return Listed(sequence, revision or 0, found.manifest, found.damaged, labelled, missing)
+            project = self._store.team.summaries.projects().get(sequence, FIRST)
+            return Listed(
+                sequence, revision or 0, found.manifest, found.damaged, labelled, missing, project
+            )
         if revision is None:
             raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
         return Listed(sequence, revision, None, LABELS_ALONE)

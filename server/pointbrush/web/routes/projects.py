@@ -96,6 +96,59 @@ def get_project(p: ProjectId, workspace: Ws, who: Caller) -> ProjectOut:
     return ProjectOut.seen(workspace.projects.get(p, who.role))
 
 
+class ClassFiguresOut(Out):
+    """Points of a class, and its objects: labels that have any."""
+
+    name: str
+    points: int
+    objects: int
+    hours: Annotated[float, Field(description="by its share of painted points")]
+
+
+class PersonFiguresOut(Out):
+    """Hours that a person's edits took, how many they were, and the points of their strokes."""
+
+    name: str
+    hours: float
+    edits: int
+    points: int
+
+
+class StatisticsOut(Out):
+    """Figures of a project: those of most points, and of most hours, come first."""
+
+    recordings: int
+    labelled_frames: int
+    points: int
+    objects: int
+    hours: float
+    classes: list[ClassFiguresOut]
+    people: list[PersonFiguresOut]
+
+
+@router.get("/projects/{p}/statistics", responses=responses(404))
+def get_statistics(p: ProjectId, workspace: Ws) -> StatisticsOut:
+    """Points, objects and hours of a project, by class and by person, from the times of edits."""
+    found = workspace.projects.statistics(p)
+    classes = [
+        ClassFiguresOut(name=e.name, points=e.points, objects=e.objects, hours=e.seconds / 3600)
+        for e in found.classes
+    ]
+    people = [
+        PersonFiguresOut(name=e.account, hours=e.seconds / 3600, edits=e.edits, points=e.points)
+        for e in found.people
+    ]
+    return StatisticsOut(
+        recordings=found.recordings,
+        labelled_frames=found.labelled_frames,
+        points=sum(each.points for each in classes),
+        objects=sum(each.objects for each in classes),
+        hours=sum(each.hours for each in people),
+        classes=classes,
+        people=people,
+    )
+
+
 @router.patch("/projects/{p}", responses=responses(404, 409, 413))
 def patch_project(p: ProjectId, body: ProjectPatch, workspace: Ws, who: Caller) -> ProjectOut:
     """Change name, roles or categories of a project, or put recordings into it."""

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from fastapi import Query
+from fastapi import Depends, Query
 
+from pointbrush.labels.summaries import Search
+from pointbrush.labels.tasks import TaskState
 from pointbrush.web.auth import Caller, TheGate, resource
-from pointbrush.web.context import SequenceId, Ws
+from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
     FloorBody,
@@ -24,6 +27,34 @@ IdentityQuery = Annotated[
 ]
 
 router = resource("sequences")
+Word = Annotated[str | None, Query(min_length=1, max_length=256)]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A search for recordings, and a part of their name or id."""
+
+    search: Search
+    text: str
+
+
+def asked(
+    project: Annotated[str | None, Query(pattern=SEQUENCE_ID, max_length=64)] = None,
+    q: Annotated[str, Query(max_length=256, description="a part of the name or id")] = "",
+    category: Annotated[
+        str | None,
+        Query(alias="class", min_length=1, max_length=256, description="with points of it"),
+    ] = None,
+    label: Word = None,
+    state: Annotated[TaskState | None, Query(description="of one of its tasks")] = None,
+    person: Word = None,
+) -> Asked | None:
+    """Return the search that a call asks for, if any.
+
+    ``label``: the name of one with points; ``person`` has a task in the recording, or edited it.
+    """
+    search = Search(project, category, label, state, person)
+    return Asked(search, q) if q or search != Search() else None
 
 
 def _out(workspace: Workspace, sequence: str) -> SequenceOut:
@@ -33,16 +64,24 @@ def _out(workspace: Workspace, sequence: str) -> SequenceOut:
 
 @router.get("/sequences", responses=responses())
 def list_sequences(
-    workspace: Ws, who: Caller, gate: TheGate, *, deleted: DeletedQuery = False
+    workspace: Ws,
+    who: Caller,
+    gate: TheGate,
+    wanted: Annotated[Asked | None, Depends(asked)],
+    *,
+    deleted: DeletedQuery = False,
 ) -> list[SequenceOut]:
     """All recordings that are for the caller, by name, also damaged ones.
 
-    ``deleted``: those that can be restored.
+    ``deleted``: those that can be restored.  A search finds those that can be opened.
     """
     if deleted:
         gone = workspace.deletion.deleted()
         return [SequenceOut.removed(e) for e in gone if gate.may_see(who, e.known.id)]
-    found = workspace.listing.all()
+    if wanted is None:
+        found = workspace.listing.all()
+    else:
+        found = workspace.listing.search(wanted.search, wanted.text)
     return [SequenceOut.listed(entry) for entry in found if gate.may_see(who, entry.id)]
 
 

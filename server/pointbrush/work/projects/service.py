@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pointbrush.labels import LabelStore
 from pointbrush.labels.projects import Change, Project
+from pointbrush.labels.summaries import Effort, Figures
 from pointbrush.labels.tasks import TaskState
 from pointbrush.roles import Role
 from pointbrush.work.events import Event, SequencesChanged
+from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for
 
 
@@ -48,6 +50,16 @@ class Projects:
         """Return one, for somebody with ``role`` in it; raises NotFoundError."""
         counts = self._store.team.tasks.counts().get(project, {})
         return self._overview(self._store.team.projects.get(project), role, counts)
+
+    def statistics(self, project: str) -> Figures:
+        """Return points, objects and hours of a project, by class and person; people by name."""
+        self._store.team.projects.get(project)
+        options = EffortOptions()
+        effort = Effort(options.idle, options.first, MACHINE, STROKES)
+        found = self._store.team.summaries.figures(project, effort)
+        name = self._store.accounts.name
+        people = [replace(each, account=name(each.account)) for each in found.people]
+        return replace(found, people=tuple(people))
 
     def create(self, change: Change, project: str | None, role: Role) -> Overview:
         """Make a project, of an id made from its name unless given; raises ConflictError."""

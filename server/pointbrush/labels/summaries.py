@@ -1,0 +1,203 @@
+"""Questions over all recordings: which ones match a search, and a project's figures."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, or_, select
+
+from pointbrush.labels.database import Database
+from pointbrush.labels.project_tables import tasks
+from pointbrush.labels.schema import LIVE, PROJECT_OF, counts, edits, labels, sequences
+from pointbrush.labels.tasks import TaskState
+
+_CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
+"""The class of a label; one without a category is a class of its own."""
+_OF_LABEL = and_(
+    counts.c.sequence == labels.c.sequence, counts.c.label == labels.c.id, counts.c.points > 0
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """Recordings that are looked for; None: whatever.
+
+    ``project``  the one that they are in.
+    ``category``, ``label``  a class, or the name of a label, that has points in them.
+    ``state``    of a task.
+    ``person``   account of a task's assignee or an edit's author.
+    """
+
+    project: str | None = None
+    category: str | None = None
+    label: str | None = None
+    state: TaskState | None = None
+    person: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ClassFigures:
+    """Points and objects of a class: labels that have any."""
+
+    name: str
+    points: int
+    objects: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class PersonFigures:
+    """Time that an account's edits took, how many they were, and the points of its strokes."""
+
+    account: str
+    seconds: float
+    edits: int
+    points: int
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Figures of a project: recordings, frames with labels, and by class and person.
+
+    A class has the share of each recording's time that it has of its painted points.
+    """
+
+    recordings: int
+    labelled_frames: int
+    classes: tuple[ClassFigures, ...]
+    people: tuple[PersonFigures, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """Rules by which times of edits become time that was spent.
+
+    ``idle`` seconds without an edit are a pause; ``first``: what an edit after one counts.
+    ``machine``: kinds that a person waits for; ``strokes``: kinds that are of the hand.
+    """
+
+    idle: float
+    first: float
+    machine: Collection[str]
+    strokes: Collection[str]
+
+
+class Summaries:
+    """Questions over all recordings of one database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def projects(self) -> dict[str, str]:
+        """Return the project of each recording, by id."""
+        with self._database.read() as connection:
+            chosen = select(sequences.c.id, PROJECT_OF.label("project")).where(LIVE)
+            return {row.id: row.project for row in connection.execute(chosen)}
+
+    def matching(self, search: Search) -> set[str]:
+        """Return the ids of recordings that a search is about."""
+        chosen = select(sequences.c.id).where(LIVE, *_conditions(search))
+        with self._database.read() as connection:
+            return set(connection.execute(chosen).scalars())
+
+    def figures(self, project: str, effort: Effort) -> Figures:
+        """Return the figures of a project."""
+        here = and_(project == PROJECT_OF, LIVE)
+        with self._database.read() as connection:
+            number = connection.execute(select(func.count()).where(here)).scalar_one()
+            frames = select(counts.c.sequence, counts.c.frame).distinct()
+            frames = frames.join(sequences, sequences.c.number == counts.c.sequence)
+            labelled = frames.where(here, counts.c.points > 0, counts.c.label > 0).subquery()
+            count = connection.execute(select(func.count()).select_from(labelled)).scalar_one()
+            people, spent = _people(connection, here, effort)
+            classes = _classes(connection, here, spent)
+        return Figures(number, count, classes, people)
+
+
+def _conditions(search: Search) -> list[ColumnElement[bool]]:
+    own = sequences.c.number
+    found: list[ColumnElement[bool]] = []
+    if search.project is not None:
+        found.append(search.project == PROJECT_OF)
+    shown = select(labels.c.id).where(labels.c.sequence == own)
+    for column, wanted in ((_CLASS, search.category), (labels.c.name, search.label)):
+        if wanted is not None:
+            there = exists(select(counts.c.frame).where(_OF_LABEL))
+            found.append(exists(shown.where(func.lower(column) == wanted.lower(), there)))
+    of_it = select(tasks.c.number).where(tasks.c.sequence == own)
+    if search.state is not None:
+        found.append(exists(of_it.where(tasks.c.state == search.state)))
+    if search.person is not None:
+        wrote = select(edits.c.revision).where(
+            edits.c.sequence == own, edits.c.author == search.person
+        )
+        found.append(or_(exists(of_it.where(tasks.c.assignee == search.person)), exists(wrote)))
+    return found
+
+
+def _people(
+    connection: Connection, here: ColumnElement[bool], effort: Effort
+) -> tuple[tuple[PersonFigures, ...], dict[int, float]]:
+    """Figures of each person, who spent most first; seconds of all by recording."""
+    before = func.lag(edits.c.time).over(
+        partition_by=(edits.c.sequence, edits.c.author), order_by=edits.c.revision
+    )
+    gap = edits.c.time - before
+    spans = (
+        select(
+            edits.c.sequence,
+            edits.c.author,
+            case((edits.c.kind.in_(effort.strokes), edits.c.points), else_=0).label("points"),
+            case((gap.between(0, effort.idle), gap), else_=effort.first).label("seconds"),
+        )
+        .join(sequences, sequences.c.number == edits.c.sequence)
+        .where(here, edits.c.kind.not_in(effort.machine))
+        .subquery()
+    )
+    chosen = select(
+        spans.c.sequence,
+        spans.c.author,
+        func.sum(spans.c.seconds),
+        func.count(),
+        func.sum(spans.c.points),
+    ).group_by(spans.c.sequence, spans.c.author)
+    spent: dict[int, float] = defaultdict(float)
+    people: dict[str, PersonFigures] = {}
+    for number, account, seconds, count, points in connection.execute(chosen):
+        spent[number] += seconds
+        old = people.get(account, PersonFigures(account, 0.0, 0, 0))
+        people[account] = PersonFigures(
+            account, old.seconds + seconds, old.edits + count, old.points + int(points)
+        )
+    return tuple(sorted(people.values(), key=lambda each: -each.seconds)), spent
+
+
+def _classes(
+    connection: Connection, here: ColumnElement[bool], spent: dict[int, float]
+) -> tuple[ClassFigures, ...]:
+    chosen = (
+        select(
+            labels.c.sequence,
+            _CLASS.label("name"),
+            func.sum(counts.c.points),
+            func.sum(counts.c.painted),
+            func.count(labels.c.id.distinct()),
+        )
+        .join(counts, _OF_LABEL)
+        .join(sequences, sequences.c.number == labels.c.sequence)
+        .where(here)
+        .group_by(labels.c.sequence, _CLASS)
+    )
+    rows = connection.execute(chosen).all()
+    painted: dict[int, int] = defaultdict(int)
+    for number, _, _, by_hand, _ in rows:
+        painted[number] += int(by_hand)
+    found: dict[str, ClassFigures] = {}
+    for number, name, points, by_hand, objects in rows:
+        old = found.get(name, ClassFigures(name, 0, 0, 0.0))
+        share = int(by_hand) / painted[number] if painted[number] else 0.0
+        seconds = old.seconds + share * spent.get(number, 0.0)
+        found[name] = ClassFigures(name, old.points + int(points), old.objects + objects, seconds)
+    return tuple(sorted(found.values(), key=lambda each: -each.points))
