@@ -27,6 +27,8 @@ class Edit:
     deleted: dict[Point, bool] = field(default_factory=dict)
     labels: dict[int, dict[str, Any]] = field(default_factory=dict)
     tracks: dict[tuple[int, int], Any] = field(default_factory=dict)
+    boxes: dict[int, dict[str, Any] | None] = field(default_factory=dict)
+    """Changes of boxes, None where one is removed; "new" where one begins anew."""
 
     @property
     def in_force(self) -> bool:
@@ -61,6 +63,23 @@ class Model:
         found = {place: v for e in self.edits if e.in_force for place, v in e.tracks.items()}
         return {place: value for place, value in found.items() if place[1] in palette}
 
+    def raw_boxes(self) -> dict[int, dict[str, Any]]:
+        found: dict[int, dict[str, Any] | None] = {}
+        for edit in self.edits:
+            if edit.in_force:
+                for box, change in edit.boxes.items():
+                    old = found.get(box)
+                    found[box] = change and _changed_box(old, change)
+        return {box: state for box, state in found.items() if state and state["there"]}
+
+    def boxes(self) -> dict[int, tuple[int, dict[int, float]]]:
+        palette = self.palette()
+        return {
+            box: (state["label"], state["poses"])
+            for box, state in self.raw_boxes().items()
+            if state["label"] in palette
+        }
+
     def raw(self) -> dict[Point, Mark]:
         return {point: mark for point, (mark, _) in self.top("marks").items()}
 
@@ -93,7 +112,8 @@ class Model:
     def commit(self, edit: Edit) -> None:
         before = self.visible(), self.held()
         self.edits.append(edit)
-        if (self.visible(), self.held()) == before and not edit.labels and not edit.tracks:
+        same = (self.visible(), self.held()) == before
+        if same and not edit.labels and not edit.tracks and not edit.boxes:
             edit.state = INERT
             tops = (self.top("marks"), self.top("deleted"))
             mine = [(edit.marks, tops[0]), (edit.deleted, tops[1])]
@@ -161,7 +181,8 @@ class Model:
             raise ConflictError
         fields = {"exists": True, "name": name, "locked": False, "visible": True}
         marks = {point: Mark(0, 0) for point, mark in self.raw().items() if mark.label == number}
-        self.commit(Edit(author, marks=marks, labels={number: fields}))
+        gone = self._boxes_of(number)
+        self.commit(Edit(author, marks=marks, labels={number: fields}, boxes=gone))
         self.highest = max(self.highest, number)
         return number
 
@@ -179,7 +200,40 @@ class Model:
         if palette[label]["locked"]:
             raise LockedLabelError
         marks = {point: Mark(0, 0) for point, mark in self.raw().items() if mark.label == label}
-        self.commit(Edit(author, marks=marks, labels={label: {"exists": False}}))
+        gone = self._boxes_of(label)
+        self.commit(Edit(author, marks=marks, labels={label: {"exists": False}}, boxes=gone))
+
+    def _boxes_of(self, label: int) -> dict[int, None]:
+        return dict.fromkeys(n for n, box in self.raw_boxes().items() if box["label"] == label)
+
+    def add_box(self, author: str, label: int, frame: int, x: float) -> None:
+        self._require_unlocked(label)
+        number = max((box for edit in self.edits for box in edit.boxes), default=0) + 1
+        self.commit(
+            Edit(author, boxes={number: {"new": True, "label": label, "poses": {frame: x}}})
+        )
+
+    def move_box(self, author: str, box: int, frame: int, x: float) -> None:
+        there = self.boxes()
+        if box not in there:
+            raise NotFoundError
+        self._require_unlocked(there[box][0])
+        moved = there[box][1].get(frame) != x
+        self.commit(Edit(author, boxes={box: {"poses": {frame: x}}} if moved else {}))
+
+    def remove_box(self, author: str, box: int) -> None:
+        there = self.boxes()
+        if box not in there:
+            raise NotFoundError
+        self._require_unlocked(there[box][0])
+        self.commit(Edit(author, boxes={box: None}))
+
+    def _require_unlocked(self, label: int) -> None:
+        palette = self.palette()
+        if label not in palette:
+            raise NotFoundError
+        if palette[label]["locked"]:
+            raise LockedLabelError
 
     # ── undo and redo ──
 
@@ -187,23 +241,46 @@ class Model:
         mine = [e for e in self.edits if e.author == author and e.state == ACTIVE]
         if not mine:
             raise ConflictError
-        palette = self.palette()
+        palette, boxes = self.palette(), self.raw_boxes()
         self._turn(mine[-1], UNDONE)
-        self._keep_used(author, palette)
+        self._keep_used(author, palette, self._kept_boxes(mine[-1], boxes))
 
     def redo(self, author: str) -> None:
         mine = [e for e in self.edits if e.author == author and e.state == UNDONE]
         if not mine:
             raise ConflictError
         self._turn(mine[0], ACTIVE)
-        self._keep_used(author, {})
+        self._keep_used(author, {}, {})
 
-    def _keep_used(self, author: str, before: dict[int, dict[str, Any]]) -> None:
-        """Have every label that points hold, but those that somebody deleted."""
+    def _kept_boxes(
+        self, edit: Edit, before: dict[int, dict[str, Any]]
+    ) -> dict[int, dict[str, Any] | None]:
+        """Have boxes that somebody else has changed and not removed, as they were."""
+        kept: dict[int, dict[str, Any] | None] = {}
+        for box in edit.boxes.keys() & before.keys() - self.raw_boxes().keys():
+            others = [
+                other.boxes[box]
+                for other in self.edits
+                if other.in_force and other.author != edit.author and box in other.boxes
+            ]
+            if others and others[-1] is not None:
+                kept[box] = {"new": True, **before[box]}
+        return kept
+
+    def _keep_used(
+        self,
+        author: str,
+        before: dict[int, dict[str, Any]],
+        boxes: dict[int, dict[str, Any] | None],
+    ) -> None:
+        """Have every label that points or boxes hold, but those that somebody deleted."""
         held = {mark.label for mark in self.held().values()}
+        held |= {
+            box["label"] for box in (*self.raw_boxes().values(), *filter(None, boxes.values()))
+        }
         kept = {n: before.get(n) or self._last_made(n) for n in held - self.palette().keys()}
         labels = {n: {**fields, "exists": True} for n, fields in kept.items() if fields}
-        self.edits.append(Edit(author, KEPT, labels=labels))
+        self.edits.append(Edit(author, KEPT, labels=labels, boxes=boxes))
 
     def _last_made(self, label: int) -> dict[str, Any] | None:
         told = [edit for edit in self.edits if label in edit.labels]
@@ -217,11 +294,30 @@ class Model:
     def _turn(self, edit: Edit, state: int) -> None:
         palette = self.palette()
         before, was = self.visible(palette), edit.state
+        boxes = self.raw_boxes()
         edit.state = state
         after = self.visible(palette)
+        turned = self.raw_boxes()
+        kept = self._kept_boxes(edit, boxes) if state == UNDONE else {}
+        for box in edit.boxes.keys() - kept.keys():
+            pair_of = boxes.get(box), turned.get(box)
+            mine = {each["label"] for each in pair_of if each}
+            if pair_of[0] != pair_of[1] and any(
+                n in palette and palette[n]["locked"] for n in mine
+            ):
+                edit.state = was
+                raise LockedLabelError
         for point in before.keys() | after.keys():
             pair = before.get(point, (0, 0, False)), after.get(point, (0, 0, False))
             labels = {pair[0][0], pair[1][0]} - {0}
             if pair[0] != pair[1] and any(palette[n]["locked"] for n in labels):
                 edit.state = was
                 raise LockedLabelError
+
+
+def _changed_box(old: dict[str, Any] | None, change: dict[str, Any]) -> dict[str, Any]:
+    """Do a change of a box; that of one which is not there shows only if it begins anew."""
+    state = {"there": False, "poses": {}} if old is None or "new" in change else old
+    fields = {name: value for name, value in change.items() if name not in ("new", "poses")}
+    poses = {**state["poses"], **change.get("poses", {})}
+    return {**state, **fields, "poses": poses, "there": state["there"] or "new" in change}

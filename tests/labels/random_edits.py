@@ -9,11 +9,13 @@ import numpy as np
 from label_model import Model
 
 from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.oriented_box import BoxPose, OrientedBox
 
 PLACES = [0, 1, 2, 3, 4, 5, 65_534, 65_535, 65_536, 65_537]
 POINTS = [65_540, 65_540, 20]
 AUTHORS = ["ann", "bob", "cat"]
 KINDS = ["paint"] * 8 + ["run"] * 2 + ["undo"] * 3 + ["redo"] * 2 + ["create", "rename", "delete"]
+KINDS += ["box", "move", "move", "unbox"]
 
 
 def random_edit(rng: random.Random) -> dict[str, Any]:
@@ -27,6 +29,8 @@ def random_edit(rng: random.Random) -> dict[str, Any]:
         edit["only"] = rng.choice(["any", "unlabeled"])
     elif edit["kind"] == "run":
         edit["points"] = sorted(rng.sample(range(20), 12))
+    elif edit["kind"] in ("box", "move", "unbox"):
+        edit |= {"box": rng.randint(1, 4), "frame": rng.randrange(3), "x": float(rng.randrange(4))}
     elif edit["kind"] == "rename":
         edit["name"] = f"name {rng.randrange(9)}"
     return edit
@@ -55,6 +59,14 @@ def apply_to_store(
             return _made(store, sequence, edit_id)
         case "delete":
             return store.delete_label(sequence, author, edit["label"], edit_id=edit_id)
+        case "box":
+            box = box_at(edit["label"], edit["frame"], edit["x"])
+            return store.boxes.add(sequence, author, box, edit_id=edit_id).commit
+        case "move":
+            change = {"poses": {str(edit["frame"]): place_at(edit["x"])}}
+            return store.boxes.change(sequence, author, edit["box"], change, edit_id=edit_id).commit
+        case "unbox":
+            return store.boxes.remove(sequence, author, edit["box"], edit_id=edit_id)
     frames = range(3) if edit["kind"] == "run" else [edit["frame"]]
     number, provenance, deleted, only = _values(edit)
     write = Write(np.array(edit["points"]), number, provenance, deleted, only)  # type: ignore[arg-type]
@@ -86,6 +98,12 @@ def apply_to_model(model: Model, author: str, edit_id: str, edit: dict[str, Any]
             model.change(author, edit["label"], name=edit["name"])
         case "delete":
             model.delete(author, edit["label"])
+        case "box":
+            model.add_box(author, edit["label"], edit["frame"], edit["x"])
+        case "move":
+            model.move_box(author, edit["box"], edit["frame"], edit["x"])
+        case "unbox":
+            model.remove_box(author, edit["box"])
         case _:
             frames = range(3) if edit["kind"] == "run" else [edit["frame"]]
             where = [(frame, point) for frame in frames for point in edit["points"]]
@@ -113,8 +131,29 @@ def differences(store: LabelStore, sequence: str, model: Model) -> list[str]:
         "counts": (store.counts(sequence), model.counts()),
         "palette": ({label.id: label.name for label in store.palette(sequence)}, palette),
         "tracks": (tracks, model.tracks()),
+        "boxes": (boxes_of(store, sequence), model.boxes()),
     }
     return [f"{what}: {got} != {want}" for what, (got, want) in pairs.items() if got != want]
+
+
+def box_at(label: int, frame: int, x: float) -> OrientedBox:
+    """A box in one frame."""
+    place = place_at(x)
+    pose = BoxPose(np.array(place["centre"]), np.array(place["quaternion"]))
+    return OrientedBox(0, label, np.ones(3), {frame: pose})
+
+
+def place_at(x: float) -> dict[str, list[float]]:
+    """Its place there."""
+    return {"centre": [x, 0.0, 0.0], "quaternion": [0.0, 0.0, 0.0, 1.0]}
+
+
+def boxes_of(store: LabelStore, sequence: str) -> dict[int, tuple[int, dict[int, float]]]:
+    """The boxes of a store as the model has them."""
+    return {
+        box.id: (box.label, {frame: float(pose.centre[0]) for frame, pose in box.poses.items()})
+        for box in store.boxes.listing(sequence).boxes
+    }
 
 
 def _values(edit: dict[str, Any]) -> tuple[int | None, int | None, bool | None, str]:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from label_model import Model
+from random_edits import box_at, boxes_of, place_at
 from waiting import eventually
 
 from pointbrush.errors import PointbrushError
@@ -24,6 +25,8 @@ AUTHORS = ["ann", "bob", "cat"]
 
 author = st.sampled_from(AUTHORS)
 label = st.integers(1, 4)
+frame = st.integers(0, FRAMES - 1)
+place = st.sampled_from([0.0, 1.0, 2.0])
 points = st.lists(
     st.tuples(st.integers(0, FRAMES - 1), st.sampled_from(PLACES)), unique=True, max_size=8
 )
@@ -49,6 +52,10 @@ OPERATIONS = st.one_of(
     st.tuples(st.just("change"), author, label, st.none(), st.booleans()),
     st.tuples(st.just("show"), author, label, st.booleans()),
     st.tuples(st.just("delete"), author, label),
+    st.tuples(st.just("add_box"), author, label, frame, place),
+    st.tuples(st.just("move_box"), author, label, frame, place),
+    st.tuples(st.just("move_box"), author, label, frame, place),
+    st.tuples(st.just("remove_box"), author, label),
 )
 
 
@@ -59,6 +66,8 @@ class Pair:
         self.stores, self.sequence, self.model = stores, sequence, Model()
         stores[0].recordings.register(sequence, [SIZE] * FRAMES)
         self.copies = [np.zeros((FRAMES, SIZE, 3), np.int64) for _ in stores]
+        self.boxes: list[dict[int, Any]] = [{} for _ in stores]
+        self.heard: list[list[int]] = [[] for _ in stores]
         self.changed = [0] * FRAMES
         """The revision of each frame's last change."""
 
@@ -100,6 +109,34 @@ class Pair:
 
     def model_delete(self, who: str, number: int) -> None:
         self.model.delete(who, number)
+
+    def model_add_box(self, who: str, number: int, frame: int, x: float) -> None:
+        self.model.add_box(who, number, frame, x)
+
+    def model_move_box(self, who: str, box: int, frame: int, x: float) -> None:
+        self.model.move_box(who, box, frame, x)
+
+    def model_remove_box(self, who: str, box: int) -> None:
+        self.model.remove_box(who, box)
+
+    def store_add_box(self, store: LabelStore, who: str, number: int, frame: int, x: float) -> None:
+        store.boxes.add(self.sequence, who, box_at(number, frame, x))
+
+    def store_move_box(self, store: LabelStore, who: str, box: int, frame: int, x: float) -> None:
+        store.boxes.change(self.sequence, who, box, {"poses": {str(frame): place_at(x)}})
+
+    def store_remove_box(self, store: LabelStore, who: str, box: int) -> None:
+        store.boxes.remove(self.sequence, who, box)
+
+    def told_of_boxes(self, which: int) -> bool:
+        """Whether the boxes that were told of, and read then, are all that changed."""
+        heard = set()
+        while self.heard[which]:
+            heard.add(self.heard[which].pop())
+        now = boxes_of(self.stores[which], self.sequence)
+        copy = {box: state for box, state in self.boxes[which].items() if box not in heard}
+        self.boxes[which] = copy | {box: now[box] for box in heard & now.keys()}
+        return self.boxes[which] == now == self.model.boxes()
 
     def store_write(self, store: LabelStore, who: str, where: Any, *rest: Any) -> None:
         number, provenance, deleted, only, living, hidden, tracks = rest
@@ -153,7 +190,8 @@ class Pair:
 
     def compare(self) -> None:
         palette = self.model.palette()
-        for store, copy in zip(self.stores, self.copies, strict=True):
+        for which, (store, copy) in enumerate(zip(self.stores, self.copies, strict=True)):
+            eventually(lambda which=which: self.told_of_boxes(which))
             seen = np.stack([self._values(store, frame) for frame in range(FRAMES)])
             found = {
                 (frame, point): (seen[frame, point, 0], seen[frame, point, 1], bool(flag))
@@ -184,6 +222,7 @@ class Pair:
         def heard(commit: Commit) -> None:
             if commit.sequence != self.sequence:
                 return
+            self.heard[which].extend(commit.boxes)
             for frame, delta in commit.frames.items():
                 values = np.stack([delta.label, delta.provenance, delta.deleted], axis=1)
                 self.copies[which][frame][delta.indices] = values

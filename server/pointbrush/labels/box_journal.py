@@ -17,6 +17,7 @@ from pointbrush.labels.box_maps import Fields, box_of, changed_by, difference, f
 from pointbrush.labels.database import CHUNK
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.schema import IN_FORCE, boxes, edit_boxes, edits
+from pointbrush.labels.types import Label
 from pointbrush.labels.writes import locked_error
 from pointbrush.oriented_box import OrientedBox
 
@@ -143,7 +144,7 @@ def _set(draft: Draft, after: dict[int, Fields | None]) -> None:
     before = stored(draft.connection, draft.state.number, ids=after)
     for number, fields in after.items():
         old = before.get(number)
-        require_unlocked(draft, old, fields)
+        require_unlocked(draft.palette, old, fields)
         change = difference(old, fields)
         if change:
             draft.boxes[number], draft.box_changes[number] = fields, change
@@ -162,12 +163,12 @@ def _first_free(draft: Draft) -> int:
     return max([connection.execute(highest).scalar() or 0, *draft.boxes]) + 1
 
 
-def require_unlocked(draft: Draft, *states: Fields | None) -> None:
+def require_unlocked(labels: dict[int, Label], *states: Fields | None) -> None:
     """Raise LockedLabelError where a box has a label that is locked."""
     for fields in states:
         label = fields and fields["label"]
-        if label in draft.palette and draft.palette[label].locked:
-            raise locked_error(draft.palette, label)
+        if label in labels and labels[label].locked:
+            raise locked_error(labels, label)
 
 
 def remove_of(draft: Draft, labels: Collection[int]) -> None:
@@ -201,7 +202,7 @@ def turn(draft: Draft, edit: Row[Any], kind: str) -> None:
         if kind == "undo" and after is None and old is not None and _by_others(draft, box, edit):
             draft.box_changes[box] = {"exists": True, **old}
             continue
-        require_unlocked(draft, old, after)
+        require_unlocked(draft.state.palette, old, after)
         draft.boxes[box] = after
 
 

@@ -14,6 +14,12 @@ const ICONS: Readonly<Record<Finding['kind'], IconName>> = {
   jump: 'track',
   unlike: 'history',
   predicted: 'object',
+  box_jump: 'box',
+  box_size: 'box',
+  box_overlap: 'box',
+  box_ground: 'box',
+  box_empty: 'box',
+  box_outside: 'box',
 };
 
 export function Findings() {

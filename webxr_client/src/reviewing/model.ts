@@ -29,7 +29,19 @@ export interface Overview {
 /** A suspicious thing. */
 export interface Finding {
   readonly id: string;
-  readonly kind: 'name' | 'few' | 'stray' | 'jump' | 'unlike' | 'predicted';
+  readonly kind:
+    | 'name'
+    | 'few'
+    | 'stray'
+    | 'jump'
+    | 'unlike'
+    | 'predicted'
+    | 'box_jump'
+    | 'box_size'
+    | 'box_overlap'
+    | 'box_ground'
+    | 'box_empty'
+    | 'box_outside';
   readonly text: string;
   readonly labels: readonly number[];
   readonly first: number | null;

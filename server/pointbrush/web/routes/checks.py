@@ -66,7 +66,10 @@ def get_checks(
     workspace: Ws,
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
 ) -> ChecksOut:
-    """Labels of few points, of one name, far from their object, that jump, unlike neighbours."""
+    """Labels of few points, of one name, far from their object, that jump, unlike neighbours.
+
+    And boxes that jump, overlap, differ in size, are off the ground, or not where their points are.
+    """
     return ChecksOut.of(workspace.reviewing.checks(seq, frames))
 
 

@@ -14,6 +14,7 @@ from pointbrush.errors import DamagedError
 from pointbrush.labels import FrameValues, Label, LabelStore
 from pointbrush.labels.types import PREDICTED
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.reviewing.box_checking import BoxChecker
 from pointbrush.work.reviewing.checks import counting, positions
 from pointbrush.work.reviewing.checks.counting import Counts
 from pointbrush.work.reviewing.checks.finding import KINDS, CheckOptions, Finding, grouped
@@ -45,6 +46,7 @@ class Checker:
         self._store, self._options = store, options or CheckOptions()
         self._known: OrderedDict[str, dict[int, Looked]] = OrderedDict()
         self._lock = threading.Lock()
+        self._boxes = BoxChecker(store, self._options)
 
     def check(self, recording: Recording, frames: range) -> Checked:
         """Return the suspicious things in ``frames`` of a recording."""
@@ -62,6 +64,8 @@ class Checker:
             *positions.stray_points(palette, sketches),
             *positions.jumps(palette, sketches, self._options),
         ]
+        names = {label.id: label.name for label in palette}
+        found.extend(self._boxes.check(recording, frames, names, unchecked))
         inside = [each for each in found if each.first is None or each.first in frames]
         placed = [_placed(each, sketches) for each in grouped(inside)]
         return Checked(sorted(placed, key=_order), unchecked)

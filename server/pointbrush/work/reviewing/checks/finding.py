@@ -6,10 +6,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Literal, get_args
 
-Kind = Literal["name", "few", "stray", "jump", "unlike", "predicted"]
+Kind = Literal[
+    "name", "few", "stray", "jump", "unlike", "predicted",
+    "box_jump", "box_size", "box_overlap", "box_ground", "box_empty", "box_outside",
+]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 """Two labels of one name; a label of few points; points far from their object; a track that jumps;
-a frame unlike its neighbours; points that a classifier labelled without being sure."""
+a frame unlike its neighbours; points that a classifier labelled without being sure.  A box that
+jumps or turns about; boxes of one label and two sizes; that share volume; off the ground; without
+points; points of a label outside its box."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +77,13 @@ class CheckOptions:
     ``unsure``        share of a label's predicted points in a frame from which on somebody should
                       look, when their confidence, 0 to 255, is below ``least_sure``.
     ``gap``           frames that a label may be missing from between two that have it.
+    ``box_turn``      degrees between two frames that no object turns by.
+    ``box_size``      share by which boxes of one label may differ in a side.
+    ``box_overlap``   share of the smaller box's volume that another one may share.
+    ``box_hang``      metres from the ground that a box's underside may be.
+    ``ground_round``  metres round a box where its ground is looked for.
+    ``box_margin``    metres beyond a box that points still count as inside,
+    ``box_outside``   and the share of a label's points that may lie outside.
     """
 
     few_points: int = 5
@@ -88,6 +100,13 @@ class CheckOptions:
     unsure: float = 0.2
     least_sure: int = 100
     gap: int = 3
+    box_turn: float = 60.0
+    box_size: float = 0.1
+    box_overlap: float = 0.1
+    box_hang: float = 0.3
+    ground_round: float = 1.0
+    box_margin: float = 0.1
+    box_outside: float = 0.1
 
     def __post_init__(self) -> None:
         for field in fields(self):

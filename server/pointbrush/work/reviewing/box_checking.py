@@ -1,0 +1,106 @@
+"""Checks of a recording's boxes, with as little looked at again as has not changed."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import DamagedError
+from pointbrush.labels import LabelStore
+from pointbrush.oriented_box import OrientedBox
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.reviewing.checks import boxes as checks
+from pointbrush.work.reviewing.checks.boxes import BoxSketch, sketch_boxes
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
+
+REMEMBERED = 20_000
+"""Sketches of frames that are kept."""
+
+
+class BoxChecker:
+    """Checks boxes; keeps what it knows of frames until they change.  Thread-safe."""
+
+    def __init__(self, store: LabelStore, options: CheckOptions) -> None:
+        self._store, self._options = store, options
+        self._known: OrderedDict[tuple[str, int], tuple[Hashable, BoxSketch]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def check(
+        self, recording: Recording, frames: range, names: Mapping[int, str], unchecked: list[str]
+    ) -> Iterator[Finding]:
+        """Yield suspicious boxes in ``frames``; add a sentence on each frame not looked at."""
+        boxes = self._store.boxes.listing(recording.manifest.id).boxes
+        if not boxes:
+            return
+        beside = self._options.window + 1
+        near = range(max(0, frames.start - beside), min(len(recording), frames.stop + beside))
+        world = _poses(recording, near)
+        yield from checks.jumps(names, boxes, world, self._options)
+        yield from checks.sizes(names, boxes, self._options)
+        yield from checks.overlaps(names, boxes, frames, self._options)
+        if not recording.manifest.large:  # said already
+            sketches = self._sketches(recording, frames, boxes, unchecked)
+            yield from checks.around(names, boxes, sketches, self._options)
+
+    def _sketches(
+        self,
+        recording: Recording,
+        frames: range,
+        boxes: Sequence[OrientedBox],
+        unchecked: list[str],
+    ) -> dict[int, BoxSketch]:
+        changes = self._store.frame_changes(recording.manifest.id)
+        found: dict[int, BoxSketch] = {}
+        for frame in frames:
+            here = [box for box in boxes if frame in box.poses]
+            if not here:
+                continue
+            key = (changes.get(frame, 0), *(_key(box, frame) for box in here))
+            place = (recording.identity, frame)
+            with self._lock:
+                known = self._known.get(place)
+            if known is None or known[0] != key:
+                try:
+                    known = key, self._sketch(recording, frame, here)
+                except DamagedError as error:
+                    if str(error) not in unchecked:
+                        unchecked.append(str(error))
+                    continue
+                self._keep(place, known)
+            found[frame] = known[1]
+        return found
+
+    def _sketch(self, recording: Recording, frame: int, here: list[OrientedBox]) -> BoxSketch:
+        values, stored = self._store.values(recording.manifest.id, frame), recording[frame]
+        label = np.where(values.deleted, np.uint16(0), values.label)
+        xyz = stored.xyz.astype(np.float64) + np.array(recording.manifest.shift)
+        return sketch_boxes(xyz, label, here, frame, self._options)
+
+    def _keep(self, place: tuple[str, int], known: tuple[Hashable, BoxSketch]) -> None:
+        with self._lock:
+            self._known[place] = known
+            self._known.move_to_end(place)
+            if len(self._known) > REMEMBERED:
+                self._known.popitem(last=False)
+
+
+def _key(box: OrientedBox, frame: int) -> Hashable:
+    pose = box.poses[frame]
+    return box.id, box.label, *box.size.tolist(), *pose.centre.tolist(), *pose.quaternion.tolist()
+
+
+def _poses(recording: Recording, frames: range) -> dict[int, NDArray[np.float64]]:
+    """``T_world_frame`` of the frames that can be read and have one."""
+    found = {}
+    for frame in frames:
+        try:
+            pose = recording[frame].pose
+        except DamagedError:
+            continue
+        if pose is not None:
+            found[frame] = pose
+    return found
