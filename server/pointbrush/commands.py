@@ -12,12 +12,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pointbrush import printing
+from pointbrush import arguments, printing
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
+from pointbrush.following import follow
 from pointbrush.labels import check_database
 from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
-from pointbrush.printing import Answer, follow
+from pointbrush.printing import Answer
 from pointbrush.settings import Settings
 from pointbrush.work.backup import move_labels, own_url, restore_backup
 from pointbrush.work.imports.options import LabelOptions
@@ -99,7 +100,7 @@ def track(given: argparse.Namespace, settings: Settings) -> Answer:
         labels = None
         if given.labels:
             palette = workspace.labels.palette(given.sequence)
-            labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
+            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
         job = workspace.tracking.start(
             given.sequence,
             start=given.start,
@@ -121,14 +122,14 @@ def example(given: argparse.Namespace, settings: Settings) -> Answer:
         if given.sequence is None and given.classifier is None:
             return printing.classifiers(known.listing())
         if given.delete:
-            known.delete(printing.required("--classifier", given.classifier))
+            known.delete(arguments.required("--classifier", given.classifier))
             return printing.said(f"deleted {given.classifier}", classifier=given.classifier)
         taught = _taught(workspace, given)
         if given.save is not None:
             given.save.write_bytes(known.file(taught.id))
         if given.apply is None:
             return printing.classifier(taught)
-        sequence = printing.required("SEQ", given.sequence)
+        sequence = arguments.required("SEQ", given.sequence)
         frames = "" if given.apply == "all" else given.apply
         job = known.apply(
             sequence, author=AUTHOR, classifier=taught.id, frames=frames, above=given.above
@@ -141,7 +142,7 @@ def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
     names = [] if given.sequence is None else [given.sequence]
     if given.classifier is not None:
         return workspace.classifiers.teach(given.classifier, names)
-    classes = None if given.classes is None else printing.listed(given.classes)
+    classes = None if given.classes is None else arguments.listed(given.classes)
     return workspace.classifiers.create(given.name or given.sequence, names, classes, given.model)
 
 
@@ -274,7 +275,7 @@ def report(given: argparse.Namespace, settings: Settings) -> Answer:
     """Write a report of a recording's labels."""
     from pointbrush.work.reviewing import to_csv, to_html
 
-    suffix = printing.report_suffix(given.out)
+    suffix = arguments.report_suffix(given.out)
     with closing(Workspace(settings)) as workspace:
         found = workspace.reviewing.report(given.sequence)
     text = to_html(found) if suffix == ".html" else to_csv(found, given.table)

@@ -1,24 +1,13 @@
-"""Answers of commands, of a workspace here and of one behind a server alike.
-
-A job is followed on the command line: a bar on a terminal, plain lines elsewhere.
-"""
+"""Answers of commands, of a workspace here and of one behind a server alike."""
 
 from __future__ import annotations
 
 import json
 import sys
-import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path
 from typing import Any, Protocol
-
-from pointbrush.errors import BadInputError, CancelledError, PointbrushError
-from pointbrush.job import ENDED
-
-TICK = 0.1
-LINE_STEP = 0.1
-"""Share of the work between two plain lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -353,84 +342,6 @@ def checked(
     return Answer(value, lines, error=f"{len(problems)} problems found" if problems else "")
 
 
-def report_suffix(out: Path) -> str:
-    """Return the ending of a report's file; raises BadInputError for one that is no report's."""
-    suffix = out.suffix.lower()
-    if suffix not in (".html", ".csv"):
-        raise BadInputError(f"--out: expected a file .html or .csv, got {out.name!r}")
-    return suffix
-
-
-def label_named(palette: Iterable[Entry], text: str) -> int:
-    """Return the id of a label of a palette by its name or id; raises BadInputError."""
-    for label in palette:
-        if text in (label.name, str(label.id)):
-            return label.id
-    raise BadInputError(f"--labels: expected names or ids of the palette, got {text!r}")
-
-
-class Followed(Protocol):
-    """A job of this process, or of a server as its client sees it."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def kind(self) -> str: ...  # noqa: D102
-    @property
-    def state(self) -> str: ...  # noqa: D102
-    @property
-    def progress(self) -> float: ...  # noqa: D102
-    @property
-    def message(self) -> str: ...  # noqa: D102
-    @property
-    def result(self) -> dict[str, Any] | None: ...  # noqa: D102
-    @property
-    def error(self) -> str | None: ...  # noqa: D102
-
-
-Look = Callable[[str], Followed]
-"""Return a job as it is now, by its id."""
-
-
-def follow(look: Look, job: Followed) -> dict[str, Any]:
-    """Show ``job`` until it has ended; returns its result.
-
-    Raises PointbrushError with the job's own sentence when it failed, CancelledError when it was
-    cancelled.
-    """
-    show = _bar if sys.stderr.isatty() else _lines
-    ended = show(look, job)
-    if ended.state == "failed":
-        raise PointbrushError(ended.error or "the job failed")
-    if ended.state == "cancelled":
-        raise CancelledError("cancelled")
-    return ended.result or {}
-
-
-def _bar(look: Look, job: Followed) -> Followed:
-    from tqdm import tqdm
-
-    layout = "{desc}: {percentage:3.0f}% |{bar}| {postfix}"
-    with tqdm(total=1.0, desc=job.kind, bar_format=layout, leave=True) as bar:
-        while job.state not in ENDED:
-            time.sleep(TICK)
-            job = look(job.id)
-            bar.set_postfix_str(job.message, refresh=False)
-            bar.update(job.progress - bar.n)
-    return job
-
-
-def _lines(look: Look, job: Followed) -> Followed:
-    shown = -1.0
-    while job.state not in ENDED:
-        time.sleep(TICK)
-        job = look(job.id)
-        if job.state == "running" and job.progress >= shown + LINE_STEP:
-            shown = job.progress
-            print(f"{job.kind}: {job.progress:.0%} {job.message}", file=sys.stderr, flush=True)
-    return job
-
-
 def exported(sequence: str, out: Path, entry: ExportFormat) -> Answer:
     """Name the place of an export, and list the content that its format leaves out."""
     lines = [f"exported {sequence} to {out}"]
@@ -477,15 +388,3 @@ def applied(found: Taught, result: Mapping[str, Any]) -> Answer:
     """Describe a classifier and the result of a job that applied it."""
     done = f"labelled {result['changed']:,} points in {result.get('frames', 0)} frames"
     return Answer({"classifier": found, "applied": result}, [_classifier(found), done])
-
-
-def listed(text: str) -> list[str]:
-    """Return the parts of a text with commas."""
-    return [part.strip() for part in text.split(",") if part.strip()]
-
-
-def required(name: str, value: str | None) -> str:
-    """Return an argument that a command cannot do without; raises BadInputError."""
-    if not value:
-        raise BadInputError(f"{name}: expected it to be given")
-    return value

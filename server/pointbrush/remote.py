@@ -10,12 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from pointbrush import printing
+from pointbrush import arguments, printing
 from pointbrush.client import PATIENCE, Classifier, Client, Job, Recording
 from pointbrush.errors import BadInputError
+from pointbrush.following import follow
 from pointbrush.formats.corrections import Corrections
 from pointbrush.options import chosen
-from pointbrush.printing import Answer, follow
+from pointbrush.printing import Answer
 from pointbrush.settings import Settings
 from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
@@ -71,7 +72,7 @@ def track(given: argparse.Namespace, settings: Settings) -> Answer:
         labels = None
         if given.labels:
             palette = recording.labels()
-            labels = [printing.label_named(palette, text) for text in given.labels.split(",")]
+            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
         job = recording.start_tracking(labels, given.start, given.stop, **RunOptions.of(given))
         return printing.tracked(_followed(client, job))
 
@@ -85,14 +86,14 @@ def example(given: argparse.Namespace, settings: Settings) -> Answer:
         if given.sequence is None and given.classifier is None:
             return printing.classifiers(known.all())
         if given.delete:
-            known.delete(printing.required("--classifier", given.classifier))
+            known.delete(arguments.required("--classifier", given.classifier))
             return printing.said(f"deleted {given.classifier}", classifier=given.classifier)
         taught = _taught(client, given)
         if given.save is not None:
             known.save(taught.id, given.save)
         if given.apply is None:
             return printing.classifier(taught)
-        recording = client[printing.required("SEQ", given.sequence)]
+        recording = client[arguments.required("SEQ", given.sequence)]
         frames = "" if given.apply == "all" else given.apply
         job = recording.by_example.start(taught.id, frames, given.above)
         return printing.applied(taught, _followed(client, job))
@@ -103,7 +104,7 @@ def _taught(client: Client, given: argparse.Namespace) -> Classifier:
     names = [] if given.sequence is None else [given.sequence]
     if given.classifier is not None:
         return client.classifiers.teach(given.classifier, names)
-    classes = None if given.classes is None else printing.listed(given.classes)
+    classes = None if given.classes is None else arguments.listed(given.classes)
     return client.classifiers.create(given.name or given.sequence, names, classes, given.model)
 
 
@@ -186,7 +187,7 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
 
 def report(given: argparse.Namespace, settings: Settings) -> Answer:
     """Write a report of a recording's labels."""
-    printing.report_suffix(given.out)
+    arguments.report_suffix(given.out)
     with client_of(settings) as client:
         client[given.sequence].review.report(given.out, given.table)
     return printing.said(f"wrote {given.out}", file=str(given.out))

@@ -1,0 +1,37 @@
+"""Arguments of commands that more is asked of than argparse can tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from pointbrush.errors import BadInputError
+from pointbrush.printing import Entry
+
+
+def report_suffix(out: Path) -> str:
+    """Return the ending of a report's file; raises BadInputError for one that is no report's."""
+    suffix = out.suffix.lower()
+    if suffix not in (".html", ".csv"):
+        raise BadInputError(f"--out: expected a file .html or .csv, got {out.name!r}")
+    return suffix
+
+
+def label_named(palette: Iterable[Entry], text: str) -> int:
+    """Return the id of a label of a palette by its name or id; raises BadInputError."""
+    for label in palette:
+        if text in (label.name, str(label.id)):
+            return label.id
+    raise BadInputError(f"--labels: expected names or ids of the palette, got {text!r}")
+
+
+def listed(text: str) -> list[str]:
+    """Return the parts of a text with commas."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def required(name: str, value: str | None) -> str:
+    """Return an argument that a command cannot do without; raises BadInputError."""
+    if not value:
+        raise BadInputError(f"{name}: expected it to be given")
+    return value

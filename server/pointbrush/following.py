@@ -1,0 +1,78 @@
+"""Jobs followed on the command line: a bar on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from pointbrush.errors import CancelledError, PointbrushError
+from pointbrush.job import ENDED
+
+TICK = 0.1
+"""Seconds between two looks."""
+LINE_STEP = 0.1
+"""Share of the work between two plain lines."""
+
+
+class Followed(Protocol):
+    """A job of this process, or of a server as its client sees it."""
+
+    @property
+    def id(self) -> str: ...  # noqa: D102
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+    @property
+    def state(self) -> str: ...  # noqa: D102
+    @property
+    def progress(self) -> float: ...  # noqa: D102
+    @property
+    def message(self) -> str: ...  # noqa: D102
+    @property
+    def result(self) -> dict[str, Any] | None: ...  # noqa: D102
+    @property
+    def error(self) -> str | None: ...  # noqa: D102
+
+
+Look = Callable[[str], Followed]
+"""Return a job as it is now, by its id."""
+
+
+def follow(look: Look, job: Followed) -> dict[str, Any]:
+    """Show ``job`` until it has ended; returns its result.
+
+    Raises PointbrushError with the job's own sentence when it failed, CancelledError when it was
+    cancelled.
+    """
+    show = _bar if sys.stderr.isatty() else _lines
+    ended = show(look, job)
+    if ended.state == "failed":
+        raise PointbrushError(ended.error or "the job failed")
+    if ended.state == "cancelled":
+        raise CancelledError("cancelled")
+    return ended.result or {}
+
+
+def _bar(look: Look, job: Followed) -> Followed:
+    from tqdm import tqdm
+
+    layout = "{desc}: {percentage:3.0f}% |{bar}| {postfix}"
+    with tqdm(total=1.0, desc=job.kind, bar_format=layout, leave=True) as bar:
+        while job.state not in ENDED:
+            time.sleep(TICK)
+            job = look(job.id)
+            bar.set_postfix_str(job.message, refresh=False)
+            bar.update(job.progress - bar.n)
+    return job
+
+
+def _lines(look: Look, job: Followed) -> Followed:
+    shown = -1.0
+    while job.state not in ENDED:
+        time.sleep(TICK)
+        job = look(job.id)
+        if job.state == "running" and job.progress >= shown + LINE_STEP:
+            shown = job.progress
+            print(f"{job.kind}: {job.progress:.0%} {job.message}", file=sys.stderr, flush=True)
+    return job
