@@ -28,7 +28,6 @@ from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
 from pointbrush.work.backup import note_made, require_here, require_labels, restore_one
-from pointbrush.work.boxes.exporting import boxed_frames
 from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
@@ -246,6 +245,8 @@ class Workspace:
         labeled = exporting.labeled_frames(kept, recording, chosen, gaps, above)
         labeled = exporting.split_frames(labeled, split)
         if formats.EXPORTS[export_format].whole_boxes:
+            from pointbrush.work.boxes.exporting import boxed_frames  # the readers with it
+
             if snapshot is not None:
                 raise BadInputError("snapshot: expected a format without boxes, it has none")
             labeled = boxed_frames(labeled, self.labels, recording)

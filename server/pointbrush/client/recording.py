@@ -318,7 +318,8 @@ class Recording(Part[L]):
         ``files``: a text is a path of the server, anything else is uploaded.  ``options``: format;
         ``map`` names classes: JSON, YAML, XML of point_labeler, or lines ``number name``;
         ``field`` is that of the points that is labels; ``no_ground`` leaves the ground out of
-        boxes; ``by_order`` takes files for frames in their order, not by their names.
+        boxes; ``by_order`` takes files for frames in their order, not by their names; ``boxes``
+        keeps boxes (keep), labels the points inside (points), or both.
         ``patience``: as of ``track``.
         """
         job = yield from self._label_import(files, options, dry_run, patience)

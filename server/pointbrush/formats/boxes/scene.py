@@ -104,7 +104,8 @@ def by_frame(
 class BoxTrack:
     """An object of boxes of frames: ``name``, ``key`` and ``label`` as theirs.
 
-    ``resized``: its boxes have other sizes in other frames; ``size`` is the median.
+    ``resized``: its boxes have other sizes in other frames; ``size`` is the median.  ``first`` is
+    one of them.
     """
 
     name: str
@@ -114,6 +115,7 @@ class BoxTrack:
     poses: Mapping[int, BoxPose]
     attributes: Attributes
     resized: bool
+    first: FrameBox
 
     def box(self, label: int) -> OrientedBox:
         """Make the box of a label, imported."""
@@ -156,7 +158,7 @@ def _track(boxes: Mapping[int, FrameBox]) -> BoxTrack:
     }
     resized = bool((np.ptp(sizes, axis=0) > SAME_SIZE).any())
     size = np.median(sizes, axis=0)
-    return BoxTrack(first.name, first.key, first.label, size, poses, shared, resized)
+    return BoxTrack(first.name, first.key, first.label, size, poses, shared, resized, first)
 
 
 def _shared(attributes: Sequence[Attributes]) -> dict[str, AttributeValue]:

@@ -28,7 +28,7 @@ from pointbrush.web.schemas import Body, EditOut
 from pointbrush.web.schemas_work import JobId, JobOut
 from pointbrush.web.upload_files import described, parse_form, parse_json, save
 from pointbrush.work.annotate.layers import require_layer
-from pointbrush.work.imports.options import LabelOptions
+from pointbrush.work.imports.options import BOTH, BOX_CHOICES, LabelOptions
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
@@ -46,6 +46,7 @@ class LabelImportOptions(Body):
     no_ground: bool = False
     by_order: bool = False
     field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    boxes: Annotated[str, Field(pattern=one_of(BOX_CHOICES))] = BOTH
     id: JobId | None = None
 
 
@@ -62,6 +63,7 @@ IMPORT_BODY = described(
         "no_ground": {"type": "string", "enum": ["true", "false"]},
         "by_order": {"type": "string", "enum": ["true", "false"]},
         "field": {"type": "string", "maxLength": 200},
+        "boxes": {"type": "string", "enum": list(BOX_CHOICES)},
         "id": {"type": "string", "format": "uuid"},
     },
 )

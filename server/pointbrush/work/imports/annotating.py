@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,15 @@ from pointbrush.formats import Limits
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
+from pointbrush.labels.box_maps import box_of, fields_of
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.types import IMPORTED
+from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.label_reading import (
+    FoundBoxes,
     FrameLabels,
     LabelRequest,
     ReadLabelsWork,
@@ -60,13 +64,18 @@ class LabelImports:
         unmatched: list[str] = []
         warnings: list[str] = []
         called: list[Naming] = []
+        objects = [FoundBoxes(())]
 
-        def on_item(_: Job, item: Naming | FrameLabels | Unmatched | list[str]) -> None:
+        def on_item(
+            _: Job, item: Naming | FrameLabels | FoundBoxes | Unmatched | list[str]
+        ) -> None:
             match item:
                 case list():
                     warnings[:] = item
                 case Naming():
                     called[:] = [item]
+                case FoundBoxes():
+                    objects[:] = [item]
                 case Unmatched():
                     unmatched.append(item.file)
                 case _:
@@ -75,6 +84,7 @@ class LabelImports:
         def restart(_: Job) -> None:
             found.clear()
             unmatched.clear()
+            objects[:] = [FoundBoxes(())]
 
         limits = Limits(self._max_points, roots=request.roots)
         work = ReadLabelsWork(request, recording.files, limits)
@@ -83,14 +93,12 @@ class LabelImports:
             if cancelled:
                 return {}
             locked = _locked(self._store, recording, found)
-            chosen, commit = self._write(recording, request, job, found, called[0])
-            report = _report(recording, found, unmatched, chosen)
+            chosen, commit = self._write(recording, request, job, found, objects[0], called[0])
+            report = _report(recording, found, unmatched, chosen) | _told_boxes(objects[0])
             report |= {"warnings": warnings, "locked": locked, "edit": None, "changed": 0}
             return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
 
-        def done(ended: Job) -> None:
-            drop_upload(request.upload, ended)
-
+        done = partial(drop_upload, request.upload)
         return self._runner.submit(job, work, finish, on_item, done, restart)
 
     def _write(
@@ -99,19 +107,27 @@ class LabelImports:
         request: LabelRequest,
         job: Job,
         found: list[FrameLabels],
+        boxes: FoundBoxes,
         naming: Naming,
     ) -> tuple[Chosen, Commit | None]:
         """Make what was found an edit, unless it is a trial or nothing; return its labels too."""
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
         chosen = Chosen.of(self._store.choosing(sequence), keys, naming)
-        if request.dry_run or not any(len(frame.rows) for frame in found):
+        anything = boxes.tracks or any(len(frame.rows) for frame in found)
+        if request.dry_run or not anything:
             return chosen, None
         learn_numbers(self._store, naming, chosen.classes)
+        locked: set[int] = set()
 
         def choose(palette: Palette) -> tuple[Sequence[Label], Iterator[tuple[int, Write]]]:
-            nonlocal chosen  # others may have added labels meanwhile
+            nonlocal chosen, locked  # others may have added labels meanwhile
             chosen = Chosen.of(palette, keys, naming)
+            locked = {label.id for label in palette.labels if label.locked}
             return chosen.fresh, _writes(recording, found, chosen)
+
+        def kept() -> list[OrientedBox]:
+            made = (track.box(chosen.ids[key]) for key, track in boxes.tracks)
+            return [box_of(0, fields_of(box)) for box in made if box.label not in locked]
 
         commit = self._store.apply(
             sequence,
@@ -121,6 +137,7 @@ class LabelImports:
             writes=choose,
             summary=f"labels of {request.place.name}, {len(found)} frames",
             identity=recording.identity,
+            boxes=kept,
         )
         return chosen, commit
 
@@ -150,6 +167,17 @@ def _locked(store: LabelStore, recording: Recording, found: list[FrameLabels]) -
         label[stored.source_index] = kept["label"]
         ids |= locked.keys() & np.unique(label[frame.rows]).tolist()
     return [locked[each] for each in sorted(ids)]
+
+
+def _told_boxes(found: FoundBoxes) -> dict[str, Any]:
+    """Report boxes that are kept, and the objects whose size is a median of several."""
+    resized = [f"{track.name} {track.key}".strip() for _, track in found.tracks if track.resized]
+    return {
+        "boxes": len(found.tracks),
+        "box_poses": sum(len(track.poses) for _, track in found.tracks),
+        "boxes_resized": resized[:TOLD],
+        "boxes_empty": found.empty,
+    }
 
 
 def _report(

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import logging
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from dataclasses import field as of_field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +17,16 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits, ReadOptions
 from pointbrush.formats.annotation import LabelFiles, find_label_files
 from pointbrush.formats.archive import unpacked
-from pointbrush.formats.boxes.figures import FrameBoxes, in_metres, instance_numbers
+from pointbrush.formats.boxes.figures import (
+    Figure,
+    FrameBox,
+    FrameBoxes,
+    PointFigure,
+    in_metres,
+    instance_numbers,
+)
 from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
+from pointbrush.formats.boxes.scene import BoxTrack, label_of, tracked
 from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
@@ -24,17 +34,23 @@ from pointbrush.formats.inside import require_inside
 from pointbrush.formats.matching import FrameName, match, matched
 from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
+from pointbrush.formats.palette import SourceLabel
 from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.source import reported
+from pointbrush.labels.box_journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of
-from pointbrush.work.imports.options import LabelOptions
+from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
 from pointbrush.work.imports.requests import LABELS, UPLOAD
 from pointbrush.worker import Channel
+
+log = logging.getLogger(__name__)
+MICRO = 1e6
+"""Parts of a second by which times of an export of ours are compared."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,6 +101,14 @@ class FrameLabels:
     rows: NDArray[np.int64]
     which: NDArray[np.int64]
     keys: tuple[Key, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class FoundBoxes:
+    """Boxes of objects, each with the key of its label; ``empty`` had a side of 0 and are left."""
+
+    tracks: tuple[tuple[Key, BoxTrack], ...]
+    empty: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +195,10 @@ class ReadLabelsWork:
             )
         # A table has the times of a whole drive, of which the recording may be a part.
         timed = {part: part.time for _, part in parts if part.time is not None}
+        if files.export is not None and files.export.times:
+            mine = {round(t * MICRO): frame for frame, t in files.export.times.items()}
+            frames |= {part: mine.get(round(time * MICRO)) for part, time in timed.items()}
+            timed = {}
         moments = [FrameName("", time) for time in timed.values()]
         frames |= zip(timed, matched(moments, known), strict=True)
         silent = {part: path for path, part in parts if part not in frames}
@@ -182,6 +210,7 @@ class ReadLabelsWork:
         found = [read_boxes(path, files.format) for path in files.paths]
         if (export := files.export) is not None:
             found = [[part.moved_back(export.T_export_source) for part in f] for f in found]
+            found = [[part.changed(partial(_ours, files.own)) for part in f] for f in found]
         elif (manifest := recording.manifest).scale != 1:
             bounds = (np.add(end, manifest.shift) for end in (manifest.lo, manifest.hi))
             found = in_metres(found, manifest.scale, *bounds)
@@ -189,11 +218,18 @@ class ReadLabelsWork:
         names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
         instance_of = instance_numbers(figures)
+
+        def key_of(figure: Figure) -> Key:
+            if figure.label:
+                return figure.label, 0
+            return number_of[figure.name], instance_of[figure.key]
+
         # Without ids of labels (OpenPCDet's text) the palette beside says nothing of the numbers.
         own = files.own if any(figure.label for figure in figures) else {}
         channel.item(Naming(names, dict(own)))
         up = recording.manifest.T_room_local[1, :3]
         frames = self._box_frames(files, found, recording)
+        kept: dict[int, list[FrameBox]] = {}
         for done, (path, file) in enumerate(zip(files.paths, found, strict=True)):
             missed = 0
             for part in file:
@@ -201,23 +237,55 @@ class ReadLabelsWork:
                 if frame is None or not 0 <= frame < len(recording):
                     missed += 1
                     continue
-                which = figures_of(path.name, part, recording, frame, up, self.request.no_ground)
-                keys = tuple(
-                    (each.label, 0) if each.label else (number_of[each.name], instance_of[each.key])
-                    for each in part.boxes
-                )
+                which = self._which(path.name, part, recording, frame, up)
+                keys = tuple(map(key_of, part.boxes))
+                solid = (each for each in part.boxes if isinstance(each, FrameBox))
+                kept.setdefault(frame, []).extend(solid)
                 rows = np.flatnonzero(which >= 0)
                 channel.item(_of_boxes(frame, path.name, rows, which[rows], keys))
             if missed:
                 some = f" ({missed} of {len(file)} frames)" if missed < len(file) else ""
                 channel.item(Unmatched(path.name + some))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
+        if self.request.boxes != POINTS:
+            channel.item(_objects(kept, key_of))
+
+    def _which(
+        self, file: str, part: FrameBoxes, recording: Recording, frame: int, up: NDArray[np.float64]
+    ) -> NDArray[np.int64]:
+        """Find the figure (N,) of each point of a frame, -1 for none; boxes may be kept alone."""
+        if self.request.boxes == KEEP:
+            marked = (each for each in part.boxes if isinstance(each, PointFigure))
+            if not any(True for _ in marked):
+                return np.full(recording.manifest.points[frame], -1, np.int64)
+        return figures_of(file, part, recording, frame, up, self.request.no_ground)
+
+
+def _objects(boxes: Mapping[int, list[FrameBox]], key_of: Callable[[FrameBox], Key]) -> FoundBoxes:
+    """Join the boxes of each object.  Where they are too many for a recording, none is kept."""
+    whole = {f: [box for box in each if (box.size > 0).all()] for f, each in boxes.items()}
+    empty = sum(map(len, boxes.values())) - sum(map(len, whole.values()))
+    tracks = tracked(sorted(whole.items()))
+    if len(tracks) > MOST_BOXES:
+        log.warning(
+            "%d boxes are not kept, a recording has %d at most: their format does not tell which "
+            "are of one object",
+            len(tracks), MOST_BOXES,
+        )  # fmt: skip
+        return FoundBoxes(())
+    return FoundBoxes(tuple((key_of(track.first), track) for track in tracks), empty)
 
 
 def frame_names(manifest: Manifest) -> list[FrameName]:
     """List the files and times of a recording's frames, by which they are told apart."""
     files = manifest.files or [""] * manifest.frames
     return [FrameName(*told) for told in zip(files, manifest.timestamps, strict=True)]
+
+
+def _ours(own: Mapping[int, SourceLabel], box: FrameBox) -> FrameBox:
+    """Give a box of an export of ours its label, where its key tells one."""
+    label = box.label or label_of(box.key)
+    return replace(box, label=label if label in own else 0)
 
 
 def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
