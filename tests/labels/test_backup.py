@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from random_edits import box_at, boxes_of
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels import LabelStore, Write, restore
@@ -60,6 +61,7 @@ def test_a_backup_comes_back_anywhere(
     for number in range(0, 300, 50):
         paint(store, number)
     store.undo(SEQ, "ann")
+    store.boxes.add(SEQ, "bob", box_at(1, 0, 2.0))
     secret = store.tokens.add("viewer", "Ada")
     saved = tmp_path / "backup.sqlite"
     back_up(store.database, saved)
@@ -71,6 +73,7 @@ def test_a_backup_comes_back_anywhere(
         again = LabelStore(url)
         assert (again.values(SEQ, 0).label == store.values(SEQ, 0).label).all()
         assert again.edits(SEQ) == store.edits(SEQ)
+        assert boxes_of(again, SEQ) == {1: (1, {0: 2.0})}
         assert again.check(SEQ) == []
         assert again.tokens.check(secret) is not None
         again.redo(SEQ, "ann")
