@@ -118,10 +118,12 @@ def test_folders_are_imported_and_those_known_are_left_out(sample: Sample, tmp_p
     for name in ("monday", "tuesday"):
         (tmp_path / name).mkdir()
         np.save(tmp_path / name / "0.npy", np.ones((20, 3), np.float32))
+    (tmp_path / "monday" / "labels").mkdir()
+    np.full(20, 10, "<u4").tofile(tmp_path / "monday" / "labels" / "0.label")
     (tmp_path / "wrong").mkdir()
     (tmp_path / "wrong" / "0.npy").write_bytes(b"no array")
     told = run("bulk_import.py", sample.url, TOKEN, tmp_path)
-    assert "monday: 1 frames as monday" in told
+    assert "monday: 1 frames as monday, 20 points labelled in 1 of them" in told
     assert "wrong: 0.npy" in told
     assert "2 are there already, 1 to import" in run("bulk_import.py", sample.url, TOKEN, tmp_path)
     with Client(sample.url, TOKEN) as client:
@@ -153,6 +155,40 @@ def test_a_classifier_is_taught_where_it_doubts(sample: Sample, tmp_path: Path) 
         assert (recording.frames[1].annotation("provenance") == 4).any()
 
 
+def test_who_watches_puts_doubts_up_for_review(sample: Sample) -> None:
+    with Client(sample.url, TOKEN) as client:
+        recording = sample.imported(client, "live")
+        scattered = recording.create_label("scattered")
+        values = np.zeros(len(sample.truth[0]), np.uint16)
+        values[:: len(values) // 60] = scattered.id  # of no object: no tracker can be sure of it
+        command = [sys.executable, EXAMPLES / "live.py", sample.url, TOKEN, "live"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as watching:
+            assert watching.stdout is not None
+            assert watching.stdout.readline() == "watching live\n"
+            recording.frames[0].annotate(values)
+            recording.track([scattered.id], 0, 1, method="icp", progress=False)
+            told = []
+            while not told or not told[-1].startswith("tracking: done"):
+                told.append(watching.stdout.readline())
+                assert told[-1], "it goes on"
+            watching.terminate()
+        doubtful = [track for track in recording.tracks() if track.state in ("lost", "occluded")]
+        assert "annotation of frame 0" in told[0]
+        assert len(doubtful) == sum("scattered is" in line for line in told)
+        assert recording.review.counts().get("review", 0) == len(doubtful)
+
+
+def test_points_of_classes_are_counted_over_many_recordings(sample: Sample) -> None:
+    with Client(sample.url, TOKEN) as client:
+        for name in ("first", "second"):
+            recording = sample.imported(client, name)
+            label = recording.create_label("rare 1", category="rare")
+            recording.annotate({0: (sample.truth[0] == 1) * label.id})
+    told = run("many_recordings.py", sample.url, TOKEN)
+    count = 2 * int((sample.truth[0] == 1).sum())
+    assert f"{count:,} rare, in 2 recordings" in told
+
+
 def test_frames_are_a_dataset(sample: Sample, tmp_path: Path) -> None:
     with Client(sample.url, TOKEN) as client:
         recording = sample.imported(client, "dataset")
@@ -160,7 +196,9 @@ def test_frames_are_a_dataset(sample: Sample, tmp_path: Path) -> None:
         recording.frames[0].annotate(np.where(sample.truth[0] == 1, label.id, 0).astype(np.uint16))
     out = tmp_path / "juggling.zip"
     told = run("dataset.py", sample.url, TOKEN, recording.id, out)
-    assert told == f"{FRAMES} frames, {(sample.truth[0] == 1).sum():,} labelled points, 1 classes\n"
+    count = int((sample.truth[0] == 1).sum())
+    assert told.startswith(f"{FRAMES} frames, {count:,} labelled points\n")
+    assert f"{count:,} pin, class " in told
     module = importlib.util.spec_from_file_location("dataset", EXAMPLES / "dataset.py")
     assert module is not None
     assert module.loader is not None
@@ -172,7 +210,7 @@ def test_frames_are_a_dataset(sample: Sample, tmp_path: Path) -> None:
     assert {name: array.dtype for name, array in frames[0].items()} == {
         "xyz": np.float32, "rgb": np.float32, "label": np.int64
     }  # fmt: skip
-    assert frames[0]["label"].max() == 1
+    assert frames[0]["label"].max() == frames.classes["pin"]
 
 
 def test_two_annotations_are_compared(sample: Sample, tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
     python docs/examples/bulk_import.py http://127.0.0.1:8080 TOKEN recordings/
 
 A recording that is on the server already, by its name, is left out: the script can be run again
-after it was stopped. All get the same palette.
+after it was stopped. All get the same palette, and the labels that a folder has in `labels`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pointbrush.errors import PointbrushError
 
 AT_ONCE = 4
 TEMPLATE = "semantickitti"
+LABELS = "labels"
 
 
 def main(url: str, token: str, folder: str) -> None:
@@ -29,11 +30,17 @@ def main(url: str, token: str, folder: str) -> None:
 
         def load(path: Path) -> str:
             try:
-                recording = client.import_files([path], name=path.name)
+                labels = path / LABELS
+                files = [each for each in sorted(path.iterdir()) if each != labels]
+                recording = client.import_files(files, name=path.name)
+                recording.add_palette(TEMPLATE)
+                told = f"{path.name}: {len(recording.frames)} frames as {recording.id}"
+                if not labels.is_dir():
+                    return told
+                found = recording.import_labels([labels])
             except PointbrushError as error:
                 return f"{path.name}: {error}"
-            recording.add_palette(TEMPLATE)
-            return f"{path.name}: {len(recording.frames)} frames as {recording.id}"
+            return f"{told}, {found['changed']:,} points labelled in {found['matched']} of them"
 
         with ThreadPoolExecutor(AT_ONCE) as threads:
             for line in threads.map(load, new):

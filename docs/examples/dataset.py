@@ -25,7 +25,8 @@ class LabelledFrames:
     """An npz export: item i is a dict of arrays of frame i.
 
     ``points``: as many are drawn from each frame, so that frames stack to batches; None keeps all.
-    ``classes``: names of the categories, ``label`` their places in it, 0 for unlabeled.
+    ``classes``: numbers of the categories by name, the same in the exports of all recordings of a
+    workspace; ``label`` has them, 0 is unlabeled.
     """
 
     def __init__(self, export: str | Path, points: int | None = None) -> None:
@@ -33,11 +34,10 @@ class LabelledFrames:
         with zipfile.ZipFile(self.export) as archive:
             self.names = sorted(name for name in archive.namelist() if name.endswith(".npz"))
             labels = json.loads(archive.read("palette.json"))["labels"]
-        named = {label["id"]: label["category"] or label["name"] for label in labels}
-        self.classes = ["unlabeled", *sorted(set(named.values()))]
+            self.classes: dict[str, int] = json.loads(archive.read("classes.json"))
         self.class_of = np.zeros(1 << 16, np.int64)
-        for label, name in named.items():
-            self.class_of[label] = self.classes.index(name)
+        for label in labels:
+            self.class_of[label["id"]] = self.classes[label["category"] or label["name"]]
 
     def __len__(self) -> int:
         return len(self.names)
@@ -57,14 +57,23 @@ class LabelledFrames:
             xyz, rgb, label = xyz[chosen], rgb[chosen], label[chosen]
         return {"xyz": xyz, "rgb": rgb, "label": label}
 
+    def counts(self) -> dict[str, int]:
+        """Count the points of each class, for weights of a loss."""
+        found = np.zeros(max(self.classes.values(), default=0) + 1, np.int64)
+        for frame in self:
+            found += np.bincount(frame["label"], minlength=len(found))
+        return {name: int(found[number]) for name, number in self.classes.items()}
+
 
 def main(url: str, token: str, sequence: str, out: str) -> None:
     """Export a recording and tell what is in it."""
     with Client(url, token) as client:
         client[sequence].export("npz", Path(out))
     frames = LabelledFrames(out)
-    labelled = sum(int((frame["label"] > 0).sum()) for frame in frames)
-    print(f"{len(frames)} frames, {labelled:,} labelled points, {len(frames.classes) - 1} classes")
+    counts = {name: count for name, count in frames.counts().items() if count}
+    print(f"{len(frames)} frames, {sum(counts.values()):,} labelled points")
+    for name, count in counts.items():
+        print(f"{count:>12,} {name}, class {frames.classes[name]}")
 
 
 if __name__ == "__main__":
