@@ -210,6 +210,14 @@ def parser() -> argparse.ArgumentParser:
     suspicious.add_argument("--fail", action="store_true", help="exit with 1 where there are any")
     suspicious.add_argument("--all", action="store_true", help="what a reviewer has accepted too")
 
+    compare_ = _command(commands, "compare", "compare the labels of two recordings of one scene")
+    compare_.add_argument("sequence", metavar="SEQ", help=f"{SEQUENCE}; of boxes it is the truth")
+    compare_.add_argument("other", metavar="SEQ2", help="a recording of the same points")
+    compare_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
+    compare_.add_argument(
+        "--boxes", action="store_true", help="boxes by class: AP, precision, recall, HOTA"
+    )
+
     report_ = _command(commands, "report", "write how far a recording is, and who spent what")
     report_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
     report_.add_argument("--out", required=True, type=Path, help="a file: .html, or .csv")

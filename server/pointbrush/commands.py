@@ -271,6 +271,17 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
     )
 
 
+def compare(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Compare the labels, or the boxes, of two recordings of the same points."""
+    pair = given.sequence, given.other
+    with closing(Workspace(settings)) as workspace:
+        if given.boxes:
+            found = workspace.reviewing.box_agreement(*pair, given.frames)
+            return printing.boxes_compared(found.classes, found.hota)
+        agreed = workspace.reviewing.agreement(*pair, frames=given.frames)
+    return printing.labels_compared(agreed.labels, agreed.miou)
+
+
 def report(given: argparse.Namespace, settings: Settings) -> Answer:
     """Write a report of a recording's labels."""
     from pointbrush.work.reviewing import to_csv, to_html

@@ -111,6 +111,41 @@ class Suspicious(Protocol):
     def settled(self) -> bool: ...  # noqa: D102
 
 
+class Agreeing(Protocol):
+    """A label of two recordings."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def iou(self) -> float: ...  # noqa: D102
+
+
+class Scored(Protocol):
+    """Scores of boxes that are the same from a 3D IoU on."""
+
+    @property
+    def iou(self) -> float: ...  # noqa: D102
+    @property
+    def ap(self) -> float: ...  # noqa: D102
+    @property
+    def precision(self) -> float: ...  # noqa: D102
+    @property
+    def recall(self) -> float: ...  # noqa: D102
+
+
+class ComparedClass(Protocol):
+    """Boxes of a class in two recordings."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def first(self) -> int: ...  # noqa: D102
+    @property
+    def second(self) -> int: ...  # noqa: D102
+    @property
+    def scores(self) -> Sequence[Scored]: ...  # noqa: D102
+
+
 def preview(found: Mapping[str, Any]) -> Answer:
     """Describe an import that was not carried out."""
     points = ", ".join(f"{frame['points']:,}" for frame in found["points"])
@@ -327,6 +362,31 @@ def findings(
     value = {"findings": wanted, "unchecked": list(unchecked)}
     error = f"{len(wanted)} suspicious" if fail and wanted else ""
     return Answer(value, lines, [f"not looked at: {each}" for each in unchecked], error=error)
+
+
+def labels_compared(labels: Sequence[Agreeing], miou: float | None) -> Answer:
+    """List the IoU of labels of two recordings."""
+    lines = [f"{each.iou:.3f}  {each.name}" for each in labels]
+    lines.append("neither has labels" if miou is None else f"{miou:.3f}  mean of all labels")
+    value = [{"name": each.name, "iou": each.iou} for each in labels]
+    return Answer({"labels": value, "miou": miou}, lines, head="IoU    label")
+
+
+def boxes_compared(classes: Sequence[ComparedClass], hota: float | None) -> Answer:
+    """List the agreement of boxes by class, a line for each 3D IoU from which they are the same."""
+    lines = [
+        f"{one.name}: {one.second} boxes for {one.first}, IoU from {at.iou}: "
+        f"AP {at.ap:.3f}, precision {at.precision:.3f}, recall {at.recall:.3f}"
+        for one in classes
+        for at in one.scores
+    ]
+    if not classes:
+        lines.append("neither has boxes")
+    elif hota is None:
+        lines.append("HOTA: not computed ('pip install trackeval')")
+    else:
+        lines.append(f"HOTA {hota:.3f}")
+    return Answer({"classes": list(classes), "hota": hota}, lines)
 
 
 def checked(

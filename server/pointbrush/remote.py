@@ -185,6 +185,16 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
     return printing.findings(found.findings, found.unchecked, settled=given.all, fail=given.fail)
 
 
+def compare(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Compare the labels, or the boxes, of two recordings of the same points."""
+    with client_of(settings) as client:
+        review = client[given.sequence].review
+        found = review.agreement(given.other, frames=given.frames, boxes=given.boxes)
+    if found.boxes is not None:
+        return printing.boxes_compared(found.boxes.classes, found.boxes.hota)
+    return printing.labels_compared(found.labels, found.miou)
+
+
 def report(given: argparse.Namespace, settings: Settings) -> Answer:
     """Write a report of a recording's labels."""
     arguments.report_suffix(given.out)

@@ -77,6 +77,35 @@ class FrameAgreement:
 
 
 @dataclass(frozen=True, slots=True)
+class BoxScore:
+    """Boxes of the second recording against the first's, the same from the 3D IoU ``iou`` on."""
+
+    iou: float
+    ap: float
+    precision: float
+    recall: float
+
+
+@dataclass(frozen=True, slots=True)
+class ClassAgreement:
+    """Boxes of a class, counted in each frame; ``mean_iou`` of those that overlap."""
+
+    name: str
+    first: int
+    second: int
+    mean_iou: float | None
+    scores: tuple[BoxScore, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BoxAgreement:
+    """Similarity of boxes by class; ``hota`` None where the server has no trackeval."""
+
+    classes: tuple[ClassAgreement, ...]
+    hota: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Agreement:
     """Similarity of two annotations; None where neither has labelled anything."""
 
@@ -84,6 +113,7 @@ class Agreement:
     same: float | None
     labels: tuple[LabelAgreement, ...]
     frames: tuple[FrameAgreement, ...]
+    boxes: BoxAgreement | None = None
 
 
 class Review(Part[L]):
@@ -165,13 +195,13 @@ class Review(Part[L]):
 
     @steps
     def agreement(
-        self, other: str, by: str = "name", frames: str | None = None
+        self, other: str, by: str = "name", frames: str | None = None, *, boxes: bool = False
     ) -> Steps[Agreement]:
         """Return IoU of each label, and points of each frame that differ, with a recording's.
 
-        ``by``: "name" or "category"; ``frames`` I:J.
+        ``by``: "name" or "category"; ``frames`` I:J; ``boxes`` compares those too.
         """
-        query = {"with": other, "by": by, "frames": frames}
+        query = {"with": other, "by": by, "frames": frames, "boxes": "true" if boxes else None}
         return read(Agreement, (yield from self._get("/agreement", **query)).json())
 
     @steps

@@ -91,13 +91,40 @@ class FrameAgreementOut(Out):
     differ: int
 
 
+class BoxScoreOut(Out):
+    """Boxes of the second against those of the first, the same from a 3D IoU on."""
+
+    iou: Share
+    ap: Share
+    precision: Share
+    recall: Share
+
+
+class ClassAgreementOut(Out):
+    """Boxes of a class, counted in each frame."""
+
+    name: str
+    first: int
+    second: int
+    mean_iou: Share | None
+    scores: list[BoxScoreOut]
+
+
+class BoxAgreementOut(Out):
+    """Boxes of both; ``hota`` is null without boxes or without the package trackeval."""
+
+    classes: list[ClassAgreementOut]
+    hota: Share | None
+
+
 class AgreementOut(Out):
-    """Null where neither has labelled anything."""
+    """Null where neither has labelled anything; ``boxes`` where they are asked for."""
 
     miou: Share | None
     same: Share | None
     labels: list[LabelAgreementOut]
     frames: list[FrameAgreementOut]
+    boxes: BoxAgreementOut | None = None
 
 
 @router.get("/sequences/{seq}/agreement", responses=responses(404))
@@ -109,10 +136,19 @@ def get_agreement(
     other: Other,
     by: CompareBy = "name",
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
+    *,
+    boxes: Annotated[bool, Query(description="compare the boxes of classes too")] = False,
 ) -> AgreementOut:
-    """IoU of each label between two annotations, and the points of each frame that differ."""
+    """IoU of each label between two annotations, and the points of each frame that differ.
+
+    With ``boxes`` average precision, precision and recall by class too, and HOTA.
+    """
     gate.require_seen(who, other)
-    return AgreementOut.of(workspace.reviewing.agreement(seq, other, by, frames))
+    found = AgreementOut.of(workspace.reviewing.agreement(seq, other, by, frames))
+    if boxes:
+        compared = workspace.reviewing.box_agreement(seq, other, frames)
+        found.boxes = BoxAgreementOut.of(compared)
+    return found
 
 
 @router.get(

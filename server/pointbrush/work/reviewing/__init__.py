@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pointbrush.work.reviewing.box_comparing import BoxAgreement
 from pointbrush.work.reviewing.checking import Checked
 from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
 from pointbrush.work.reviewing.comparing import Agreement, By
@@ -16,6 +17,7 @@ __all__ = [
     "STATES",
     "TABLES",
     "Agreement",
+    "BoxAgreement",
     "By",
     "Checked",
     "Finding",

@@ -11,6 +11,7 @@ from pointbrush.labels.accounts import require_name
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
+from pointbrush.work.reviewing.box_comparing import BoxAgreement, compare_boxes
 from pointbrush.work.reviewing.checking import Checked, Checker
 from pointbrush.work.reviewing.checks.finding import Finding
 from pointbrush.work.reviewing.comparing import Agreement, By
@@ -101,6 +102,14 @@ class Reviewing:
         """
         first, second = self._recording(sequence), self._recording(other)
         return comparing.compare(self._store, first, second, by, parse_frames(frames, len(first)))
+
+    def box_agreement(self, sequence: str, other: str, frames: str | None = None) -> BoxAgreement:
+        """Compare the boxes with those of another recording of the same points, by class.
+
+        Raises as ``agreement``.
+        """
+        first, second = self._recording(sequence), self._recording(other)
+        return compare_boxes(self._store, first, second, parse_frames(frames, len(first)))
 
     def difference(self, sequence: str, other: str, frame: int, by: By = "name") -> bytes:
         """Return a PNG of a frame from above: where the labels differ; raises as ``agreement``."""
