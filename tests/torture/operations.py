@@ -25,6 +25,9 @@ ROOT = f"/sequences/{SEQUENCE}"
 FAR = 120.0
 STROKES = ((1, (0.0, 0.0, 1.0)), (1, (0.4, 0.4, 1.3)), (2, (-0.4, -0.4, 1.3)))
 """Label and place of the strokes that each frame has: label 1 is in two pieces."""
+PLACE = {"centre": [0.0, 0.0, 1.0], "quaternion": [0.0, 0.0, 0.6, 0.8]}
+BOX = {"label": 1, "size": [0.3, 0.5, 3.0], "poses": {str(n): PLACE for n in range(FRAMES)}}
+"""A box of some of label 1's points, and of others."""
 TRACKED = 2
 """Provenance of what tracking found."""
 CLASSES = ("stone", "brick", "clay")
@@ -48,6 +51,7 @@ class Place:
                     stroke = {"label": label, "radius": 0.2, "samples": [{"origin": origin}]}
                     path = f"{ROOT}/frames/{frame}/strokes"
                     api.post(path, json=stroke).raise_for_status()
+            api.post(f"{ROOT}/boxes", json=BOX).raise_for_status()
 
     def killed(self, act: Callable[[httpx.Client], object], after: float) -> bool:
         """Kill the server ``after`` seconds of ``act`` and restart it; whether it was answered."""
@@ -95,6 +99,8 @@ def labels_of(api: httpx.Client) -> State:
             path = f"{ROOT}/frames/{frame}/annotation?layer={layer}"
             values = np.load(io.BytesIO(api.get(path).raise_for_status().content)).tolist()
             found[f"{layer} {frame}"] = [names[n] for n in values] if layer == "label" else values
+    boxes = api.get(f"{ROOT}/boxes").raise_for_status().json()["boxes"]
+    found["boxes"] = [(names[box["label"]], box["size"], box["poses"]) for box in boxes]
     return found
 
 
@@ -208,11 +214,24 @@ def _untracked(api: httpx.Client) -> None:
         api.post(f"{ROOT}/undo").raise_for_status()
 
 
+def _of_box(method: str, path: str, body: dict[str, Any]) -> Callable[[httpx.Client], object]:
+    """Make a call about the box that is there."""
+
+    def call(api: httpx.Client) -> object:
+        box = api.get(f"{ROOT}/boxes").raise_for_status().json()["boxes"][0]["id"]
+        return api.request(method, f"{ROOT}/boxes/{box}{path}", json=body).raise_for_status()
+
+    return call
+
+
 EDITS = (
     Operation("track", _track, ready=_untracked),
     Operation("label import", _import_labels),
     Operation("merge", _post("/labels/1/merge", {"labels": [2]})),
     Operation("split", _post("/labels/1/split", {"frame": 0, "least": 1})),
+    Operation("box", _post("/boxes", BOX)),
+    Operation("box moved", _of_box("PATCH", "", {"poses": {"0": None}, "size": [1.0, 1.0, 1.0]})),
+    Operation("points of a box", _of_box("POST", "/points", {})),
     Operation(
         "accept", _post("/accept", {"labels": [1], "start": 0, "stop": FRAMES - 1}), ready=_tracked
     ),

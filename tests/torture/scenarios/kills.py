@@ -30,7 +30,7 @@ def _killed(arena: Arena, operations: tuple[Operation, ...]) -> None:
         place.server.kill()
 
 
-@scenario("SIGKILL during track, label import, merge, split, accept, class changes", 3)
+@scenario("SIGKILL during track, label import, merge, split, accept, boxes, class changes", 3)
 def killed_in_edit(arena: Arena) -> None:
     """An edit is there whole, or not at all, and there when it was answered."""
     _killed(arena, EDITS)
