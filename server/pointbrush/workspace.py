@@ -247,9 +247,7 @@ class Workspace:
         if formats.EXPORTS[export_format].whole_boxes:
             from pointbrush.work.boxes.exporting import boxed_frames  # the readers with it
 
-            if snapshot is not None:
-                raise BadInputError("snapshot: expected a format without boxes, it has none")
-            labeled = boxed_frames(labeled, self.labels, recording)
+            labeled = boxed_frames(labeled, kept, recording)
         palette = kept.palette(sequence)
         names = formats.category_names(palette)
         numbers = self.labels.taxonomy.numbers(names)

@@ -9,6 +9,7 @@ import numpy as np
 from label_model import Model
 
 from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels.versions import PastLabels
 from pointbrush.oriented_box import BoxPose, OrientedBox
 
 PLACES = [0, 1, 2, 3, 4, 5, 65_534, 65_535, 65_536, 65_537]
@@ -148,7 +149,9 @@ def place_at(x: float) -> dict[str, list[float]]:
     return {"centre": [x, 0.0, 0.0], "quaternion": [0.0, 0.0, 0.0, 1.0]}
 
 
-def boxes_of(store: LabelStore, sequence: str) -> dict[int, tuple[int, dict[int, float]]]:
+def boxes_of(
+    store: LabelStore | PastLabels, sequence: str
+) -> dict[int, tuple[int, dict[int, float]]]:
     """The boxes of a store as the model has them."""
     return {
         box.id: (box.label, {frame: float(pose.centre[0]) for frame, pose in box.poses.items()})

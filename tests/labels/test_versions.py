@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from random_edits import AUTHORS, POINTS, apply_to_store, random_edit
+from random_edits import AUTHORS, POINTS, apply_to_store, boxes_of, random_edit
 
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError
 from pointbrush.labels import LabelStore
@@ -27,7 +27,7 @@ def seen(labels: Any, sequence: str) -> Any:
                 for layer in ("label", "provenance", "deleted", "confidence")
             }
         )
-    return frames, labels.palette(sequence), labels.tracks(sequence)
+    return frames, labels.palette(sequence), labels.tracks(sequence), boxes_of(labels, sequence)
 
 
 @pytest.mark.parametrize("seed", range(3))

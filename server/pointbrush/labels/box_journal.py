@@ -94,6 +94,23 @@ def fold(
     return {box: _whole(fields) for box, fields in found.items()}
 
 
+def as_at(
+    connection: Connection, number: int, revision: int, undone: Collection[int]
+) -> dict[int, Fields]:
+    """Fold the changes of boxes up to a revision, without those ``undone`` by then."""
+    query = (
+        select(edit_boxes.c.box, edit_boxes.c.revision, edit_boxes.c.data)
+        .where(edit_boxes.c.sequence == number, edit_boxes.c.revision <= revision)
+        .order_by(edit_boxes.c.revision)
+    )
+    found: dict[int, Fields] = {}
+    for box, changed, data in connection.execute(query):
+        if changed not in undone:
+            found[box] = changed_by(found.get(box, {}), json.loads(data))
+    whole = {box: _whole(fields) for box, fields in found.items()}
+    return {box: fields for box, fields in sorted(whole.items()) if fields is not None}
+
+
 def _whole(fields: Fields) -> Fields | None:
     """Return the fields of a box that exists, in their order, else None."""
     if not fields.pop("exists", False) or "size" not in fields:
@@ -127,8 +144,10 @@ def put(draft: Draft, news: Iterable[OrientedBox], removed: Iterable[int] = ()) 
     LockedLabelError.
     """
     after: dict[int, Fields | None] = dict.fromkeys(removed)
-    free = _first_free(draft)
-    for box in news:
+    given = list(news)
+    new = sum(box.id == 0 for box in given)
+    free = _first_free(draft, new) if new else 0
+    for box in given:
         for frame in box.poses:
             draft.state.frame_points(frame)
         palette.require(draft.palette, box.label)
@@ -153,11 +172,11 @@ def _set(draft: Draft, after: dict[int, Fields | None]) -> None:
             draft.box_changes.pop(number, None)
 
 
-def _first_free(draft: Draft) -> int:
-    """Return an id that no box ever had; raises ConflictError where there are too many boxes."""
+def _first_free(draft: Draft, more: int) -> int:
+    """Return an id that no box ever had; raises ConflictError where ``more`` are too many boxes."""
     connection, number = draft.connection, draft.state.number
     count = select(func.count()).where(boxes.c.sequence == number)
-    if connection.execute(count).scalar_one() >= MOST_BOXES:
+    if connection.execute(count).scalar_one() + more > MOST_BOXES:
         raise ConflictError(f"boxes: expected at most {MOST_BOXES:,} in a recording, got more")
     highest = select(func.max(edit_boxes.c.box)).where(edit_boxes.c.sequence == number)
     return max([connection.execute(highest).scalar() or 0, *draft.boxes]) + 1

@@ -15,6 +15,8 @@ import numpy as np
 from sqlalchemy import ColumnElement, Connection, delete, insert, select
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.labels.box_journal import as_at, read_boxes
+from pointbrush.labels.boxes import BoxList
 from pointbrush.labels.database import Database
 from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.packing import (
@@ -157,6 +159,7 @@ class PastLabels:
 
     def __init__(self, sessions: Sessions, moment: Moment) -> None:
         self._sessions, self._moment = sessions, moment
+        self.boxes = PastBoxes(sessions, moment)
 
     def palette(self, sequence: str) -> list[Label]:  # noqa: ARG002 - there is one recording
         """The labels, in their order."""
@@ -216,6 +219,21 @@ class PastLabels:
         with self._sessions.reading(sequence) as (connection, _):
             rows = connection.execute(chosen.distinct()).scalars().all()
         return sorted({frame for row in rows for frame in json.loads(row)})
+
+
+class PastBoxes:
+    """Boxes of one recording as they were at a moment, read like those of a LabelStore."""
+
+    def __init__(self, sessions: Sessions, moment: Moment) -> None:
+        self._sessions, self._moment = sessions, moment
+
+    def listing(self, sequence: str) -> BoxList:
+        """List the boxes of labels that there were."""
+        number, until = self._moment.number, self._moment.revision
+        with self._sessions.reading(sequence) as (connection, state):
+            _same(state, self._moment)
+            found = as_at(connection, number, until, _undone(connection, number, until))
+        return BoxList(tuple(read_boxes(found, self._moment.palette.keys())), until)
 
 
 def _same(state: SequenceState, moment: Moment) -> SequenceState:

@@ -12,6 +12,7 @@ from pointbrush import formats
 from pointbrush.formats.boxes.scene import SceneFrame, View, by_frame
 from pointbrush.formats.exports.labeled import category_of
 from pointbrush.labels import LabelStore
+from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence as Recording
 
 FRONT = ("image_2", "image_02", "CAM_FRONT", "ring_front_center")
@@ -19,7 +20,7 @@ FRONT = ("image_2", "image_02", "CAM_FRONT", "ring_front_center")
 
 
 def boxed_frames(
-    frames: Iterable[formats.ExportFrame], store: LabelStore, recording: Recording
+    frames: Iterable[formats.ExportFrame], store: LabelStore | PastLabels, recording: Recording
 ) -> Iterator[formats.ExportFrame]:
     """Give frames their boxes, as they are when the first one is asked for."""
     names = frame_stems(recording)
