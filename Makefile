@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench release-check docs pictures format setup page system peers clean
+.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
 demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
@@ -73,10 +73,14 @@ system:
 	ls /usr/lib/postgresql/*/bin/initdb >/dev/null 2>&1 || missing="$$missing postgresql"; \
 	$(call install_missing,the browser and database tests)
 
-peers:
+peers: box-readers
 	@missing=""; \
 	/sbin/ldconfig -p | grep -q libusb-1.0.so.0 || missing=" libusb-1.0-0"; \
 	$(call install_missing,Open3D among the benchmarks' peers)
+
+# The makers' packages read our boxes, each in an environment of its own; tests compare the tables.
+box-readers: $(STAMPS)/dev  ## read exported boxes anew by nuscenes-devkit and av2
+	@$(BIN)/python -m tests.box_readers
 
 CHECKS := types check-page lint
 
