@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pointbrush.fitting import Observation, near_rays
 from pointbrush.formats.boxes.drives import read_argoverse
 from pointbrush.formats.boxes.editors import read_sustechpoints
-from pointbrush.formats.boxes.figures import Box
+from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.feather import argoverse_poses, read_feather, read_table
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.pcd import read_pcd
@@ -101,7 +101,7 @@ def generated(seed: int, frames: int) -> Iterator[Case]:
 
 
 def annotated(
-    source: str, frames: list[tuple[Scan, list[Box]]], wanted: dict[str, str]
+    source: str, frames: list[tuple[Scan, list[FrameBox]]], wanted: dict[str, str]
 ) -> Iterator[Case]:
     """Make the objects of annotated frames: all points of a box are its label's."""
     keys = sorted({(box.key or f"{k}-{i}") for k, (_, boxes) in enumerate(frames)
@@ -145,7 +145,7 @@ def sustech(folder: Path) -> Iterator[Case]:
         )  # fmt: skip
         label = folder / "data" / "example" / "label" / f"{path.stem}.json"
         boxes = [box for each in read_sustechpoints(label) for box in each.boxes]
-        frames.append((scan, [box for box in boxes if isinstance(box, Box)]))
+        frames.append((scan, [box for box in boxes if isinstance(box, FrameBox)]))
     kinds = {"Car": "car", "Van": "van", "Truck": "truck", "Bus": "bus", "Pedestrian": "pedestrian"}
     yield from annotated("sustech", frames, kinds)
 
@@ -177,7 +177,7 @@ def argoverse(folder: Path) -> Iterator[Case]:
                 _lidar(log), None if poses is None else np.asarray(poses.matrices[k]),
             )  # fmt: skip
             there = boxes.get(round(int(path.stem) / 1e6), ())
-            frames.append((scan, [box for box in there if isinstance(box, Box)]))
+            frames.append((scan, [box for box in there if isinstance(box, FrameBox)]))
         yield from annotated(f"argoverse {log.name[:8]}", frames, ARGOVERSE)
 
 
@@ -207,7 +207,7 @@ def dgp(name: str) -> Iterator[Case]:
             size = np.array([b["length"], b["width"], b["height"]])
             centre = np.array([t["x"], t["y"], t["z"]])
             boxes.append(
-                Box(str(each["class_id"]), str(each["instance_id"]), centre, size, rotation)
+                FrameBox(str(each["class_id"]), str(each["instance_id"]), centre, size, rotation)
             )
         xyz = held["xyz"].astype(np.float64)
         floor = find_floor(xyz[::5], np.zeros((1, 3)), "survey")

@@ -132,6 +132,13 @@ def parser() -> argparse.ArgumentParser:
     track_.add_argument("--labels", help="names or ids, with commas; all in frame I unless given")
     _choices(track_, RunOptions)
 
+    fit_ = _command(commands, "fit-boxes", "fit a box to the points of each label, over all frames")
+    fit_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
+    fit_.add_argument("--labels", help="names or ids, with commas; all unless given")
+    fit_.add_argument("--category", help="labels of it alone")
+    fit_.add_argument("--frames", metavar="I:J", help="frames I to J - 1; all unless given")
+    fit_.add_argument("--redraw", action="store_true", help="fit what somebody drew anew, too")
+
     example_ = _command(
         commands, "example", "teach a classifier by what is painted, and have it label the rest"
     )

@@ -113,6 +113,20 @@ def track(given: argparse.Namespace, settings: Settings) -> Answer:
         return printing.tracked(result)
 
 
+def fit_boxes(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Fit boxes to labels and print how it ended."""
+    with closing(Workspace(settings)) as workspace:
+        labels = None
+        if given.labels:
+            palette = workspace.labels.palette(given.sequence)
+            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
+        job = workspace.fitting.fit(
+            given.sequence, author=AUTHOR, labels=labels, category=given.category,
+            frames=given.frames, redraw=given.redraw,
+        )  # fmt: skip
+        return printing.fitted(follow(workspace.jobs.get, job))
+
+
 def example(given: argparse.Namespace, settings: Settings) -> Answer:
     """Teach a classifier by what is painted, apply it, or list what there is."""
     with closing(Workspace(settings)) as workspace:

@@ -11,7 +11,7 @@ from typing import Any, Literal, Protocol
 
 from pointbrush.errors import NotFoundError
 
-JobKind = Literal["import", "tracking", "export", "prediction"]
+JobKind = Literal["import", "tracking", "export", "prediction", "fitting"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 MESSAGE = "message"

@@ -227,6 +227,14 @@ def tracked(result: Mapping[str, Any]) -> Answer:
     return Answer(result, [line])
 
 
+def fitted(result: Mapping[str, Any]) -> Answer:
+    """Describe the result of a job that fitted boxes."""
+    count = len(result["fitted"])
+    lines = ["fitted 1 box" if count == 1 else f"fitted {count} boxes"]
+    lines += [f"label {label}: {why}" for label, why in result["skipped"].items()]
+    return Answer(result, lines)
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """A recording's row of the list; of a damaged one perhaps only the id is known."""

@@ -77,6 +77,20 @@ def track(given: argparse.Namespace, settings: Settings) -> Answer:
         return printing.tracked(_followed(client, job))
 
 
+def fit_boxes(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Fit boxes to labels and print how it ended."""
+    with client_of(settings) as client:
+        recording = client[given.sequence]
+        labels = None
+        if given.labels:
+            palette = recording.labels()
+            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
+        result = recording.fit_boxes(
+            labels, category=given.category, frames=given.frames, redraw=given.redraw, progress=True
+        )
+        return printing.fitted(result)
+
+
 def example(given: argparse.Namespace, settings: Settings) -> Answer:
     """Teach a classifier by what is painted, apply it, or list what there is."""
     with client_of(settings) as client:

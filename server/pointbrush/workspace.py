@@ -28,6 +28,7 @@ from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
 from pointbrush.work.backup import note_made, require_here, require_labels, restore_one
+from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
@@ -44,6 +45,7 @@ from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:
+    from pointbrush.work.boxes.front import Fitting
     from pointbrush.work.classifiers.front import ClassifierFront
     from pointbrush.work.reviewing import Reviewing
     from pointbrush.work.tracking.runs import Runs
@@ -87,6 +89,7 @@ class Workspace:
             LABELS: lambda job: self.imports.labels_again(job),
             TRACK: lambda job: self.tracking.again(job),
             PREDICT: lambda job: self.classifiers.again(job),
+            FIT: lambda job: self.fitting.again(job),
         }
         self.jobs = JobBook(
             self.labels,
@@ -173,6 +176,15 @@ class Workspace:
         folder = self.settings.workspace.absolute() / "classifiers"
         models = Models.parse(self.settings.models)
         return ClassifierFront(self.labels, self.library, self.runner, self.jobs, folder, models)
+
+    @once
+    def fitting(self) -> Fitting:
+        """Fits of boxes to labels."""
+        from pointbrush.work.boxes.front import Fitting
+
+        return Fitting(
+            self.labels, self.library, self.runner, self.jobs, self.settings.database_url
+        )
 
     @once
     def reviewing(self) -> Reviewing:

@@ -92,6 +92,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/labels/{id}/merge"): "annotator",
     ("POST", "/sequences/{seq}/labels/{id}/split"): "annotator",
     ("POST", "/sequences/{seq}/boxes"): "annotator",
+    ("POST", "/sequences/{seq}/boxes/fit"): "annotator",
     ("PATCH", "/sequences/{seq}/boxes/{id}"): "annotator",
     ("DELETE", "/sequences/{seq}/boxes/{id}"): "annotator",
     ("POST", "/sequences/{seq}/boxes/{id}/points"): "annotator",

@@ -146,7 +146,7 @@ class JobOut(Out):
     """Long work and how far it is."""
 
     id: str
-    kind: Literal["import", "tracking", "export", "prediction"]
+    kind: Literal["import", "tracking", "export", "prediction", "fitting"]
     sequence: str | None
     state: Literal["queued", "running", "done", "failed", "cancelled"]
     progress: float

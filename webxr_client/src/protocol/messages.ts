@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '44cb42996b9b';
+export const SCHEMA_HASH = '6bb57de933fe';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -390,7 +390,7 @@ export interface Frame {
 export interface Job {
   type: 'job';
   id: string;
-  kind: 'import' | 'tracking' | 'export' | 'prediction';
+  kind: 'import' | 'tracking' | 'export' | 'prediction' | 'fitting';
   sequence: string | null;
   state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
   progress: number;

@@ -237,7 +237,7 @@ class Job(Message):
 
     type: Literal["job"] = "job"
     id: Id
-    kind: Literal["import", "tracking", "export", "prediction"]
+    kind: Literal["import", "tracking", "export", "prediction", "fitting"]
     sequence: str | None
     state: JobState
     progress: float

@@ -24,6 +24,7 @@ from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body, EditOut, PaintId
+from pointbrush.web.schemas_work import JobOut
 
 router = resource("boxes")
 BoxPath = Annotated[int, Path(ge=1, lt=2**31, description="box id")]
@@ -94,6 +95,19 @@ class PointsBody(Body):
     edit: Uuid | None = None
 
 
+class FitBody(Body):
+    """Labels whose boxes are fitted, all unless given; those of a category; in frames ``I:J``.
+
+    ``redraw``: also what somebody drew.  ``id``: the UUID of the job and of its edit.
+    """
+
+    labels: Annotated[list[PaintId], Field(max_length=65535)] | None = None
+    category: Annotated[str, Field(max_length=256)] | None = None
+    frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] | None = None
+    redraw: bool = False
+    id: Uuid | None = None
+
+
 class BoxesOut(BaseModel):
     """Boxes, and the revision of the recording that they are of."""
 
@@ -136,6 +150,20 @@ def add_box(
     made = workspace.labels.boxes.add(seq, who.author, box, edit_id=body.edit)
     response.headers["Location"] = f"/api/v1/sequences/{seq}/boxes/{made.box.id}"
     return BoxEditOut.of(made)
+
+
+@router.post("/sequences/{seq}/boxes/fit", status_code=202, responses=responses(404, 409))
+def fit_boxes(
+    seq: SequenceId, body: FitBody, response: Response, workspace: Ws, who: Caller
+) -> JobOut:
+    """Fit a box to the points of each label over frames, in a job; it is one edit.
+
+    Its result: ``edit``, ``fitted`` ids of boxes, and ``skipped``: labels with the reason.
+    """
+    given = body.model_dump(exclude={"id"})
+    job = workspace.fitting.fit(seq, author=who.author, edit=body.id, **given)
+    response.headers["Location"] = f"/api/v1/jobs/{job.id}"
+    return JobOut.of(job)
 
 
 @router.get("/sequences/{seq}/boxes/{id}", responses=responses(404))

@@ -10,6 +10,7 @@ const TITLE = {
   tracking: 'Tracking',
   export: 'Exporting',
   prediction: 'Predicting',
+  fitting: 'Fitting boxes',
 } as const;
 
 export function JobCards() {

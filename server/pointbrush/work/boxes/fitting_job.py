@@ -1,0 +1,287 @@
+"""Boxes fitted to labels, in a job: observations out of a recording, one edit back in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.fitting import (
+    FitOptions,
+    FittedBox,
+    Observation,
+    SizePrior,
+    fit_box,
+    priors_of,
+)
+from pointbrush.job import MESSAGE, Job
+from pointbrush.jobs import JobRunner
+from pointbrush.labels import Label, LabelStore
+from pointbrush.labels.boxes import BoxEdit
+from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import open_sequence
+from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.boxes import FIT
+from pointbrush.work.boxes.observing import observed
+from pointbrush.worker import Channel
+
+READING = 0.7
+"""Share of a job's time that goes into reading frames, about."""
+SPREAD = 0.1
+"""Share of a class's size that is its spread where the taxonomy tells none."""
+DRAWN_SPREAD = 0.001
+"""Metres by which a size that somebody drew may be changed."""
+
+
+Size = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A label whose box is fitted.
+
+    ``drawn``: the size that somebody drew, which stays.  ``size`` and ``spread``: those of its
+    class in the taxonomy.
+    """
+
+    label: int
+    name: str
+    category: str
+    drawn: Size | None = None
+    size: Size | None = None
+    spread: Size | None = None
+
+    @property
+    def priors(self) -> list[SizePrior]:
+        """The sizes that it may have."""
+        found = priors_of(self.category, names=(self.name,))
+        mean = self.drawn or self.size
+        if mean is None:
+            return found
+        length, width, height = (SPREAD * side for side in mean)
+        spread = self.spread or (length, width, height)
+        if self.drawn is not None:
+            spread = (DRAWN_SPREAD,) * 3
+        return [replace(found[0], mean=mean, spread=spread, weight=1.0)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fitted:
+    """A label's fit, or ``why`` there is none."""
+
+    label: int
+    box: FittedBox | None = None
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class FittingWork:
+    """Picklable work: hands each label's ``Fitted`` over as an item."""
+
+    files: RecordingFiles
+    database: str = field(repr=False)  # may hold a password
+    targets: tuple[Target, ...]
+    frames: tuple[int, ...]
+    options: FitOptions
+
+    def __call__(self, channel: Channel) -> None:
+        """Read the frames, then fit label by label."""
+        recording, store = open_sequence(self.files), LabelStore(self.database)
+        try:
+            seen: dict[int, list[Observation]] = {each.label: [] for each in self.targets}
+            frames = observed(store, recording, list(seen), self.frames, self.options)
+            for number, (frame, found) in enumerate(frames, 1):
+                for label, each in found.items():
+                    seen[label].append(each)
+                channel.progress(READING * number / len(self.frames), f"frame {frame}")
+        finally:
+            store.close()
+        for number, target in enumerate(self.targets, 1):
+            channel.item(fit_one(target, seen.pop(target.label), self.options))
+            share = READING + (1 - READING) * number / len(self.targets)
+            channel.progress(min(share, 1.0), target.name)
+
+
+def fit_one(target: Target, seen: list[Observation], options: FitOptions) -> Fitted:
+    """Fit one label's box."""
+    if not seen:
+        return Fitted(target.label, why=f"fewer than {options.least_points} points in every frame")
+    try:
+        return Fitted(target.label, fit_box(seen, target.priors, options))
+    except BadInputError as error:
+        return Fitted(target.label, why=str(error))
+
+
+@dataclass(frozen=True, slots=True)
+class FitRequest:
+    """Fit boxes to ``labels``, or all; to those of a ``category``; in ``frames``.
+
+    ``redraw``: also what somebody drew is fitted anew.
+    """
+
+    frames: tuple[int, ...]
+    labels: tuple[int, ...] | None = None
+    category: str | None = None
+    redraw: bool = False
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the record a job keeps, to be begun again."""
+        labels = None if self.labels is None else list(self.labels)
+        return {
+            "call": FIT, "frames": list(self.frames), "labels": labels,
+            "category": self.category, "redraw": self.redraw,
+        }  # fmt: skip
+
+    @classmethod
+    def of_json(cls, fields: Mapping[str, Any]) -> FitRequest:
+        """Return the request that ``as_json`` made ``fields`` of."""
+        labels = fields["labels"]
+        return cls(
+            tuple(fields["frames"]), None if labels is None else tuple(labels),
+            fields["category"], fields["redraw"],
+        )  # fmt: skip
+
+    def chosen(self, palette: Mapping[int, Label]) -> list[Label]:
+        """Choose labels of a palette; raises NotFoundError for an unknown label or category."""
+        for number in self.labels or ():
+            if number not in palette:
+                raise NotFoundError(f"labels: expected ids of the palette, got {number}")
+        found = [
+            label
+            for label in palette.values()
+            if (self.labels is None or label.id in self.labels)
+            and (self.category is None or label.category.casefold() == self.category.casefold())
+        ]
+        if self.category is not None and not found:
+            raise NotFoundError(f"category: expected one of the palette, got {self.category!r}")
+        return found
+
+
+class Fits:
+    """Starts jobs that fit boxes, and takes in what they find."""
+
+    def __init__(
+        self, store: LabelStore, runner: JobRunner, database: str, options: FitOptions | None = None
+    ) -> None:
+        self._store, self._runner, self._database = store, runner, database
+        self._options = options or FitOptions()
+
+    def start(self, recording: Recording, request: FitRequest, author: str, job_id: str) -> Job:
+        """Begin a job; ``job_id`` is that of its edit too.
+
+        Raises NotFoundError (frame, label, category), BadInputError (no frame).
+        """
+        sequence, kept = recording.manifest.id, request.as_json()
+        job = Job("fitting", sequence, job_id, owner=author, edit=job_id, request=kept)
+        return self._begin(recording, request, job)
+
+    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
+        """Begin a job again that another server has left; return its result if it was done."""
+        made = self._store.find(recording.manifest.id, job.edit or job.id)
+        if made is not None:
+            return {"edit": made.edit_id, "fitted": list(made.boxes), "skipped": {}}
+        self._begin(recording, FitRequest.of_json(job.request or {}), job)
+        return None
+
+    def _begin(self, recording: Recording, request: FitRequest, job: Job) -> Job:
+        self._store.require_writable()
+        if not request.frames:
+            raise BadInputError("frames: expected at least one, got none")
+        sequence = recording.manifest.id
+        labels = request.chosen({each.id: each for each in self._store.palette(sequence)})
+        skipped = {str(label.id): "locked" for label in labels if label.locked}
+        sizes = {} if request.redraw else self._drawn_sizes(sequence)
+        known = {each.name: (each.size, each.spread) for each in self._store.taxonomy.entries()}
+        targets = tuple(
+            Target(
+                label.id,
+                label.name,
+                label.category,
+                sizes.get(label.id),
+                *known.get(label.category, (None, None)),
+            )
+            for label in labels
+            if not label.locked
+        )
+        work = FittingWork(recording.files, self._database, targets, request.frames, self._options)
+        found: list[Fitted] = []
+
+        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
+            if cancelled:
+                return {"edit": None, "fitted": [], "skipped": {}, MESSAGE: "no box was changed"}
+            return self._commit(sequence, request, job, found, skipped)
+
+        return self._runner.submit(
+            job, work, finish, lambda _, item: found.append(item),
+            restart=lambda _: found.clear(),
+        )  # fmt: skip
+
+    def _drawn_sizes(self, sequence: str) -> dict[int, Size]:
+        sizes = {}
+        for box in self._store.boxes.listing(sequence).boxes:
+            if box.provenance == "drawn":
+                length, width, height = box.size.tolist()
+                sizes[box.label] = (length, width, height)
+        return sizes
+
+    def _commit(
+        self, sequence: str, request: FitRequest, job: Job, found: list[Fitted],
+        skipped: dict[str, str],
+    ) -> dict[str, Any]:  # fmt: skip
+        """Write all boxes as one edit."""
+        told = skipped | {str(each.label): each.why for each in found if each.box is None}
+        made = {each.label: each.box for each in found if each.box is not None}
+        if not made:
+            return {"edit": None, "fitted": [], "skipped": told, MESSAGE: "no box was changed"}
+
+        def choose(now: Mapping[int, OrientedBox]) -> BoxEdit:
+            first = _first_boxes(now.values())
+            return BoxEdit(
+                [merged(first.get(n), n, box, request) for n, box in sorted(made.items())]
+            )
+
+        many = "1 box" if len(made) == 1 else f"{len(made)} boxes"
+        commit = self._store.boxes.apply(
+            sequence, job.owner or "", choose, summary=f"fitted {many}",
+            edit_id=job.edit or job.id, kind="box",
+        )  # fmt: skip
+        now = _first_boxes(self._store.boxes.listing(sequence).boxes)
+        fitted = sorted(now[label].id for label in made if label in now)
+        return {
+            "edit": commit.edit_id, "fitted": fitted, "skipped": told,
+            MESSAGE: f"fitted {many}",
+        }  # fmt: skip
+
+
+def _first_boxes(boxes: Iterable[OrientedBox]) -> dict[int, OrientedBox]:
+    """Choose the oldest box of each label."""
+    return {box.label: box for box in sorted(boxes, key=lambda box: -box.id)}
+
+
+def merged(old: OrientedBox | None, label: int, new: FittedBox, request: FitRequest) -> OrientedBox:
+    """Make a label's box of a fit and of the box it had: poses of other frames stay, and, unless
+    they are to be redrawn, those that somebody drew, with the size drawn."""
+    poses = {
+        frame: BoxPose(each.centre, each.quaternion, "fitted", each.confidence)
+        for frame, each in new.poses.items()
+    }
+    if old is None:
+        return OrientedBox(0, label, np.asarray(new.size), poses, provenance="fitted")
+    fitted_anew = set(request.frames)
+    for frame, pose in old.poses.items():
+        stays = frame not in fitted_anew or (pose.provenance == "drawn" and not request.redraw)
+        if stays:
+            poses[frame] = pose
+        elif frame in poses:
+            poses[frame] = replace(poses[frame], attributes=pose.attributes)
+    keeps = old.provenance == "drawn" and not request.redraw
+    return replace(
+        old,
+        size=old.size if keeps else np.asarray(new.size),
+        poses=poses,
+        provenance=old.provenance if keeps else "fitted",
+    )
