@@ -150,6 +150,11 @@ def parser() -> argparse.ArgumentParser:
         "--model", default="", metavar="NAME", help="plug-in or service that answers for a new one"
     )
     example_.add_argument(
+        "--imported",
+        action="store_true",
+        help="imported labels teach a new one beside painted ones",
+    )
+    example_.add_argument(
         "--apply", metavar="I:J", help="label frames I to J - 1, or all, where nobody did"
     )
     example_.add_argument(

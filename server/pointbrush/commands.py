@@ -157,7 +157,9 @@ def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
     if given.classifier is not None:
         return workspace.classifiers.teach(given.classifier, names)
     classes = None if given.classes is None else arguments.listed(given.classes)
-    return workspace.classifiers.create(given.name or given.sequence, names, classes, given.model)
+    return workspace.classifiers.create(
+        given.name or given.sequence, names, classes, given.model, given.imported
+    )
 
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:

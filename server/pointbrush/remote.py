@@ -119,7 +119,9 @@ def _taught(client: Client, given: argparse.Namespace) -> Classifier:
     if given.classifier is not None:
         return client.classifiers.teach(given.classifier, names)
     classes = None if given.classes is None else arguments.listed(given.classes)
-    return client.classifiers.create(given.name or given.sequence, names, classes, given.model)
+    return client.classifiers.create(
+        given.name or given.sequence, names, classes, given.model, given.imported
+    )
 
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:

@@ -5,20 +5,25 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from pointbrush.classify import models
+from pointbrush.classify.classifier import Classifier
+from pointbrush.classify.features import Described
 from pointbrush.classify.models import Question
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
 from pointbrush.sequences import import_frames
+from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.applying import predicted
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -260,3 +265,39 @@ def test_a_model_of_ones_own_answers_in_place_of_trees(
     own = workspace.classifiers.models.make("floors")
     applied, _ = next(predicted(recording, 1, known, workspace.classifiers.options, own))
     assert np.array_equal(applied.kind.values(), found.kind)
+
+
+def test_imported_labels_teach_where_that_is_chosen(workspace: Workspace) -> None:
+    paint(workspace, 1, np.r_[0:300], FLOOR, IMPORTED)
+    paint(workspace, 1, np.r_[FLAT : FLAT + 300], WALL, IMPORTED)
+    alone = workspace.classifiers.create("painted", ["room"])
+    both = workspace.classifiers.create("both", ["room"], imported=True)
+    assert both.examples["wall"] > 1.5 * alone.examples["wall"]
+    apply(workspace, classifier=both.id, frames="0")
+    workspace.classifiers.predict(both.id, "room", 0)  # what was predicted teaches nothing
+    assert workspace.classifiers.about(both.id).examples == both.examples
+
+
+def test_what_stands_still_agrees_with_the_taught_frame(workspace: Workspace) -> None:
+    recording = workspace.recording("room")
+    manifest = recording.manifest
+    moved = np.eye(4)
+    moved[:3, 3] = 0.5, 0.0, 0.0
+    there = replace(manifest, poses=(tuple(np.eye(4).ravel()), tuple(moved.ravel())))
+    seen = SimpleNamespace(manifest=there)
+    centre = np.array([[0.0, 0, 0], [1.0, 0, 0], [9.0, 0, 0]], np.float32)
+    none = np.empty(0, np.int32)
+    features = np.empty((3, 0), np.float32)
+    near = np.empty((3, 26), np.int32)
+    place = Described(0.1, none, centre, near, features, none)
+    half = np.full((3, 2), 0.5, np.float32)
+    taught = Described(0.1, none, centre + np.float32([0.5, 0, 0]), near, features, none)
+    said = np.array([[0.9, 0.1], [0.1, 0.9], [0.9, 0.1]], np.float32)
+    out = agreed(seen, 1, place, half, 0, lambda _: (taught, said))  # type: ignore[arg-type]
+    assert np.allclose(out[:, 0], [0.7, 0.3, 0.7])
+    far = Described(0.1, none, centre + np.float32([1.0, 0, 0]), near, features, none)
+    out = agreed(seen, 1, place, half, 0, lambda _: (far, said))  # type: ignore[arg-type]
+    assert np.allclose(out[[0, 2]], half[[0, 2]])
+    taught_by = {("room", 0): None, ("room", 1): None}
+    known = Classifier("a", ("a",), examples=taught_by)  # type: ignore[arg-type]
+    assert voter_of(known, recording, 1, 10**6) is None  # which has no poses

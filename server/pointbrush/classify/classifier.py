@@ -26,7 +26,7 @@ from pointbrush.classify.options import (
     FeatureOptions,
     ForestOptions,
 )
-from pointbrush.classify.smoothing import Chances, smoothed
+from pointbrush.classify.smoothing import Chances, smoothed, voted
 from pointbrush.errors import BadInputError
 
 Floats = NDArray[np.float64]
@@ -63,8 +63,8 @@ class Classifier:
 
     ``recordings`` teach it, ``examples`` are those by recording and frame; ``size`` of a cell,
     metres, 0 before anything taught; ``score``: of examples that were held out, None where there
-    were too few.  ``model``: name of the one that answers in place of the trees, and what it
-    learnt, None before.
+    were too few.  ``model``: name of the one that answers in place of the trees, and ``state``,
+    what it learnt, None before.  ``imported``: imported labels teach beside painted ones.
     """
 
     name: str
@@ -76,6 +76,7 @@ class Classifier:
     score: float | None = None
     model: str = BUILT_IN
     state: bytes | None = None
+    imported: bool = False
 
     @property
     def ready(self) -> bool:
@@ -147,7 +148,8 @@ class Classifier:
         if self.trees is None:
             count = len(self.classes)
             return np.full((len(place.center), count), 1 / count, np.float32)
-        return smoothed(probabilities(self.trees, place.features), place.near)
+        chance = smoothed(probabilities(self.trees, place.features), place.near)
+        return voted(chance, place.piece)
 
 
 def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
@@ -202,6 +204,7 @@ def to_file(classifier: Classifier) -> bytes:
         "size": classifier.size,
         "score": classifier.score,
         "model": classifier.model,
+        "imported": classifier.imported,
         "recordings": classifier.recordings,
         "examples": [
             [recording, frame, len(some), some.identity, some.revision]
@@ -266,8 +269,9 @@ def _checked(told: Any, arrays: Mapping[str, NDArray[Any]]) -> Classifier:
     state = arrays["state"].astype(np.uint8).tobytes() if "state" in arrays else None
     model = told.get("model") and check_name(told["model"])
     return Classifier(
-        name, classes, size, recordings, examples, trees, score, model or BUILT_IN, state
-    )
+        name, classes, size, recordings, examples, trees, score, model or BUILT_IN, state,
+        bool(told.get("imported")),
+    )  # fmt: skip
 
 
 def _examples(

@@ -19,7 +19,10 @@ from pointbrush.compiled import compiled, innermost
 from pointbrush.errors import BadInputError
 from pointbrush.selection.objects.cells import height_over_ground, lab_of
 from pointbrush.selection.objects.graph import eigenvalues, eigenvector
-from pointbrush.selection.objects.options import GroundOptions
+from pointbrush.selection.objects.options import GroundOptions, ObjectOptions
+from pointbrush.selection.objects.preparing import part_frame
+from pointbrush.selection.objects.state import ObjectFrame
+from pointbrush.sensor_kind import SensorKind
 
 Floats = NDArray[np.float64]
 Features = NDArray[np.float32]
@@ -37,13 +40,15 @@ class ExampleFrame:
     """Points of a frame: ``xyz`` (N, 3) metres, z up; the others (N, …) or None.
 
     ``rgb`` uint8; ``intensity`` in the sensor's unit; ``returns`` (N, 2) number of the return and
-    how many its pulse had.
+    how many its pulse had; ``viewpoint`` (3,) of the ``sensor``, None for many.
     """
 
     xyz: NDArray[np.floating]
     rgb: NDArray[np.uint8] | None = None
     intensity: NDArray[np.floating] | None = None
     returns: NDArray[np.floating] | None = None
+    viewpoint: Floats | None = None
+    sensor: SensorKind = "room"
 
     def check(self) -> None:
         """Raise BadInputError unless arrays fit each other and coordinates are finite."""
@@ -59,7 +64,8 @@ class ExampleFrame:
 @dataclass(frozen=True, slots=True, eq=False)
 class Described:
     """C cells of a frame: ``of_point`` (N,) the cell of each point, ``center`` (C, 3) metres,
-    ``near`` (C, 26) neighbouring cells or -1, ``features`` (C, F) as ``feature_names`` has them.
+    ``near`` (C, 26) neighbouring cells or -1, ``features`` (C, F) as ``feature_names`` has them,
+    ``piece`` (C,) the piece of one surface that each lies in, or none where there are no pieces.
     """
 
     size: float
@@ -67,6 +73,7 @@ class Described:
     center: NDArray[np.float32]
     near: NDArray[np.int32]
     features: Features
+    piece: NDArray[np.int32]
 
     @property
     def nbytes(self) -> int:
@@ -136,7 +143,26 @@ def describe(frame: ExampleFrame, size: float, options: FeatureOptions) -> Descr
     ]
     features = np.hstack(columns).astype(np.float32)
     near = neighbours(keys, slots)
-    return Described(size, of_point, (center + low).astype(np.float32), near, features)
+    piece = _pieces(frame, low, of_point, count)
+    return Described(size, of_point, (center + low).astype(np.float32), near, features, piece)
+
+
+def _pieces(
+    frame: ExampleFrame, low: Floats, of_point: NDArray[np.int32], count: int
+) -> NDArray[np.int32]:
+    """Return the object tool's piece (C,) that each cell lies in; none for scans of many views.
+
+    There pieces are smaller than what neighbours vote on.
+    """
+    out = np.zeros(count if frame.sensor != "room" else 0, np.int32)
+    if len(out):
+        eye = None if frame.viewpoint is None else frame.viewpoint - low
+        xyz = (frame.xyz - low).astype(np.float32)
+        strength = None if frame.intensity is None else np.asarray(frame.intensity, np.float32)
+        seen = ObjectFrame(xyz, frame.rgb, strength, eye, frame.sensor)
+        parts = part_frame(seen, ObjectOptions())
+        out[of_point] = parts.piece[parts.of_point]
+    return out
 
 
 def _on_ground(center: Floats, size: float, options: FeatureOptions) -> list[Floats]:

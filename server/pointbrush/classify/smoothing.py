@@ -1,4 +1,4 @@
-"""A vote of neighbouring cells on their classes."""
+"""A vote of neighbouring cells, and of the pieces they lie in, on their classes."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled
 
 Chances = NDArray[np.float32]
+PIECE_SHARE = 0.8
+"""Weight of a piece's mean beside a cell's own chance."""
 
 
 @compiled
@@ -23,6 +25,26 @@ def smoothed(chance: Chances, near: NDArray[np.int32]) -> Chances:
                     out[c, k] += chance[other, k]
         for k in range(chance.shape[1]):
             out[c, k] /= held
+    return out
+
+
+def voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
+    """Return the chance (C, K) of each cell, moved towards the mean of its piece (C,) if any."""
+    return _voted(chance, piece) if len(piece) else chance
+
+
+@compiled
+def _voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
+    total = np.zeros((piece.max() + 1, chance.shape[1] + 1))
+    for c in range(len(chance)):
+        total[piece[c], -1] += 1
+        for k in range(chance.shape[1]):
+            total[piece[c], k] += chance[c, k]
+    out = np.empty_like(chance)
+    for c in range(len(chance)):
+        sums = total[piece[c]]
+        for k in range(chance.shape[1]):
+            out[c, k] = (1 - PIECE_SHARE) * chance[c, k] + PIECE_SHARE * sums[k] / sums[-1]
     return out
 
 

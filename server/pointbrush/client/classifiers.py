@@ -43,6 +43,7 @@ class Classifier:
     score: float | None
     cell: float
     model: str
+    imported: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,14 +96,16 @@ class Classifiers(Part[L]):
     @steps
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
-        model: str = "",
+        model: str = "", imported: bool = False,
     ) -> Steps[Classifier]:  # fmt: skip
         """Make one, taught by what is painted in recordings, now and later.
 
         ``classes`` None: all of the recordings' palettes.  ``model``: name of a plug-in or
-        service of the server that answers in place of the trees.
+        service of the server that answers in place of the trees.  ``imported``: imported labels
+        teach beside painted ones.
         """
-        body: dict[str, Any] = {"name": name, "recordings": list(recordings), "model": model}
+        body: dict[str, Any] = {"name": name, "recordings": list(recordings)}
+        body |= {"model": model, "imported": imported}
         if classes is not None:
             body["classes"] = list(classes)
         answer = yield from send(Request("POST", "/classifiers", {"json": body}))

@@ -38,12 +38,14 @@ class ClassifierBody(Body):
     """A new classifier; ``classes`` None: all of the palettes of the recordings that teach it.
 
     ``model``: name of a plug-in or service of this server that answers in place of the trees.
+    ``imported``: imported labels teach beside painted ones.
     """
 
     name: ClassName
     recordings: Annotated[Recordings, Field(min_length=1)]
     classes: Annotated[list[ClassName], Field(min_length=1, max_length=MOST_CLASSES)] | None = None
     model: Annotated[str, Field(max_length=NAME_LENGTH)] = ""
+    imported: bool = False
 
 
 class TeachBody(Body):
@@ -66,6 +68,7 @@ class ClassifierOut(Out):
     score: float | None
     cell: float
     model: str
+    imported: bool
 
 
 class PredictionBody(Body):
@@ -109,7 +112,9 @@ def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
 @router.post("/classifiers", status_code=201, responses=responses(404))
 def create_classifier(body: ClassifierBody, workspace: Ws) -> ClassifierOut:
     """Make a classifier; what is painted in ``recordings`` teaches it at once, and later too."""
-    made = workspace.classifiers.create(body.name, body.recordings, body.classes, body.model)
+    made = workspace.classifiers.create(
+        body.name, body.recordings, body.classes, body.model, body.imported
+    )
     return ClassifierOut.of(made)
 
 

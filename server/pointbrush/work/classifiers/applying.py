@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.classify.classifier import Classifier, from_file, to_file
-from pointbrush.classify.features import ExampleFrame, describe
+from pointbrush.classify.features import Described, ExampleFrame, describe
 from pointbrush.classify.models import Model, Models
-from pointbrush.classify.smoothing import answered
+from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError
 from pointbrush.job import MESSAGE, Job
 from pointbrush.jobs import JobRunner
@@ -25,6 +25,7 @@ from pointbrush.sequences import open_sequence
 from pointbrush.sequences.recording_files import RecordingFiles
 from pointbrush.work.annotate.layers import Packed
 from pointbrush.work.classifiers import PREDICT
+from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.frames import example_frame, pieces
 from pointbrush.work.classifiers.naming import label_of
 from pointbrush.work.classifiers.options import ApplyOptions, ClassifierOptions
@@ -58,9 +59,9 @@ class PredictingWork:
         recording, model = open_sequence(self.files), from_file(self.classifier)
         own = self.models.make(model.model) if model.model else None
         total = sum(recording[frame].count for frame in self.frames) or 1
-        done = 0
+        done, kept = 0, dict[int, tuple[Described, Chances]]()
         for frame in self.frames:
-            for found, count in predicted(recording, frame, model, self.options, own):
+            for found, count in predicted(recording, frame, model, self.options, own, kept):
                 channel.item(found)
                 done += count
                 channel.progress(min(done / total, 1.0), f"frame {frame}")
@@ -68,26 +69,39 @@ class PredictingWork:
 
 def predicted(
     recording: Recording, frame: int, model: Classifier, options: ClassifierOptions,
-    own: Model | None = None,
+    own: Model | None = None, kept: dict[int, tuple[Described, Chances]] | None = None,
 ) -> Iterator[tuple[Found, int]]:  # fmt: skip
     """Yield the classes of a frame by a classifier, and the number of points.
 
-    ``own``: the model that answers in place of its trees.
+    ``own``: the model that answers in place of its trees; ``kept``: what was said of a frame that
+    others are compared with.
     """
+    kept = {} if kept is None else kept
 
-    def said(made: ExampleFrame) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    def asked(made: ExampleFrame) -> tuple[Described, Chances]:
         place = describe(made, model.size, options.features)
-        return answered(model.chances(place, lambda: made, own), place.of_point)
+        return place, model.chances(place, lambda: made, own)
+
+    def say(voter: int) -> tuple[Described, Chances]:
+        if voter not in kept:
+            kept.clear()
+            kept[voter] = asked(example_frame(recording, voter))
+        return kept[voter]
 
     count = recording[frame].count
     if count == 0:
         return
     if count <= options.whole_points:
-        kind, sure = said(example_frame(recording, frame))
+        place, chance = asked(example_frame(recording, frame))
+        voter = voter_of(model, recording, frame, options.whole_points)
+        if voter is not None:
+            chance = agreed(recording, frame, place, chance, voter, say)
+        kind, sure = answered(chance, place.of_point)
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
         return
     for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
-        kind, sure = said(example_frame(recording, frame, piece.members))
+        place, chance = asked(example_frame(recording, frame, piece.members))
+        kind, sure = answered(chance, place.of_point)
         inside = piece.inside
         yield (
             Found(frame, piece.members[inside], Packed.of(kind[inside]), Packed.of(sure[inside])),

@@ -13,6 +13,7 @@ from pointbrush.ranges import ranges
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
 from pointbrush.sequences.manifest import Manifest
+from pointbrush.work.objects.frames import sensor_of
 
 Numbers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -44,12 +45,15 @@ def example_frame(recording: Recording, frame: int, members: Numbers | None = No
             return None
         return np.ascontiguousarray(column if members is None else column[members])
 
+    sensor, level = sensor_of(stored, recording.manifest), level_rotation(recording.manifest)
     xyz = np.asarray(stored.coordinates[slice(None) if members is None else members], np.float64)
     return ExampleFrame(
-        np.ascontiguousarray(xyz @ level_rotation(recording.manifest).T),
+        np.ascontiguousarray(xyz @ level.T),
         part(stored.rgb),  # type: ignore[arg-type]
         part(stored.intensity),  # type: ignore[arg-type]
         _returns(recording, stored, members),
+        None if sensor.place is None else level @ sensor.place,
+        sensor.kind,
     )
 
 

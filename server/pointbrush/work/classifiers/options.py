@@ -21,6 +21,8 @@ class ClassifierOptions:
     """Described frames that are kept, bytes."""
     whole_points: int = 2_000_000
     """Points of the largest frame that is described at once; larger ones piece by piece."""
+    view_points: int = 1_000_000
+    """Points round a place of a larger one that are described to be looked at."""
     piece_points: int = 1_000_000
     """Points of a piece at most, without its margin."""
     margin: float = 48.0
@@ -29,6 +31,8 @@ class ClassifierOptions:
     """Examples of a frame at most, the classes alike."""
     taught_frames: int = 24
     """Painted frames of a recording that teach at most, evenly chosen."""
+    taught_places: int = 16
+    """Places of a large frame that teach at most."""
     looked_frames: int = 6
     """Frames of a recording in which doubt is looked for."""
     looked_recordings: int = 4

@@ -26,6 +26,7 @@ from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.work.classifiers.frames import example_frame, level_rotation
@@ -50,6 +51,7 @@ class About:
     score: float | None
     cell: float
     model: str
+    imported: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +110,7 @@ class Classifiers:
         self._files = ClassifierFiles(folder, self.options.classifiers)
         self._frames = DescribedFrames(self.options)
         self._teacher = Teacher(store, self._frames, self.options)
+        self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None
         self._known: dict[str, Classifier] = {}
         self._locks: dict[str, threading.RLock] = {}
         self._lock = threading.Lock()
@@ -130,13 +133,13 @@ class Classifiers:
 
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
-        model: str = BUILT_IN,
+        model: str = BUILT_IN, imported: bool = False,
     ) -> About:  # fmt: skip
         """Make a classifier, taught by what is painted in recordings.
 
         ``classes``: the model's, or all of the recordings' palettes, unless given; ``model``: the
-        name of one that answers in place of trees.  Raises BadInputError, NotFoundError (a
-        recording), UnavailableError (the model).
+        name of one that answers in place of trees; ``imported``: imported labels teach, too.
+        Raises BadInputError, NotFoundError (a recording), UnavailableError (the model).
         """
         self._require_writable()
         if not recordings:
@@ -148,7 +151,9 @@ class Classifiers:
             classes = list(dict.fromkeys(name for one in palettes for name in classes_of(one)))
         first = self._recording(recordings[0])
         size = self._frames.scale(first, 0) if model else 0.0  # others find it in what is painted
-        made = Classifier(check_name(name), check_classes(list(classes)), size, model=model)
+        made = Classifier(
+            check_name(name), check_classes(list(classes)), size, model=model, imported=imported
+        )
         with self._lock:
             identifier = self._files.free_id(name)
             self._files.write(identifier, made)
@@ -237,7 +242,24 @@ class Classifiers:
     ) -> Chances:  # fmt: skip
         """Ask a classifier about a frame, or about its points ``members``."""
         points = partial(example_frame, recording, frame, members)
-        return classifier.chances(place, points, self._own(classifier))
+        chance = classifier.chances(place, points, self._own(classifier))
+        voter = voter_of(classifier, recording, frame, self.options.whole_points)
+        if voter is None:
+            return chance
+        say = partial(self._said_of, classifier, recording)
+        return agreed(recording, frame, place, chance, voter, say)
+
+    def _said_of(
+        self, classifier: Classifier, recording: Recording, frame: int
+    ) -> tuple[Described, Chances]:
+        """Ask a classifier about a frame that others are compared with; the last one is kept."""
+        asked = (classifier, recording.identity, frame)
+        known = self._voting
+        if known is None or known[0] != asked:
+            place = self._frames.whole(recording, frame, classifier.size)
+            chance = classifier.chances(place, partial(example_frame, recording, frame))
+            known = self._voting = asked, place, chance
+        return known[1], known[2]
 
     def _own(self, classifier: Classifier) -> Model | None:
         return self.models.make(classifier.model) if classifier.model else None
@@ -351,6 +373,7 @@ def _about(identifier: str, classifier: Classifier) -> About:
     return About(
         identifier, classifier.name, classifier.classes, classifier.taught_by, counts,
         classifier.score, classifier.size, classifier.model,
+        classifier.imported,
     )  # fmt: skip
 
 

@@ -1,9 +1,10 @@
-"""Points that people painted in recordings → examples of a classifier."""
+"""Points that people painted, or imported, in recordings → examples of a classifier."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.classify.classifier import Classifier, Examples, balanced
 from pointbrush.classify.features import Described
 from pointbrush.labels import LabelStore
-from pointbrush.labels.types import PAINTED
+from pointbrush.labels.types import IMPORTED, PAINTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.naming import numbers_of
@@ -29,6 +30,7 @@ class Teacher:
         self, store: LabelStore, frames: DescribedFrames, options: ClassifierOptions
     ) -> None:
         self._store, self._frames, self._options = store, frames, options
+        self._bring: dict[Key, tuple[int, bool]] = {}
 
     def fresh(self, classifier: Classifier, recordings: Mapping[str, Recording]) -> Classifier:
         """Return a classifier that knows what is painted now; itself where nothing changed.
@@ -52,15 +54,32 @@ class Teacher:
         return replace(classifier, size=size, examples=examples)
 
     def _painted(self, recording: Recording, classifier: Classifier) -> list[int]:
-        """Return the frames in which people painted its classes, evenly chosen where many."""
+        """Return the frames in which its classes are taught, evenly chosen where many."""
         sequence = recording.manifest.id
         table = numbers_of(self._store.palette(sequence), classifier.classes)
-        counts = self._store.counts(sequence).items()
-        found = sorted({f for (f, label), (_, by_hand) in counts if by_hand and table[label]})
+        by_hand: dict[int, bool] = {}
+        for (frame, label), (_, painted) in self._store.counts(sequence).items():
+            if table[label]:
+                by_hand[frame] = by_hand.get(frame, False) or painted > 0
+        found = sorted(
+            frame
+            for frame, painted in by_hand.items()
+            if painted or (classifier.imported and self._has_imported(sequence, frame))
+        )
         most = self._options.taught_frames
         if len(found) <= most:
             return found
         return [found[k] for k in np.linspace(0, len(found) - 1, most).astype(int)]
+
+    def _has_imported(self, sequence: str, frame: int) -> bool:
+        """Tell whether a frame has imported labels; looked up once for each change of it."""
+        changed = self._store.changed(sequence, frame)
+        known = self._bring.get((sequence, frame))
+        if known is None or known[0] != changed:
+            values = self._store.values(sequence, frame)
+            known = changed, bool((values.provenance == IMPORTED).any())
+            self._bring[sequence, frame] = known
+        return known[1]
 
     def _examples(self, classifier: Classifier, recording: Recording, frame: int) -> Examples:
         sequence = recording.manifest.id
@@ -73,15 +92,19 @@ class Teacher:
         # Read first: values newer than it are read again the next time.
         table = numbers_of(self._store.palette(sequence), classifier.classes)
         values = self._store.values(sequence, frame)
-        kind = np.where((values.provenance == PAINTED) & ~values.deleted, table[values.label], 0)
+        teaches = values.provenance == PAINTED
+        if classifier.imported:
+            teaches |= values.provenance == IMPORTED
+        kind = np.where(teaches & ~values.deleted, table[values.label], 0)
         painted = np.flatnonzero(kind)
+        places = self._frames.holding(recording, frame, classifier.size, painted)
         parts = [
             _taken(place, kind[members], self._options.frame_examples)
-            for place, members in self._frames.holding(recording, frame, classifier.size, painted)
+            for place, members in islice(places, self._options.taught_places)
         ]
         spread = np.mean([part[3] for part in parts], axis=0)
-        features, classes, places = (np.concatenate([p[k] for p in parts]) for k in range(3))
-        return Examples(features, classes, places, spread, recording.identity, changed)
+        features, classes, cubes = (np.concatenate([p[k] for p in parts]) for k in range(3))
+        return Examples(features, classes, cubes, spread, recording.identity, changed)
 
 
 def _is_of(some: Examples, recording: Recording | None) -> bool:

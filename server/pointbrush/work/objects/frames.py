@@ -13,6 +13,7 @@ from pointbrush.sequences import Manifest, StoredFrame
 if TYPE_CHECKING:
     from pointbrush.selection.objects import ObjectFrame
     from pointbrush.tracking.interface import PositionsFrame
+    from pointbrush.tracking.sensors.kind import Sensing
 
 Floats = NDArray[np.float64]
 
@@ -30,11 +31,9 @@ def object_frame(
             return None
         return np.ascontiguousarray(column if members is None else column[members])
 
-    # Here, since what is compiled is loaded with it.
-    from pointbrush.selection.objects import ObjectFrame
-    from pointbrush.tracking.sensors.kind import sense
+    from pointbrush.selection.objects import ObjectFrame  # loads what is compiled
 
-    sensor = sense(_positions(frame), -np.asarray(manifest.shift, np.float64))
+    sensor = sensor_of(frame, manifest)
     return ObjectFrame(
         xyz=np.ascontiguousarray(frame.coordinates[slice(None) if members is None else members]),
         rgb=part(frame.rgb),  # type: ignore[arg-type]
@@ -43,6 +42,13 @@ def object_frame(
         sensor=sensor.kind,
         T_room_local=manifest.T_room_local,
     )
+
+
+def sensor_of(frame: StoredFrame, manifest: Manifest) -> Sensing:
+    """Tell the kind of a frame's sensor and its place, local metres."""
+    from pointbrush.tracking.sensors.kind import sense  # loads what is compiled
+
+    return sense(_positions(frame), -np.asarray(manifest.shift, np.float64))
 
 
 def _positions(frame: StoredFrame) -> PositionsFrame:
