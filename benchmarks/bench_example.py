@@ -4,9 +4,9 @@ python benchmarks/bench_example.py [--sets aerial street room] [--ways worst dou
 
 A stroke is a ball of fixed radius with the class of the point in its middle; it is made smaller
 where a tenth of what it takes is of other classes.  ``worst``: where most points are wrong;
-``doubt``: where `GET …/doubt` leads; ``random``: at a random point.  ``there`` is the taught frame;
-the others are other tiles, the drive's frame 9, and another drive.  ``picture``: from a stroke's
-call to the answer with every point's class.
+``doubt``: where `GET …/doubt` leads; ``random``: at a random point.  ``there`` is the taught
+frame, ``later`` the drive's frame 9, ``elsewhere`` other tiles, drives and rooms.  ``picture``:
+from a stroke's call to the answer with every point's class.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from bench_effort import serving
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.classify.features import ExampleFrame, describe
+from pointbrush.classify.features import ExampleFrame, describe, scale_of
 from pointbrush.classify.forest import learn
 from pointbrush.classify.options import FeatureOptions, ForestOptions
 from pointbrush.samples.classes import (
@@ -46,6 +46,8 @@ RADIUS = {"aerial": 2.0, "street": 0.6, "room": 0.15}
 PURE = 0.9
 TRIES = 3
 MOST = 20_000
+EIGEN, NEIGHBOURS = 11, 200
+"""Features of pgeof at a radius, and points of a ball that it looks at at most."""
 
 
 class Place(NamedTuple):
@@ -173,9 +175,14 @@ def score(api: httpx.Client, kind: str, made: dict[str, list[Classified]], ways:
             others += [Place(other, 0, made[other][0]) for other in names if other != name]
             annotator = Annotator(api, kind, Place(name, 0, made[name][0]), others)
             annotator.begin(f"{name} {way}")
-            for number, found in annotator.run(way, turn).items():
+            reached = annotator.run(way, turn)
+            if way == "worst":
+                peers(kind, annotator, others)
+            for number, found in reached.items():
                 table[way, number, "there"].append(found[0])
-                table[way, number, "elsewhere"] += found[1:]
+                for other, reached_there in zip(others, found[1:], strict=True):
+                    where = "later" if other.recording == name else "elsewhere"
+                    table[way, number, where].append(reached_there)
             seconds += annotator.seconds[2:]
             clean(api, names)
     for (way, number, where), found in table.items():
@@ -225,6 +232,48 @@ def costs() -> None:
     start = time.process_time()
     peer.fit(rows, classes)
     print(f"the same by scikit-learn: {time.process_time() - start:.2f} s")
+    start = time.process_time()
+    if eigen_features(xyz) is None:
+        print("pgeof: not installed here (pip install pgeof)")
+    else:
+        spent = time.process_time() - start
+        print(f"eigen features by pgeof: {2e5 / len(xyz) * spent:.2f} s for 200,000")
+
+
+def eigen_features(xyz: NDArray[np.float64]) -> NDArray[np.float32] | None:
+    """Return pgeof's features (N, 11 a radius) at the radii of ours; None where it is missing."""
+    try:
+        import pgeof
+    except ImportError:
+        return None
+    places = np.ascontiguousarray(xyz, np.float32)
+    size = scale_of(xyz, FeatureOptions())
+    every = [pgeof.EFeatureID(k) for k in range(EIGEN)]
+    radii = [size * 2.0 ** (level + 1) for level in range(FeatureOptions().levels)]
+    found = [pgeof.compute_features_selected(places, radius, NEIGHBOURS, every) for radius in radii]
+    return np.nan_to_num(np.hstack(found))
+
+
+def peers(kind: str, annotator: Annotator, others: list[Place]) -> None:
+    """Print what pgeof's features and scikit-learn's extra trees make of the same strokes."""
+    from sklearn.ensemble import ExtraTreesClassifier
+
+    here = eigen_features(annotator.xyz)
+    if here is None:
+        return
+    rows = np.flatnonzero(annotator.taught & (annotator.truth > 0))
+    trees = ExtraTreesClassifier(100, class_weight="balanced", n_jobs=1, random_state=0)
+    trees.fit(here[rows], annotator.truth[rows])
+    count = len(annotator.place.made.classes)
+    for where, each in [("there", annotator.place), *(("elsewhere", other) for other in others)]:
+        features = here
+        if each is not annotator.place:
+            features = eigen_features(np.asarray(each.made.frame.xyz, np.float64))
+        reached = scores(each.made.truth, trees.predict(features), count)
+        told = "  ".join(f"{key} {value:.3f}" for key, value in reached.items())
+        print(
+            f"{kind:7} pgeof and scikit-learn, {len(rows):,} points  {where:10} {told}", flush=True
+        )
 
 
 def main() -> None:
