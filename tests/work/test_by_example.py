@@ -18,13 +18,15 @@ from pointbrush.classify import models
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.features import Described
 from pointbrush.classify.models import Question
-from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
 from pointbrush.sequences import import_frames
 from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.applying import predicted
+from pointbrush.work.classifiers.options import ClassifierOptions
+from pointbrush.work.classifiers.service import Classifiers
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -301,3 +303,23 @@ def test_what_stands_still_agrees_with_the_taught_frame(workspace: Workspace) ->
     taught_by = {("room", 0): None, ("room", 1): None}
     known = Classifier("a", ("a",), examples=taught_by)  # type: ignore[arg-type]
     assert voter_of(known, recording, 1, 10**6) is None  # which has no poses
+
+
+def test_large_frames_are_taught_and_asked_in_parts(workspace: Workspace, tmp_path: Path) -> None:
+    every = FLAT + TALL
+    few = ClassifierOptions(
+        whole_points=1000, view_points=every, taught_points=every, piece_points=2000
+    )
+    ids = workspace.library.ids
+    known = Classifiers(workspace.labels, tmp_path / "few", workspace.recording, ids, few)
+    made = known.create("parts", ["room"])
+    assert all(made.examples.values())
+    with pytest.raises(TooLargeError, match="a place in it"):
+        known.predict(made.id, "room", 1)
+    near = known.predict(made.id, "room", 1, place=[1.5, 1.5, 0.5])
+    assert near.numbers is None or (np.diff(near.numbers) > 0).all()
+    recording, label = workspace.recording("room"), np.zeros(every, np.uint8)
+    for found, _ in predicted(recording, 1, known.current(made.id), few):
+        assert found.numbers is not None
+        label[found.numbers] = found.kind.values()
+    assert ((recording[1].to_source(label) == WALL) == IS_WALL).mean() > 0.95

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,15 @@ Numbers = NDArray[np.int64]
 Key = tuple[str, int, float, tuple[int, ...]]
 SAMPLED = 1_000_000
 """Points of a piece by which the scale of a large frame is found."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Part of a frame by a ``key`` of its own: its points' ``members``; ``describe`` takes time."""
+
+    key: Key
+    members: Numbers
+    describe: Callable[[], Described]
 
 
 class DescribedFrames:
@@ -56,26 +67,40 @@ class DescribedFrames:
         stored = recording[frame]
         if stored.count <= self._options.whole_points:
             return self.whole(recording, frame, size), np.arange(stored.count)
-        step = 64 * size
-        cube = np.floor(place / step)
-        middle = (cube + 0.5) * step
-        members = near(frame_points(stored), middle, 1e5, self._options.whole_points)
-        return self._get(recording, frame, size, tuple(cube.astype(int).tolist()), members)
+        cube, members = self._near(recording, frame, size, place, self._options.view_points)
+        return self._get(recording, frame, size, cube, members)
 
     def holding(
         self, recording: Recording, frame: int, size: float, points: Numbers
-    ) -> Iterator[tuple[Described, Numbers]]:
-        """Yield descriptions in which ``points`` (n,) lie, each once, and their points."""
+    ) -> Iterator[Part]:
+        """Yield parts of a frame in which ``points`` (n,) lie, each once."""
         stored = recording[frame]
         if stored.count <= self._options.whole_points:
-            yield self.whole(recording, frame, size), np.arange(stored.count)
+            whole = partial(self.whole, recording, frame, size)
+            yield Part((recording.identity, frame, size, ()), np.arange(stored.count), whole)
             return
         left = points
         while len(left):
             place = np.asarray(stored.coordinates[left[:1]], np.float64)[0]
-            described, members = self.round(recording, frame, size, place)
-            yield described, members
+            cube, members = self._near(recording, frame, size, place, self._options.taught_points)
+            made = partial(self._describe, recording, frame, size, members)
+            yield Part((recording.identity, frame, size, cube), members, made)
             left = left[1:][~np.isin(left[1:], members, kind="sort")]
+
+    def _near(
+        self, recording: Recording, frame: int, size: float, place: NDArray[np.float64], most: int
+    ) -> tuple[tuple[int, ...], Numbers]:
+        """Return the cube that a place is in, and about ``most`` points round its middle."""
+        step = 64 * size
+        cube = np.floor(place / step)
+        members = near(frame_points(recording[frame]), (cube + 0.5) * step, 1e5, most)
+        return tuple(cube.astype(int).tolist()), members
+
+    def _describe(
+        self, recording: Recording, frame: int, size: float, members: Numbers | None
+    ) -> Described:
+        made = example_frame(recording, frame, members)
+        return describe(made, size, self._options.features)
 
     def forget(self, identity: str) -> None:
         """Drop what is kept of a recording, by its import's identity."""
@@ -94,9 +119,7 @@ class DescribedFrames:
         with self._busy:  # one at a time: two would take the same frame's time twice
             known = self._kept.known(key)
             if known is None:
-                made = describe(
-                    example_frame(recording, frame, members), size, self._options.features
-                )
+                made = self._describe(recording, frame, size, members)
                 kept = np.empty(0, np.int64) if members is None else members
                 known = made, kept
                 self._kept.get(key, lambda: (made, kept), made.nbytes + kept.nbytes)

@@ -33,6 +33,8 @@ class ClassifierOptions:
     """Painted frames of a recording that teach at most, evenly chosen."""
     taught_places: int = 16
     """Places of a large frame that teach at most."""
+    taught_points: int = 200_000
+    """Points round such a place that are described."""
     looked_frames: int = 6
     """Frames of a recording in which doubt is looked for."""
     looked_recordings: int = 4

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from itertools import islice
 
@@ -14,13 +15,16 @@ from pointbrush.classify.features import Described
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import IMPORTED, PAINTED
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.classifiers.described import DescribedFrames
+from pointbrush.sequences.cache import Cache
+from pointbrush.work.classifiers.described import DescribedFrames, Part
 from pointbrush.work.classifiers.naming import numbers_of
 from pointbrush.work.classifiers.options import ClassifierOptions
 
 PLACE = 8.0
 """Edge, cells, of a cube whose examples are one place: held out together."""
 Key = tuple[str, int]
+Taken = tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64], NDArray[np.float64]]
+"""Features, classes from 0 and places of taught cells, and the spread of the part's features."""
 
 
 class Teacher:
@@ -31,6 +35,7 @@ class Teacher:
     ) -> None:
         self._store, self._frames, self._options = store, frames, options
         self._bring: dict[Key, tuple[int, bool]] = {}
+        self._parts: Cache[Hashable, Taken] = Cache(options.memory_bytes // 4)
 
     def fresh(self, classifier: Classifier, recordings: Mapping[str, Recording]) -> Classifier:
         """Return a classifier that knows what is painted now; itself where nothing changed.
@@ -97,14 +102,22 @@ class Teacher:
             teaches |= values.provenance == IMPORTED
         kind = np.where(teaches & ~values.deleted, table[values.label], 0)
         painted = np.flatnonzero(kind)
-        places = self._frames.holding(recording, frame, classifier.size, painted)
-        parts = [
-            _taken(place, kind[members], self._options.frame_examples)
-            for place, members in islice(places, self._options.taught_places)
-        ]
+        found = self._frames.holding(recording, frame, classifier.size, painted)
+        parts = [self._taken(part, kind) for part in islice(found, self._options.taught_places)]
         spread = np.mean([part[3] for part in parts], axis=0)
         features, classes, cubes = (np.concatenate([p[k] for p in parts]) for k in range(3))
         return Examples(features, classes, cubes, spread, recording.identity, changed)
+
+    def _taken(self, part: Part, kind: NDArray[np.uint8]) -> Taken:
+        """Take the taught cells of a part; those of a part that nobody touched are kept."""
+        own = kind[part.members]
+        key = part.key, hashlib.blake2b(own.tobytes()).digest()
+        known = self._parts.known(key)
+        if known is None:
+            known = _taken(part.describe(), own, self._options.frame_examples)
+            kept = known
+            self._parts.get(key, lambda: kept, sum(each.nbytes for each in known))
+        return known
 
 
 def _is_of(some: Examples, recording: Recording | None) -> bool:
@@ -115,9 +128,7 @@ def _same(one: Mapping[Key, Examples], other: Mapping[Key, Examples]) -> bool:
     return one.keys() == other.keys() and all(one[key] is other[key] for key in one)
 
 
-def _taken(
-    place: Described, kind: NDArray[np.uint8], most: int
-) -> tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64], NDArray[np.float64]]:
+def _taken(place: Described, kind: NDArray[np.uint8], most: int) -> Taken:
     """Take a frame's taught cells: features, classes from 0, places, and the features' spread."""
     of_cell = cell_classes(place, kind)
     cells = np.flatnonzero(of_cell)
