@@ -10,7 +10,7 @@ import laspy
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Route, expect
 
 from pointbrush.sequences import importer
 from pointbrush.work.folder_store import FolderTarget
@@ -240,3 +240,25 @@ def test_what_is_still_missing_is_asked_for_again_after_the_link_was_lost(
     assert settled(desk) > 0.3 * overview
     # The browser itself complains of the connections that were refused.
     desk.complaints.clear()
+
+
+def test_what_one_looks_at_is_predicted(large: tuple[Desk, LiveServer]) -> None:
+    desk, _ = large
+    known = {"id": "hills", "name": "hills", "classes": ["mound"], "score": None}
+    asked: list[list[float]] = []
+
+    def predict(route: Route) -> None:
+        asked.append(route.request.post_data_json["place"])
+        head = b'{"points": 3, "part": true} '
+        numbers, rest = np.array([0, 1, 700], "<u4").tobytes(), bytes([1, 1, 1, 200, 200, 200])
+        route.fulfill(body=len(head).to_bytes(4, "little") + head + numbers + rest)
+
+    desk.page.route(
+        "**/classifiers", lambda r: r.fulfill(json=[known | {"taught_by": {}, "examples": {}}])
+    )
+    desk.page.route("**/prediction?*", predict)
+    stand(desk, [0.0, -12.0, 6.0], [0.0, 0.0, 1.0])
+    desk.page.get_by_role("button", name="By example").click()
+    expect(desk.page.get_by_text("near what you look at")).to_be_visible()
+    assert desk.ask("[...pb.engine.frame().predicted.numbers]") == [0, 1, 700]
+    assert np.linalg.norm(np.array(asked[0]) - SHIFT) < SIDE / 4

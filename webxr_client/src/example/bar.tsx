@@ -132,13 +132,12 @@ function Classes() {
 
 function Told() {
   const told = predicted.value;
-  if (state.sequence.value?.large)
-    return <span class="soft">Too large to show here: apply it, or go through its doubts</span>;
   if (told && told.points === 0)
     return <span class="soft">Paint a second class: one alone teaches nothing</span>;
   return (
     <span class="example-told" role="status">
       {told && <span class="number">{plural(told.points, 'point')}</span>}
+      {told && state.sequence.value?.large && <span class="soft">near what you look at</span>}
       {told && <span class="soft">{percent(told.unsure / told.points)} in doubt</span>}
       {asking.value && <span class="spinner small" aria-label="Predicting" />}
     </span>

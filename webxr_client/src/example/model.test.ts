@@ -3,7 +3,11 @@ import { DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
 import type { Label } from '../protocol/messages';
 import { coloursOf, countOf, idsOf, labelOf, predictionOf } from './model';
 
-const SAID = { kind: Uint8Array.of(0, 1, 2, 2), confidence: Uint8Array.of(255, 255, 0, 128) };
+const SAID = {
+  numbers: null,
+  kind: Uint8Array.of(0, 1, 2, 2),
+  confidence: Uint8Array.of(255, 255, 0, 128),
+};
 
 function label(id: number, name: string, category: string, color = '#112233'): Label {
   return { id, name, category, color, visible: true, locked: false, instance: 0 } as Label;
@@ -22,6 +26,15 @@ describe('what a classifier says of a frame', () => {
     const head = new TextEncoder().encode('{"points": 4} ');
     const bytes = Uint8Array.of(head.length, 0, 0, 0, ...head, ...SAID.kind, ...SAID.confidence);
     expect(predictionOf(bytes.buffer)).toEqual(SAID);
+  });
+
+  it('is read of a part of a large frame, with the numbers of its points', () => {
+    const head = new TextEncoder().encode('{"points": 2, "part": true} ');
+    const numbers = new Uint8Array(Uint32Array.of(7, 90_000).buffer);
+    const bytes = Uint8Array.of(head.length, 0, 0, 0, ...head, ...numbers, 1, 2, 200, 100);
+    const said = predictionOf(bytes.buffer);
+    expect([...said.numbers!]).toEqual([7, 90_000]);
+    expect([[...said.kind], [...said.confidence]]).toEqual([[1, 2], [200, 100]]); // prettier-ignore
   });
 
   it('is counted, with what is in doubt', () => {

@@ -28,23 +28,28 @@ export interface Question {
   readonly classes: readonly string[];
 }
 
-/** Class and confidence of each point of a frame, in stored order. */
+/** Class and confidence of each point of a frame, in stored order, or of some of its points. */
 export interface Prediction {
+  /** Stored numbers of the points, ascending; null: all. */
+  readonly numbers: Uint32Array | null;
   /** Class from 1; 0 where nothing taught it. */
   readonly kind: Uint8Array;
   /** 0 not at all sure, 255 sure. */
   readonly confidence: Uint8Array;
 }
 
-/** Read a prediction: the length of its head, the head as JSON, then classes and confidences. */
+/** Read a prediction: the length of its head, the head as JSON, numbers of points, classes, confidences. */
 export function predictionOf(bytes: ArrayBuffer): Prediction {
   const length = new DataView(bytes).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as {
     readonly points: number;
+    readonly part?: boolean;
   };
-  const kind = new Uint8Array(bytes, 4 + length, head.points);
-  const confidence = new Uint8Array(bytes, 4 + length + head.points, head.points);
-  return { kind, confidence };
+  const { points } = head;
+  const numbers = head.part ? new Uint32Array(bytes, 4 + length, points) : null;
+  const at = 4 + length + (numbers?.byteLength ?? 0);
+  const kind = new Uint8Array(bytes, at, points);
+  return { numbers, kind, confidence: new Uint8Array(bytes, at + points, points) };
 }
 
 export type Shows = 'classes' | 'doubt';

@@ -1,12 +1,14 @@
 /** Shows on the frame on screen what a classifier predicts of it, and paints answers to its doubts. */
 import { ASKED, DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
+import { lowerBound } from '../cloud/points/piece';
 import { sureColour } from '../engine/colouring';
 import type { Engine } from '../engine/engine';
 import { ApiError } from '../net/rest';
 import { actions } from '../store/actions';
 import { notify, state } from '../store/state';
 import { follow, watch } from '../store/watch';
+import { lookedAt } from './looking';
 import { coloursOf, countOf, idsOf, labelOf, type Prediction } from './model';
 import {
   answer,
@@ -30,6 +32,8 @@ export class Predicting {
   private readonly said = new WeakMap<CloudFrame, Prediction>();
   private timer: ReturnType<typeof setTimeout> | undefined;
   private request: AbortController | null = null;
+  /** Of large frames: the frame, classifier, labels and place that were asked about last. */
+  private asked: readonly unknown[] = [];
 
   constructor(private readonly engine: Engine) {
     const { palette } = engine.viewer;
@@ -65,16 +69,31 @@ export class Predicting {
     if (!exampleOpen.peek() || !classifier.peek() || !frame) return;
     const known = this.said.get(frame);
     predicted.value = known ? countOf(known) : null;
-    if (state.playing.peek() || !frame.complete || frame.large) return;
+    const here = frame.large ? frame.loaded > 0 : frame.complete;
+    if (state.playing.peek() || !here) return;
     this.timer = setTimeout(() => void this.fetch(frame), REST_MS);
   }
 
+  /** Place of a large frame that is predicted; undefined: the frame is predicted whole. */
+  private placeIn(frame: CloudFrame): number[] | undefined {
+    if (!frame.large) return undefined;
+    const { camera, room } = this.engine.viewer;
+    return lookedAt(frame, camera, room)?.map((x, k) => x + this.engine.shift()[k]!);
+  }
+
   private async fetch(frame: CloudFrame): Promise<void> {
+    const place = this.placeIn(frame);
+    if (frame.large) {
+      // Chunks come and go while one looks at the same place: that is no reason to ask again.
+      const wish = [frame, classifier.peek(), state.counts.peek(), String(place)];
+      if (!place || wish.every((part, k) => part === this.asked[k])) return;
+      this.asked = wish;
+    }
     this.request?.abort();
     const request = (this.request = new AbortController());
     asking.value = true;
     try {
-      const answer = await predict(frame.index, request.signal);
+      const answer = await predict(frame.index, place, request.signal);
       if (request.signal.aborted || !exampleOpen.peek()) return;
       this.said.set(frame, answer);
       this.show(frame, answer);
@@ -98,10 +117,11 @@ export class Predicting {
         frame,
         place.centre.map((x, k) => x - this.engine.shift()[k]!),
         place.radius,
+        said.numbers,
         ids,
       );
     }
-    frame.predict(ids);
+    frame.predict({ numbers: said.numbers, ids });
     if (frame === this.engine.frame()) {
       predicted.value = countOf(said);
       this.engine.viewer.show(frame);
@@ -118,6 +138,7 @@ export class Predicting {
   /** Forget what was predicted: by another classifier, or until the bar was closed. */
   private clear(): void {
     this.request?.abort();
+    this.asked = [];
     predicted.value = null;
     const shown = this.engine.frame();
     const predicts = shown?.predicted != null;
@@ -160,14 +181,19 @@ function markRound(
   { pieces }: CloudFrame,
   [x, y, z]: readonly number[],
   radius: number,
+  numbers: Uint32Array | null,
   ids: Uint16Array,
 ): void {
+  const mark = (number: number): void => {
+    const at = numbers ? lowerBound(numbers, number) : number;
+    if (!numbers || numbers[at] === number) ids[at] = ASKED;
+  };
   for (const { words, origin, scale, first, count } of pieces) {
     for (let i = 0, w = 0; i < count; i++, w += 6) {
       const dx = origin[0] + words[w]! * scale[0] - x!;
       const dy = origin[1] + words[w + 1]! * scale[1] - y!;
       const dz = origin[2] + words[w + 2]! * scale[2] - z!;
-      if (dx * dx + dy * dy + dz * dz <= radius * radius) ids[first + i] = ASKED;
+      if (dx * dx + dy * dy + dz * dz <= radius * radius) mark(first + i);
     }
   }
 }

@@ -102,10 +102,14 @@ export async function deleteClassifier(): Promise<void> {
   });
 }
 
-/** Fetch the prediction of a frame, in stored order. */
-export async function predict(frame: number, signal: AbortSignal): Promise<Prediction> {
+/** Fetch the prediction of a frame, or of what is near a place of it, source coordinates. */
+export async function predict(
+  frame: number,
+  place: readonly number[] | undefined,
+  signal: AbortSignal,
+): Promise<Prediction> {
   const path = `${sequencePath(state.sequence.peek()!.id)}/frames/${frame}/prediction`;
-  const body = { classifier: classifier.peek()!.id };
+  const body = { classifier: classifier.peek()!.id, place };
   return predictionOf(await apiBytes('POST', `${path}?format=stored`, body, signal));
 }
 

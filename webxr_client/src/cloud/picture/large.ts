@@ -2,7 +2,7 @@
 import { free } from '../../common/free';
 import { Group, Points, Vector3 } from 'three';
 import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
-import { ALL_POINTS, type CloudFrame } from '../points/frame';
+import { ALL_POINTS, type CloudFrame, type Predicted } from '../points/frame';
 import { lowerBound, type Piece } from '../points/piece';
 import { PointBuffers } from './gpu';
 import { ChunkTable, pointMaterial, type PointUniforms } from './material';
@@ -17,6 +17,7 @@ class Page {
   private labelsVersion = -1;
   /** Values are shown over the server's own. */
   private overlaid = false;
+  private predicted: Predicted | null = null;
   private readonly buffers: PointBuffers;
 
   constructor(
@@ -41,7 +42,7 @@ class Page {
     this.labelsVersion = -1;
   }
 
-  /** Bring the labels over, if an edit or an overlay met this chunk. */
+  /** Bring the labels over, if an edit, an overlay or a prediction met this chunk. */
   loadLabels(frame: CloudFrame): void {
     const { piece } = this;
     if (!piece) return;
@@ -51,18 +52,12 @@ class Page {
       const at = indices[lowerBound(indices, first)];
       overlaid ||= at !== undefined && at < first + count;
     }
-    if (this.labelsVersion === piece.labelsVersion && !overlaid && !this.overlaid) return;
+    const same = this.labelsVersion === piece.labelsVersion && this.predicted === frame.predicted;
+    if (same && !overlaid && !this.overlaid) return;
     this.labelsVersion = piece.labelsVersion;
+    this.predicted = frame.predicted;
     this.overlaid = overlaid;
-    if (piece.labels) scratch.set(piece.labels);
-    else scratch.fill(0, 0, count);
-    for (const { indices, values } of frame.overlays.values()) {
-      const single = values.length === 1;
-      const stop = lowerBound(indices, first + count);
-      for (let i = lowerBound(indices, first); i < stop; i++) {
-        scratch[indices[i]! - first] = values[single ? 0 : i]!;
-      }
-    }
+    gather(frame, piece);
     this.buffers.writeLabels(scratch, count);
   }
 
@@ -85,6 +80,20 @@ class Page {
 
 const corner = new Vector3();
 const scratch = new Uint16Array(PAGE_POINTS);
+
+/** Write the values of a chunk, as shown, to `scratch`. */
+function gather(frame: CloudFrame, { labels, first, count }: Piece): void {
+  if (labels) scratch.set(labels);
+  else scratch.fill(0, 0, count);
+  for (const { indices, values } of frame.overlays.values()) {
+    const single = values.length === 1;
+    const stop = lowerBound(indices, first + count);
+    for (let i = lowerBound(indices, first); i < stop; i++) {
+      scratch[indices[i]! - first] = values[single ? 0 : i]!;
+    }
+  }
+  frame.fillPredicted(scratch, first, count);
+}
 
 export class LargeCloud {
   readonly group = new Group();

@@ -48,11 +48,17 @@ describe('labels of a frame', () => {
     const frame = frameOf(wall(2, 0));
     frame.applyLabels(update({}, [1], [9]));
     frame.setOverlay('stroke', { indices: Uint32Array.of(2), values: Uint16Array.of(4) });
-    frame.predict(Uint16Array.of(65024, 65024, 65024, 0));
+    frame.predict({ numbers: null, ids: Uint16Array.of(65024, 65024, 65024, 0) });
     const shown = new Uint16Array(4);
     frame.gatherShown(shown);
     expect([...shown]).toEqual([65024, 9, 4, 0]);
     expect(labels(frame)).toEqual([0, 9, 4, 0]);
+    frame.predict({ numbers: Uint32Array.of(0, 1, 3), ids: Uint16Array.of(65025, 65025, 65026) });
+    frame.gatherShown(shown);
+    expect([...shown]).toEqual([65025, 9, 4, 65026]);
+    const page = new Uint16Array(2);
+    frame.fillPredicted(page, 2, 2);
+    expect([...page]).toEqual([0, 65026]);
   });
 
   it('merges overlays in any order, the newest value first', () => {

@@ -5,6 +5,12 @@ import type { Shown } from '../../store/types';
 import { merged, sorted, type Overlay } from './overlay';
 import { applyDelta, applyRuns, lowerBound, type Piece } from './piece';
 
+/** Ids of points: of all in stored order, or of those with ascending stored `numbers`. */
+export interface Predicted {
+  readonly numbers: Uint32Array | null;
+  readonly ids: Uint16Array;
+}
+
 export class CloudFrame {
   readonly pieces: Piece[] = [];
   total = 0;
@@ -16,8 +22,8 @@ export class CloudFrame {
   pointsVersion = 0;
   labelsVersion = 0;
   readonly overlays = new Map<string, Overlay>();
-  /** Prediction for each point, in stored order: ids of the palette's texture. */
-  predicted: Uint16Array | null = null;
+  /** Prediction, as ids of the palette's texture; null: none. */
+  predicted: Predicted | null = null;
   private readonly buffers: ArrayBuffer[] = [];
   /** Last answer of `shown`, and the versions then. */
   private said: Shown | null = null;
@@ -175,19 +181,28 @@ export class CloudFrame {
   }
 
   /** Show what is predicted of points without a label; null: nothing. */
-  predict(values: Uint16Array | null): void {
+  predict(values: Predicted | null): void {
     if (values === null && this.predicted === null) return;
     this.predicted = values;
     this.labelsVersion += 1;
   }
 
+  /** Write what is predicted of the points from `first` on into `out` where it is 0. */
+  fillPredicted(out: Uint16Array, first: number, count: number): void {
+    if (!this.predicted) return;
+    const { numbers, ids } = this.predicted;
+    let at = numbers ? lowerBound(numbers, first) : first;
+    for (; at < ids.length; at++) {
+      const place = (numbers ? numbers[at]! : at) - first;
+      if (place >= count) return;
+      if (out[place] === 0) out[place] = ids[at]!;
+    }
+  }
+
   /** `gatherLabels`, with what is predicted where there is no label. */
   gatherShown(out: Uint16Array, count = this.loaded): void {
     this.gatherLabels(out, count);
-    const { predicted } = this;
-    if (!predicted) return;
-    const stop = Math.min(count, predicted.length);
-    for (let i = 0; i < stop; i++) if (out[i] === 0) out[i] = predicted[i]!;
+    this.fillPredicted(out, 0, count);
   }
 
   /** Number of the first piece that begins after `number`. */
