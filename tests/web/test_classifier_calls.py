@@ -67,6 +67,8 @@ def test_a_classifier_predicts_and_labels(client: Client, hall: Recording) -> No
     assert found.classes[found.kind[0] - 1] == "floor"
     places = hall.by_example.doubt(made.id, most=2)
     assert places[0].radius > 0
+    near = hall.by_example.doubt(made.id, frame=0, near=[1.5, 1.5, 0.0], most=1)
+    assert near[0].frame == 0
     result = hall.by_example.apply(made.id, "1", 0.2)
     assert result["changed"] > 0
     values = hall.frames[1].annotation("provenance")

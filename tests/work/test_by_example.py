@@ -318,6 +318,7 @@ def test_large_frames_are_taught_and_asked_in_parts(workspace: Workspace, tmp_pa
         known.predict(made.id, "room", 1)
     near = known.predict(made.id, "room", 1, place=[1.5, 1.5, 0.5])
     assert near.numbers is None or (np.diff(near.numbers) > 0).all()
+    assert known.doubt(made.id, "room", frame=1, near=[1.5, 1.5, 0.5])
     recording, label = workspace.recording("room"), np.zeros(every, np.uint8)
     for found, _ in predicted(recording, 1, known.current(made.id), few):
         assert found.numbers is not None

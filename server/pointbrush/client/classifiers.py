@@ -175,15 +175,18 @@ class ByExample(Part[L]):
         *,
         frame: int | None = None,
         workspace: bool = False,
+        near: Sequence[float] | None = None,
         most: int = 5,
     ) -> Steps[list[Place]]:
         """Return the places whose answer would teach most, the best first.
 
-        In one ``frame``; in some frames; in some recordings of the ``workspace``.
+        In one ``frame``; in some frames; in some recordings of the ``workspace``.  ``near`` (3,)
+        source metres: a place of a large frame round which it is looked.
         """
         query: dict[str, Any] = {"classifier": classifier, "most": most}
         query |= {} if frame is None else {"frame": frame}
         query |= {"workspace": "true"} if workspace else {}
+        query |= {} if near is None else {"near": list(near)}
         path = f"/sequences/{self._sequence}/doubt"
         answer = yield from send(Request("GET", path, {"params": query}, again=True))
         return [read(Place, entry) for entry in answer.json()]

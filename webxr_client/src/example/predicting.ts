@@ -16,6 +16,7 @@ import {
   classifier,
   exampleOpen,
   leaveQuestion,
+  looking,
   nextDoubt,
   predict,
   predicted,
@@ -37,6 +38,10 @@ export class Predicting {
 
   constructor(private readonly engine: Engine) {
     const { palette } = engine.viewer;
+    looking.at = () => {
+      const frame = engine.frame();
+      return frame ? this.placeIn(frame) : undefined;
+    };
     const steps = Array.from({ length: DOUBT_STEPS }, (_, k) => sureColour(k / (DOUBT_STEPS - 1)));
     palette.setPredicted(DOUBT, steps);
     follow(() => {

@@ -26,6 +26,8 @@ export const predicted = signal<{ readonly points: number; readonly unsure: numb
 export const asking = signal(false);
 /** Frames in which doubts are looked for. */
 export const scope = signal<Scope>('recording');
+/** Tells the place of a large frame that one looks at, source coordinates; set by the picture. */
+export const looking: { at: () => readonly number[] | undefined } = { at: () => undefined };
 /** The place in doubt that one was led to. */
 export const question = signal<Question | null>(null);
 
@@ -132,6 +134,7 @@ function doubtPath(id: string): string {
   const asked = new URLSearchParams({ classifier: id });
   if (scope.peek() === 'frame') asked.set('frame', String(state.frame.peek()));
   if (scope.peek() === 'workspace') asked.set('workspace', 'true');
+  for (const x of looking.at() ?? []) asked.append('near', String(x));
   return `${sequencePath(state.sequence.peek()!.id)}/doubt?${asked.toString()}`;
 }
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from fastapi import Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from pydantic import Field
+from pydantic import Field, FiniteFloat
 
 from pointbrush.classify.options import MOST_BYTES, MOST_CLASSES, NAME_LENGTH
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
@@ -235,10 +235,16 @@ def get_doubt(
     classifier: Annotated[str, Query(pattern=ID, max_length=64)],
     frame: Annotated[FrameIndex | None, Query()] = None,
     all: Annotated[bool, Query(alias="workspace", description="other recordings too")] = False,
+    near: Annotated[
+        list[FiniteFloat] | None,
+        Query(min_length=3, max_length=3, description="x, y, z: round this place of a large frame"),
+    ] = None,
     most: Annotated[int, Query(ge=1, le=100)] = 5,
 ) -> list[PlaceOut]:
     """Places whose answer would teach most, the best first: in a frame, or in some of all."""
-    found = workspace.classifiers.doubt(classifier, seq, frame=frame, workspace=all, most=most)
+    found = workspace.classifiers.doubt(
+        classifier, seq, frame=frame, workspace=all, near=near, most=most
+    )
     return [PlaceOut.of(each) for each in found]
 
 

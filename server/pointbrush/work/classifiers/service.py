@@ -277,11 +277,12 @@ class Classifiers:
 
     def doubt(
         self, identifier: str, sequence: str, *, frame: int | None = None, workspace: bool = False,
-        most: int = 5,
+        near: Sequence[float] | None = None, most: int = 5,
     ) -> list[Place]:  # fmt: skip
         """Return the places whose answer would teach most, the best first.
 
-        In one ``frame``, in some of the recording, or in some recordings of the workspace.
+        In one ``frame``, in some of the recording, or in some recordings of the workspace; ``near``
+        (3,) source metres: a place of a large frame of the recording round which it is looked.
         """
         classifier = self.current(identifier)
         names = [sequence]
@@ -297,18 +298,23 @@ class Classifiers:
             )  # fmt: skip
             for each in frames:
                 _ = recording[each]
-                found += self._doubts(classifier, recording, each, most)
+                at = near if name == sequence else None
+                found += self._doubts(classifier, recording, each, at, most)
         return sorted(found, key=lambda place: -place.worth)[:most]
 
     def _doubts(
-        self, classifier: Classifier, recording: Recording, frame: int, most: int
-    ) -> list[Place]:
+        self, classifier: Classifier, recording: Recording, frame: int,
+        near: Sequence[float] | None, most: int,
+    ) -> list[Place]:  # fmt: skip
         stored, sequence = recording[frame], recording.manifest.id
         if stored.count == 0:
             return []
         size = self._size(classifier, recording, frame)
-        first = np.asarray(stored.coordinates[np.arange(1)], np.float64)[0]
-        place, members = self._frames.round(recording, frame, size, first)
+        shift = np.asarray(recording.manifest.shift, np.float64)
+        middle = np.asarray(stored.coordinates[np.arange(1)], np.float64)[0]
+        if near is not None:
+            middle = np.asarray(near, np.float64) - shift
+        place, members = self._frames.round(recording, frame, size, middle)
         values = self._store.values(sequence, frame)
         painted = ((values.provenance == PAINTED) | values.deleted)[members]
         done = cell_classes(place, painted.astype(np.uint8)) > 0
@@ -319,7 +325,6 @@ class Classifiers:
             self.options.doubt, most,
         )  # fmt: skip
         level = level_rotation(recording.manifest)
-        shift = np.asarray(recording.manifest.shift, np.float64)
         return [
             Place(
                 sequence, frame, tuple((each.centre @ level + shift).tolist()),
