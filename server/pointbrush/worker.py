@@ -9,6 +9,7 @@ import importlib
 import logging
 import multiprocessing
 import os
+import signal
 import socket
 import tempfile
 import threading
@@ -84,6 +85,8 @@ def end_processes(executor: Executor) -> None:
 
 
 def _begin_worker() -> None:
+    # Ctrl+C goes to all processes of a terminal; the server ends its workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(NICENESS)
     _end_with_parent()

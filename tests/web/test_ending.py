@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import time
@@ -53,7 +54,11 @@ def test_workers_end_with_the_server(tmp_path: Path, how: signal.Signals) -> Non
             assert job["state"] == "done", job["error"]
         workers = children(server.process.pid)
         assert workers
+        if how == signal.SIGINT:  # as Ctrl+C does, which all processes of a terminal get
+            for worker in workers:
+                os.kill(worker, how)
         server.process.send_signal(how)
         status = server.process.wait(PATIENCE)
     assert how == signal.SIGKILL or status == 0
     eventually(lambda: not alive(workers))
+    assert "Traceback" not in server.stderr
