@@ -1,15 +1,33 @@
-/** Ghost of the labelled objects a frame before: their points, faint, while one steps and paints. */
+/**
+ * Ghost of the labelled objects a frame before: some of their points, grey, so that nobody takes
+ * them for labelled ones.
+ */
 import { free } from '../common/free';
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { type CloudFrame } from '../cloud/points/frame';
 import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
 import { DELETED } from '../cloud/points/piece';
-import { colorOf, isShown } from './shown';
+import type { ColorMode, ViewSettings } from '../store/types';
+import { isShown } from './shown';
 
-const MOST = 20_000;
+/** Points that tell where objects were; all of them would read as what is labelled here. */
+const MOST = 1500;
 /** Metres. */
-const DOT = 0.012;
-const OPACITY = 0.5;
+const DOT = 0.01;
+/** Linear, of red, green and blue: seen before the dark and the light background. */
+const GREY = 0.35;
+const OPACITY = 0.6;
+/** Colourings that one judges labels by: nothing may lie over them. */
+const JUDGING: readonly ColorMode[] = ['label', 'confidence', 'provenance'];
+
+/** Whether a ghost may be drawn: time stands, and nobody judges labels. */
+export function haunts(
+  { ghost, color }: Pick<ViewSettings, 'ghost' | 'color'>,
+  playing: boolean,
+  doubtful: boolean,
+): boolean {
+  return ghost && !playing && !doubtful && !JUDGING.includes(color);
+}
 
 export class Ghost {
   /** Points on screen. */
@@ -45,7 +63,6 @@ export class Ghost {
     let count = 0;
     let last = 0;
     let shown = false;
-    let tint = colorOf(0);
     for (const { labels, words, origin, scale } of frame.pieces) {
       if (!labels) continue;
       for (let i = 0, w = 0; i < labels.length && count < MOST; i++, w += 6) {
@@ -54,7 +71,6 @@ export class Ghost {
         if (label !== last) {
           last = label;
           shown = isShown(label);
-          tint = colorOf(label);
         }
         if (!shown) continue;
         position!.setXYZ(
@@ -63,7 +79,7 @@ export class Ghost {
           origin[1] + words[w + 1]! * scale[1],
           origin[2] + words[w + 2]! * scale[2],
         );
-        color!.setXYZW(count, tint.r, tint.g, tint.b, OPACITY);
+        color!.setXYZW(count, GREY, GREY, GREY, OPACITY);
         count += 1;
       }
     }

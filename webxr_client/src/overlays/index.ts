@@ -2,11 +2,12 @@
 import { clipInRoom } from '../tools/clip';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Engine } from '../engine/engine';
+import { unsure } from '../engine/review';
 import { peek, watch } from '../store/watch';
 import { state } from '../store/state';
 import { boxedLabels } from '../store/boxes';
 import { Boxes } from './boxes';
-import { Ghost } from './ghost';
+import { Ghost, haunts } from './ghost';
 import { Summaries, type Summary } from './summary';
 import { PLACES, REACH, Trails } from './trails';
 
@@ -34,7 +35,8 @@ export class Overlays {
     this.trails = new Trails(world, uniforms);
     this.ghost = new Ghost(room, uniforms);
     const { palette, solo, view, activeLabel, sequence, playing } = state;
-    watch([palette, solo, view, activeLabel, sequence, playing, clipInRoom, boxedLabels], () => {
+    const of = [palette, solo, view, activeLabel, sequence, playing, unsure, clipInRoom];
+    watch([...of, boxedLabels], () => {
       this.dirty = true;
       engine.viewer.invalidate();
     });
@@ -43,7 +45,8 @@ export class Overlays {
   /** Once per picture: looks at one frame anew at most, so that it costs little. */
   update(now: number): void {
     const info = peek(state.sequence);
-    const { boxes, trails, ghost } = peek(state.view);
+    const view = peek(state.view);
+    const { boxes, trails } = view;
     const frame = this.engine.playback.frame;
     if (!info || info.large || !frame) {
       this.boxes.hide();
@@ -57,7 +60,7 @@ export class Overlays {
     const news = this.dirty || this.seen !== this.summaries.version;
     if (news || frame !== this.boxed) this.box(frame, boxes);
     if (news || moved) this.trail(info.frames, trails);
-    this.haunt(ghost && !peek(state.playing));
+    this.haunt(haunts(view, peek(state.playing), peek(unsure).length > 0));
     this.seen = this.summaries.version;
     this.dirty = false;
   }

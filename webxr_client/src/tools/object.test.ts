@@ -176,6 +176,39 @@ describe('the object tool', () => {
     expect(asks()).toHaveLength(2);
   });
 
+  it('offers the smallest level of a frame that is not prepared', () => {
+    const { tool, asks } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5, 20, 80], 2, false));
+    expect(state.object.value).toMatchObject({ level: 0, points: 5, ready: false });
+  });
+
+  it('does not change what is lit under a still hand when the frame is prepared', () => {
+    const { tool, asks } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5, 20, 80], 0, false));
+    tool.step(1);
+    tool.onPrepared(0);
+    tool.onCandidates(answer(asks()[1]!, [2, 5, 22, 90], 3));
+    expect(state.object.value).toMatchObject({ level: 2, points: 22, ready: true });
+    // The level that the wheel has chosen stays on the same object, and is not that of another.
+    tool.hover(at(0.2));
+    tool.onCandidates(answer(asks()[2]!, [3, 21, 90], 0));
+    expect(state.object.value).toMatchObject({ level: 1, points: 21 });
+    tool.hover(at(0.3));
+    tool.onCandidates(answer(asks()[3]!, [200, 900], 0));
+    expect(state.object.value).toMatchObject({ level: 0, points: 200 });
+  });
+
+  it('lights what another level would take after the click, whatever the label’s colour', () => {
+    const { frame, tool, asks } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5, 20]));
+    tool.click(at(0.1));
+    tool.step(1);
+    expect(frame.labelOf(29)).toBe(PREVIEW);
+  });
+
   it('says that a frame is prepared while what was taken before stays', () => {
     const { tool, asks } = setUp();
     tool.hover(at(0.1));

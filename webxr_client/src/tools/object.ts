@@ -10,6 +10,7 @@ import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/
 import { numbersOf } from '../protocol/codec';
 import { state } from '../store/state';
 import { sourceSample } from './path';
+import { mostLike, samePlace } from './likeness';
 import type { Strokes } from './strokes';
 
 /** Overlay of what a click would take. */
@@ -18,8 +19,6 @@ const OVERLAY = 'object';
 const REST_MS = 300;
 /** Clicks of a stroke that is completed. */
 const MOST_OF_STROKE = 5;
-/** Distance between two rays that are one place, as a part of the unit direction. */
-const SAME_PLACE = 0.004;
 
 export interface ObjectDeps {
   readonly send: (message: ClientMessage) => void;
@@ -46,8 +45,8 @@ interface Question extends Clicks {
   readonly frame: CloudFrame;
   readonly brush: Brush;
   readonly purpose: Purpose;
-  /** Level to take when the answer comes; null: the first. */
-  readonly level: number | null;
+  /** Points shown meanwhile: the level most like them is the one meant; null: the server's choice. */
+  readonly like: Uint32Array | null;
 }
 
 interface Offer {
@@ -56,6 +55,8 @@ interface Offer {
   /** The whole frame is prepared: the next question is answered from it. */
   ready: boolean;
   level: number;
+  /** A person has chosen the level. */
+  chosen: boolean;
 }
 
 /** An object that was taken, and is refined by further clicks. */
@@ -92,9 +93,9 @@ export class ObjectTool {
       if (this.asked.purpose === 'hover') this.waiting = sample;
       return;
     }
-    if (this.offer && same(this.offer.question.positives.at(-1), sample)) return;
+    if (this.offer && samePlace(this.offer.question.positives.at(-1), sample)) return;
     if (this.taken) return;
-    this.ask({ positives: [sample], negatives: [] }, 'hover');
+    this.ask({ positives: [sample], negatives: [] }, 'hover', this.chosenPoints());
   }
 
   /** The pointer left the recording. */
@@ -109,13 +110,14 @@ export class ObjectTool {
     const { offer } = this;
     if (!offer || offer.candidates.length === 0) return false;
     offer.level = Math.min(offer.candidates.length - 1, Math.max(0, offer.level + levels));
+    offer.chosen = true;
     this.show();
     if (!this.taken) return true;
     this.rest?.();
     const { positives, negatives } = this.taken;
     this.rest = this.deps.later(() => {
       this.rest = null;
-      if (this.taken) this.ask({ positives, negatives }, 'take', offer.level);
+      if (this.taken) this.ask({ positives, negatives }, 'take', shownOf(offer));
     }, REST_MS);
     return true;
   }
@@ -139,7 +141,7 @@ export class ObjectTool {
     }
     if (remove) return;
     const here = offer?.question.purpose === 'hover' && offer.question.frame === this.deps.frame();
-    if (here && same(offer.question.positives[0], sample)) this.take(offer);
+    if (here && samePlace(offer.question.positives[0], sample)) this.take(offer);
     else this.ask({ positives: [sample], negatives: [] }, 'take');
   }
 
@@ -197,24 +199,26 @@ export class ObjectTool {
     if (question?.id !== message.id) return;
     this.asked = null;
     this.dropOverlay();
-    this.offer = {
-      question,
-      candidates: message.candidates.map(({ id, runs }) => ({ id, indices: numbersOf(runs) })),
-      ready: message.ready,
-      level: clamp(question.level ?? message.first, message.candidates.length),
-    };
+    const candidates = message.candidates.map(({ id, runs }) => ({ id, indices: numbersOf(runs) }));
+    const like = question.like && mostLike(candidates, question.like);
+    // What is near alone does not tell where an object ends: its smallest part is the least wrong.
+    const first = message.ready || question.purpose !== 'hover' ? message.first : 0;
+    const level = like ?? Math.max(0, Math.min(first, candidates.length - 1));
+    this.offer = { question, candidates, ready: message.ready, level, chosen: like !== null };
     if (question.purpose === 'take' && message.candidates.length > 0) this.take(this.offer);
     else this.show();
     const next = this.waiting;
     this.waiting = null;
-    if (next && !this.taken) this.ask({ positives: [next], negatives: [] }, 'hover');
+    if (next && !this.taken)
+      this.ask({ positives: [next], negatives: [] }, 'hover', this.chosenPoints());
   }
 
   /** A frame is prepared: what is shown of it may be better now. */
   onPrepared(frame: number): void {
     const { offer } = this;
     if (!offer || offer.ready || offer.question.frame.index !== frame || this.asked) return;
-    if (offer.question.purpose === 'hover' && !this.taken) this.ask(offer.question, 'hover');
+    const hovers = offer.question.purpose === 'hover' && !this.taken;
+    if (hovers) this.ask(offer.question, 'hover', shownOf(offer));
     else {
       // Points taken stay as they are; the next click is answered from the whole frame.
       offer.ready = true;
@@ -228,7 +232,7 @@ export class ObjectTool {
     const question = asked ?? offer?.question;
     if (this.taken || question?.purpose !== 'hover' || question.frame.index !== frame) return;
     if (asked) this.waiting ??= asked.positives[0]!;
-    else this.ask(question, 'hover', offer!.level);
+    else this.ask(question, 'hover', shownOf(offer!));
   }
 
   /** The server refused a question or a stroke; true when it was ours and is asked again. */
@@ -244,7 +248,7 @@ export class ObjectTool {
     this.taken = null;
     if (status !== 409) return false;
     // Somebody painted meanwhile: the same clicks, on what is there now.
-    this.ask(question, 'take', question.level);
+    this.ask(question, 'take', question.like);
     return true;
   }
 
@@ -255,13 +259,13 @@ export class ObjectTool {
 
   // ── asking and taking ──────────────────────────────────────────────────────────────────────
 
-  private ask(clicks: Clicks, purpose: Purpose, level: number | null = null): void {
+  private ask(clicks: Clicks, purpose: Purpose, like: Uint32Array | null = null): void {
     const frame = this.deps.frame();
     const brush = this.deps.brush() && (this.taken?.brush ?? this.deps.brush());
     if (!frame || !brush) return;
     const { positives, negatives } = clicks;
     const id = crypto.randomUUID();
-    this.asked = { id, frame, brush, purpose, level, positives, negatives };
+    this.asked = { id, frame, brush, purpose, like, positives, negatives };
     const message: Ask = {
       type: 'ask',
       id,
@@ -300,13 +304,18 @@ export class ObjectTool {
     }
     frame.setOverlay(stroke.id, { indices: chosen.indices, values: this.valueOf(brush) });
     stroke.end();
-    this.sent.set(stroke.id, { ...question, level });
+    this.sent.set(stroke.id, { ...question, like: chosen.indices });
     const { indices } = chosen;
     const candidate = chosen.id;
     const edit = stroke.id;
     this.taken = { frame, edit, indices, candidate, positives, negatives, brush: question.brush };
     this.tell();
     this.deps.changed();
+  }
+
+  /** Points of a level that a person has chosen: nearby it stays. */
+  private chosenPoints(): Uint32Array | null {
+    return this.offer?.chosen ? shownOf(this.offer) : null;
   }
 
   private sampleOf(pointed: PointerSample): Sample {
@@ -319,9 +328,9 @@ export class ObjectTool {
     return Uint16Array.of(tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0);
   }
 
-  /** While nothing is taken yet, what would be painted is lighter than its label. */
+  /** What would be painted is lighter than its label, and has an edge. */
   private previewOf(brush: Brush): Uint16Array {
-    return this.taken || brush.tool !== 'paint' ? this.valueOf(brush) : Uint16Array.of(PREVIEW);
+    return brush.tool === 'paint' ? Uint16Array.of(PREVIEW) : this.valueOf(brush);
   }
 
   private show(): void {
@@ -372,19 +381,6 @@ export class ObjectTool {
   }
 }
 
-function clamp(level: number, levels: number): number {
-  return Math.max(0, Math.min(level, levels - 1));
-}
-
-function same(one: Sample | undefined, other: Sample): boolean {
-  if (!one) return false;
-  const a = one.direction ?? [0, 0, -1];
-  const b = other.direction ?? [0, 0, -1];
-  let turn = 0;
-  let move = 0;
-  for (let k = 0; k < 3; k++) {
-    turn += (a[k]! - b[k]!) ** 2;
-    move += (one.origin[k]! - other.origin[k]!) ** 2;
-  }
-  return turn < SAME_PLACE ** 2 && move < SAME_PLACE ** 2;
+function shownOf({ candidates, level }: Offer): Uint32Array | null {
+  return candidates[level]?.indices ?? null;
 }

@@ -3,6 +3,11 @@ import { BufferAttribute, BufferGeometry, DepthTexture, GLSL3, Mesh, NearestFilt
 import type { Lens } from './lens';
 import { EYE_DOME_FRAGMENT, SCREEN_VERTEX } from './shaders';
 
+/** Of the shading of edges in depth. */
+const SHADING = 4;
+/** Pixels between a place and those that tell whether it is at an edge. */
+const EDGE = 1.5;
+
 export class EyeDome {
   readonly target: WebGLRenderTarget;
   /** Fills the screen in the ordinary scene, with the points' depth. */
@@ -27,7 +32,8 @@ export class EyeDome {
         depths: { value: this.target.depthTexture },
         texel: { value: new Vector2() },
         clip: { value: new Vector3() },
-        strength: { value: 4 },
+        strength: { value: SHADING },
+        outline: { value: 0 },
       },
     });
     this.quad = new Mesh(triangle, material);
@@ -40,6 +46,13 @@ export class EyeDome {
     this.target.setSize(width, height);
     const texel = this.quad.material.uniforms['texel']!.value as Vector2;
     texel.set(pixelRatio / width, pixelRatio / height);
+  }
+
+  /** Shade edges in depth, and draw the edge of what a click would take. */
+  set(shaded: boolean, outlined: boolean): void {
+    const { uniforms } = this.quad.material;
+    uniforms['strength']!.value = shaded ? SHADING : 0;
+    uniforms['outline']!.value = outlined ? EDGE : 0;
   }
 
   setCamera(camera: Lens): void {

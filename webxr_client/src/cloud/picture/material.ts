@@ -40,7 +40,8 @@ const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
 const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
 const INTENSITY_FIT = 36;
 const CLIP = 40;
-const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE, HALF_HEIGHT] = [20, 23, 24, 25, 26];
+const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE] = [20, 23, 24, 25];
+const [HALF_HEIGHT, OUTLINING] = [26, 27];
 
 /** Region that the brush lights up: a ball, or the surroundings of a half-line. */
 const [NONE, BALL, RAY] = [0, 1, 2];
@@ -146,6 +147,11 @@ export class PointUniforms {
   /** Points that have a label are not lit. */
   setOnlyUnlabeled(on: boolean): void {
     this.settings.value[ONLY_UNLABELED] = on ? 1 : 0;
+  }
+
+  /** Alpha of the points tells what a click would take. */
+  setOutlining(on: boolean): void {
+    this.settings.value[OUTLINING] = on ? 1 : 0;
   }
 
   /** Emphasis of labels that a person should look at, 0..1. */

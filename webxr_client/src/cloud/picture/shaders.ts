@@ -52,8 +52,9 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define clipY settings[11]
 #define clipZ settings[12]
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
+#define outlining settings[6].w                 // 1: alpha tells what a click would take
 
-out vec3 shade;
+out vec4 shade;
 flat out float pixels;
 
 vec3 ramp(float t) {
@@ -156,7 +157,7 @@ void main() {
       grow *= 1.15;
     }
   }
-  shade = base;
+  shade = vec4(base, id == 65534 && outlining > 0.5 ? 0.5 : 1.0);
 
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * eye;
@@ -170,7 +171,7 @@ void main() {
 
 export const POINT_FRAGMENT = /* glsl */ `
 precision highp float;
-in vec3 shade;
+in vec4 shade;
 flat in float pixels;
 out vec4 result;
 
@@ -180,7 +181,7 @@ void main() {
     vec2 d = gl_PointCoord * 2.0 - 1.0;
     if (dot(d, d) > 1.0) discard;
   }
-  result = vec4(shade, 1.0);
+  result = shade;
 }
 `;
 
@@ -224,7 +225,10 @@ void main() {
 }
 `;
 
-/** Darkens what lies behind its neighbours: shape without normals (Boucheny 2009). */
+/**
+ * Darkens what lies behind its neighbours: shape without normals (Boucheny 2009).  Points of half
+ * alpha, what a click would take, have a white edge with a dark one round it, on any colour.
+ */
 export const EYE_DOME_FRAGMENT = /* glsl */ `
 precision highp float;
 precision highp sampler2D;
@@ -232,7 +236,8 @@ uniform sampler2D points;
 uniform sampler2D depths;
 uniform vec2 texel;
 uniform vec3 clip;       // near, far; orthographic: what a metre counts, else 0
-uniform float strength;
+uniform float strength;  // 0: no shading
+uniform float outline;   // pixels of the edge, 0: none
 in vec2 uv;
 out vec4 result;
 
@@ -252,17 +257,45 @@ float behind(float here, vec2 offset) {
   return there < -100.0 ? 0.0 : max(0.0, here - there);
 }
 
-void main() {
-  float z = texture(depths, uv).r;
-  if (z >= 1.0) discard;
+// The depth of a place that is lit, else 2.
+float litDepth(vec2 offset) {
+  vec2 at = uv + offset * texel;
+  return abs(texture(points, at).a - 0.5) < 0.2 ? texture(depths, at).r : 2.0;
+}
+
+// Lit places of the eight around, and the depth of the nearest.
+vec2 litAround() {
+  vec2 found = vec2(0.0, 2.0);
+  for (int i = 0; i < 9; i++) {
+    if (i == 4) continue;
+    float z = litDepth(vec2(i % 3 - 1, i / 3 - 1) * outline);
+    found = vec2(found.x + float(z < 2.0), min(found.y, z));
+  }
+  return found;
+}
+
+float shading(float z) {
   float here = depthOf(z);
   float sum = 0.0;
   sum += behind(here, vec2(1.4, 0.0)) + behind(here, vec2(-1.4, 0.0));
   sum += behind(here, vec2(0.0, 1.4)) + behind(here, vec2(0.0, -1.4));
   sum += behind(here, vec2(1.0, 1.0)) + behind(here, vec2(-1.0, -1.0));
   sum += behind(here, vec2(1.0, -1.0)) + behind(here, vec2(-1.0, 1.0));
-  float shade = exp(-strength * min(sum, 0.8) / 8.0);
-  result = vec4(texture(points, uv).rgb * shade, 1.0);
-  gl_FragDepth = z;
+  return exp(-strength * min(sum, 0.8) / 8.0);
+}
+
+void main() {
+  float z = texture(depths, uv).r;
+  vec2 lit = outline > 0.0 ? litAround() : vec2(0.0, 2.0);
+  bool within = litDepth(vec2(0.0)) < 2.0;
+  bool edge = !within && lit.x > 0.0;
+  if (z >= 1.0 && !edge) discard;
+  vec3 colour = z < 1.0 ? texture(points, uv).rgb : vec3(0.0);
+  if (z < 1.0 && strength > 0.0) colour *= shading(z);
+  if (edge) colour = vec3(0.02, 0.03, 0.04);
+  // Gaps between the points of an object are no edge of it.
+  else if (within && lit.x < 5.5) colour = vec3(1.0);
+  result = vec4(colour, 1.0);
+  gl_FragDepth = edge ? min(z, lit.y) : z;
 }
 `;

@@ -64,6 +64,7 @@ export class Viewer {
   /** The recording's diagonal, metres. */
   private extent = 0;
   private eyeDomeOn = true;
+  private outlined = false;
   private dirty = true;
   private limit = ALL_POINTS;
   private measuring = false;
@@ -204,6 +205,13 @@ export class Viewer {
     this.invalidate();
   }
 
+  /** Draw the edge of what a click would take. */
+  setOutlined(on: boolean): void {
+    if (on === this.outlined) return;
+    this.outlined = on;
+    this.invalidate();
+  }
+
   /** Objects that show the recording. */
   private get cloud(): Slots | LargeCloud | null {
     return this.slots ?? this.large;
@@ -313,6 +321,7 @@ export class Viewer {
   private drawHeadset(): void {
     const eyes = this.renderer.xr.getCamera().cameras;
     this.uniforms.setViewport(eyes[0].viewport.w);
+    this.uniforms.setOutlining(false);
     setPlanes(this.camera, this.extent * this.world.scale.x, this.reversible);
     setReversed(this.renderer, this.reversible);
     if (this.reversible) reverseEyes(eyes);
@@ -328,8 +337,11 @@ export class Viewer {
     this.uniforms.setViewport(this.size.y);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
-    if (this.eyeDomeOn && this.shown) {
+    const aside = (this.eyeDomeOn || this.outlined) && this.shown !== null;
+    this.uniforms.setOutlining(aside && this.outlined);
+    if (aside) {
       eyeDome.setCamera(camera);
+      eyeDome.set(this.eyeDomeOn, this.outlined);
       renderer.setRenderTarget(eyeDome.target);
       renderer.clear();
       camera.layers.set(POINTS_LAYER);

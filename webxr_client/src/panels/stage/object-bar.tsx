@@ -57,7 +57,7 @@ function Steps({ level, levels }: { level: number; levels: number }) {
 function NotReady() {
   return (
     <span class="soft">
-      <span class="spinner small" /> Preparing this frame: only what is near is offered
+      <span class="spinner small" /> Preparing this frame: the smallest part is offered first
     </span>
   );
 }
