@@ -69,7 +69,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
 
     panel.get_by_role("tab", name="Suspicious").click()
     panel.get_by_role("button", name="2 labels are called").click()
-    panel.get_by_role("button", name="Right as it is").click()
+    panel.get_by_role("button", name="Confirm").click()
     panel.get_by_text("2 labels are called").wait_for(state="detached")
     checks = server.request("GET", f"sequences/{SEQUENCE}/checks").json()["findings"]
     assert [each["settled"] for each in checks if each["kind"] == "name"] == [True]

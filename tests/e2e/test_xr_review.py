@@ -271,7 +271,7 @@ def test_a_doubtful_frame_is_accepted_and_the_run_goes_on_when_asked(
 ) -> None:
     stop_unsure(headset, server)
     found = painted(server, 1)
-    headset.click("question", "Accept")
+    headset.click("question", "Confirm")
     headset.until("hs.doubt().unsure.length === 0")
     # A person has vouched for these points: they count as painted.
     provenance = server.annotation(SEQUENCE, 1, "provenance")

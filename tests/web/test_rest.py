@@ -394,6 +394,10 @@ def test_the_list_tells_what_a_start_page_shows(api: httpx.Client) -> None:
     frames = range(api.get("/sequences/wall").json()["frames"])
     urls = [f"/sequences/wall/frames/{frame}/annotation" for frame in frames]
     assert listed["labelled"] == sum(load(api.get(url)).any() for url in urls) >= 1
+    assert listed["labels"] >= listed["labels_used"] >= 1
+    new_label(api, "nobody painted this")
+    (later,) = (each for each in api.get("/sequences").json() if each["id"] == "wall")
+    assert (later["labels"], later["labels_used"]) == (listed["labels"] + 1, listed["labels_used"])
     assert listed["created"].endswith(("Z", "+00:00"))
     picture = api.get("/sequences/wall/frames/0/thumbnail")
     assert picture.headers["content-type"] == "image/jpeg"

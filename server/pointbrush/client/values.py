@@ -69,7 +69,8 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """Facts of a recording; ``points`` of each frame, ``labelled``: frames with labels.
+    """Facts of a recording; ``points`` of each frame, ``labelled``: frames with labels;
+    ``labels_used``: those of its ``labels`` that have points somewhere.
 
     ``labels_missing``: the reason why the labels in its files did not come in.
     """
@@ -88,6 +89,8 @@ class Manifest:
     created: datetime | None = None
     labelled: int = 0
     project: str = "default"
+    labels: int = 0
+    labels_used: int = 0
     labels_missing: str | None = None
     damaged: str | None = None
     identity: str | None = None

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         FrameValues,
         GapError,
         Label,
+        Progress,
         Write,
     )
 if not TYPE_CHECKING:
@@ -46,6 +47,6 @@ if not TYPE_CHECKING:
             "reviews": "Review",
             "store": "LabelStore",
             "taxonomy": "Category",
-            "types": "Cell Commit Delta EditInfo FrameValues GapError Label Write",
+            "types": "Cell Commit Delta EditInfo FrameValues GapError Label Progress Write",
         },
     )

@@ -26,7 +26,7 @@ from pointbrush.labels.packing import (
 from pointbrush.labels.schema import edits
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import NotInMemoryError, SequenceState, visible
-from pointbrush.labels.types import EditInfo, FrameValues, GapError, Label
+from pointbrush.labels.types import EditInfo, FrameValues, GapError, Label, Progress
 from pointbrush.labels.writes import require_paintable
 from pointbrush.ranges import by_block
 
@@ -124,18 +124,31 @@ def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]
     return [json.loads(data) for label, data in connection.execute(query) if label in state.palette]
 
 
-def labelled_frames(connection: Connection, sequence: str | None = None) -> dict[str, int]:
-    """Count the frames with labelled points of each live sequence that has any, or of one."""
-    counts, sequences = schema.counts, schema.sequences
-    query = (
-        select(sequences.c.id, func.count(distinct(counts.c.frame)))
+def progress(connection: Connection, sequence: str | None = None) -> dict[str, Progress]:
+    """Count what is labelled of each live sequence that has labels, or of one."""
+    counts, palette, sequences = schema.counts, schema.labels, schema.sequences
+    labels = (
+        select(sequences.c.id, func.count())
+        .join(palette, palette.c.sequence == sequences.c.number)
+        .where(sequences.c.deleted.is_(None))
+        .group_by(sequences.c.id)
+    )
+    done = (
+        select(
+            sequences.c.id, func.count(distinct(counts.c.frame)), func.count(distinct(palette.c.id))
+        )
         .join(counts, counts.c.sequence == sequences.c.number)
-        .where(sequences.c.deleted.is_(None), counts.c.label > 0, counts.c.points > 0)
+        .join(palette, (palette.c.sequence == counts.c.sequence) & (palette.c.id == counts.c.label))
+        .where(sequences.c.deleted.is_(None), counts.c.points > 0)
         .group_by(sequences.c.id)
     )
     if sequence is not None:
-        query = query.where(sequences.c.id == sequence)
-    return {str(name): int(frames) for name, frames in connection.execute(query)}
+        labels, done = (query.where(sequences.c.id == sequence) for query in (labels, done))
+    found = {name: (frames, used) for name, frames, used in connection.execute(done)}
+    return {
+        str(name): Progress(*found.get(name, (0, 0)), count)
+        for name, count in connection.execute(labels)
+    }
 
 
 def having(connection: Connection, wanted: Mapping[str, str]) -> set[str]:

@@ -373,10 +373,10 @@ class LabelStore:
         with self.database.read() as connection:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
 
-    def labelled_frames(self, sequence: str | None = None) -> dict[str, int]:
-        """Count the frames with labelled points of each sequence that has any, or of one."""
+    def progress(self, sequence: str | None = None) -> dict[str, Progress]:
+        """Count what is labelled of each sequence that has labels, or of one."""
         with self.database.read() as connection:
-            return reading.labelled_frames(connection, sequence)
+            return reading.progress(connection, sequence)
 
     def having(self, edits: Mapping[str, str]) -> set[str]:
         """Sequences whose history has the edit whose id ``edits`` gives for them."""

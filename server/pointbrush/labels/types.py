@@ -165,6 +165,15 @@ class Commit:
 
 
 @dataclass(frozen=True, slots=True)
+class Progress:
+    """Frames with labelled points, labels that have points somewhere, and labels in all."""
+
+    frames: int = 0
+    used: int = 0
+    labels: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class EditInfo:
     """A line of the history; ``time`` is seconds since the epoch.
 

@@ -88,6 +88,8 @@ class SequenceOut(BaseModel):
     source: str
     created: Annotated[datetime | None, Field(description="when it was imported")] = None
     labelled: Annotated[int, Field(description="frames with labelled points")] = 0
+    labels: Annotated[int, Field(description="labels")] = 0
+    labels_used: Annotated[int, Field(description="labels that have points in some frame")] = 0
     damaged: Annotated[str | None, Field(description="what is wrong with it")] = None
     labels_missing: Annotated[
         str | None, Field(description="why the labels in its files did not come in")
@@ -104,7 +106,9 @@ class SequenceOut(BaseModel):
             return cls.unreadable(entry.id, entry.revision, entry.damaged)
         more = {
             "damaged": entry.damaged,
-            "labelled": entry.labelled,
+            "labelled": entry.progress.frames,
+            "labels": entry.progress.labels,
+            "labels_used": entry.progress.used,
             "labels_missing": entry.labels_missing,
             "project": entry.project,
         }

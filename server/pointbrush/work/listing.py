@@ -13,7 +13,7 @@ from pointbrush.errors import (
     ReadOnlyError,
     UnavailableError,
 )
-from pointbrush.labels import LabelStore
+from pointbrush.labels import LabelStore, Progress
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.summaries import Search
 from pointbrush.sequences import Manifest, note_checksums, verify
@@ -66,15 +66,15 @@ def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
 class Listed:
     """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
 
-    ``project`` is the one that it is in, ``labelled`` the number of its frames with labelled
-    points; ``labels_missing`` the reason why the labels in its files did not come in, or None.
+    ``project`` is the one that it is in; ``labels_missing`` the reason why the labels in its files
+    did not come in, or None.
     """
 
     id: str
     revision: int
     manifest: Manifest | None
     damaged: str | None
-    labelled: int = 0
+    progress: Progress = Progress()
     labels_missing: str | None = None
     project: str = FIRST
 
@@ -107,7 +107,7 @@ class Listing:
             revisions = self._store.sequences()
         whole = revisions.keys() == {one.id for one in found}
         importing = () if whole else self._store.guards.importing()
-        labelled, projects = self._store.labelled_frames(), self._store.team.summaries.projects()
+        progress, projects = self._store.progress(), self._store.team.summaries.projects()
         missing = self._imports.source_labels.missing(one.manifest for one in found if one.manifest)
         entries = [
             Listed(
@@ -115,7 +115,7 @@ class Listing:
                 revisions.get(one.id, 0),
                 one.manifest,
                 one.damaged,
-                labelled.get(one.id, 0),
+                progress.get(one.id, Progress()),
                 missing.get(one.id),
                 projects.get(one.id, FIRST),
             )
@@ -155,11 +155,11 @@ class Listing:
         revision = self._store.sequences().get(sequence)
         if self._library.has(sequence):
             found = self._library.look(sequence)
-            labelled = self._store.labelled_frames(sequence).get(sequence, 0)
+            progress = self._store.progress(sequence).get(sequence, Progress())
             missing = self._labels_missing(found.manifest)
             project = self._store.team.summaries.projects().get(sequence, FIRST)
             return Listed(
-                sequence, revision or 0, found.manifest, found.damaged, labelled, missing, project
+                sequence, revision or 0, found.manifest, found.damaged, progress, missing, project
             )
         if revision is None:
             raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -53,6 +53,14 @@ def test_a_label_of_three_points_and_one_of_none() -> None:
     assert [(each.first, each.text) for each in found] == [(1, "“pin” has only 3 points")]
     (unused,) = counting.few_points([PIN], counts(0, 0), OPTIONS)
     assert (unused.first, unused.text) == (None, "“pin” has no points in any frame")
+
+
+def test_labels_without_points_are_one_line() -> None:
+    palette = [replace(PIN, id=number, name=f"pin {number}") for number in range(1, 8)]
+    nowhere = {label.id: np.zeros(2, np.int64) for label in palette}
+    (unused,) = counting.few_points(palette, nowhere, OPTIONS)
+    assert unused.labels == (1, 2, 3, 4, 5, 6, 7)
+    assert unused.text.endswith("“pin 3” and 4 more have no points in any frame")
 
 
 def test_points_far_from_their_object_and_their_place() -> None:

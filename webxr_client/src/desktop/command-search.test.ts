@@ -37,6 +37,8 @@ describe('the command palette', () => {
         labels_missing: null,
         created: null,
         labelled: 0,
+        labels: 0,
+        labels_used: 0,
         identity: null,
       };
     });

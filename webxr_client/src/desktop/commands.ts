@@ -4,7 +4,7 @@
  */
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
-import { stepFindings } from '../reviewing/store';
+import { judgeHere, stepFindings } from '../reviewing/store';
 import { exportOpen } from '../panels/export-menu';
 import { historyOpen } from '../panels/history-menu';
 import { commandsOpen, helpOpen } from '../panels/parts/popover';
@@ -17,6 +17,7 @@ import {
   activeLabel,
   canEdit,
   canManage,
+  canReview,
   patch,
   state,
   trackingJob,
@@ -109,8 +110,15 @@ const MORE: readonly KeyBinding[] = [
     run: () => (helpOpen.value = true),
   },
   plain('View', 'First steps: a tour of five cards', beginTour),
-  key('z', 'Z', 'Time', 'Next suspicious place', () => stepFindings(1)),
-  key('shift+z', 'Shift Z', 'Time', 'Previous suspicious place', () => stepFindings(-1)),
+  key('z', 'Z', 'Review', 'Next suspicious place', () => stepFindings(1)),
+  key('shift+z', 'Shift Z', 'Review', 'Previous suspicious place', () => stepFindings(-1)),
+  key('shift+c', 'Shift C', 'Review', 'Confirm what is doubtful in this frame', () => {
+    if (canReview.peek()) void actions.acceptHere();
+  }),
+  key('ctrl+enter', 'Ctrl Enter', 'Review', 'Accept this frame', () => judgeHere('accepted')),
+  key('ctrl+backspace', 'Ctrl Backspace', 'Review', 'Reject this frame', () =>
+    judgeHere('rejected'),
+  ),
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
     actions.nextUnlabelled(-1),
@@ -122,7 +130,6 @@ const MORE: readonly KeyBinding[] = [
     plain('Time', `Play at ${speed}×`, () => actions.setSpeed(speed)),
   ),
   tool('paint', 'Paint with the shape chosen last'),
-  tool('restore', 'Restore deleted points'),
   tool('floor', 'Set the floor'),
   plain('Tools', 'Stand the recording as found at import', () => actions.resetFloor(), edits),
   brushSwitch('onlyUnlabeled', 'Only unlabeled points'),
@@ -162,7 +169,6 @@ const MORE: readonly KeyBinding[] = [
     () => edits() && trackingJob.peek() === null,
   ),
   plain('Edit', 'Label by example: show or hide what is predicted', () => toggleExample()),
-  plain('Edit', 'Accept what is doubtful in this frame', () => actions.acceptHere(), edits),
   plain('Edit', 'Track on from this frame', () => actions.continueRun(), edits),
   plain('Edit', 'History: who changed what', () => (historyOpen.value = true)),
   plain('Recordings', 'Export points and labels…', () => (exportOpen.value = true)),

@@ -18,7 +18,7 @@ const MOUSE = [
   ['Drag on the strips', 'Choose a range of frames'],
 ].map(([shown, what]) => ({ shown: shown!, what: what!, group: 'Mouse' }));
 
-const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'View', 'Boxes', 'Mouse'] as const;
+const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'Review', 'View', 'Boxes', 'Mouse'] as const;
 
 const ROWS = [...COMMANDS.filter(({ shown }) => shown !== ''), WALK_KEYS, ...BOX_KEYS, ...MOUSE];
 

@@ -14,7 +14,7 @@ export interface KeyBinding {
   /** Name in print, e.g. "Space". */
   readonly shown: string;
   readonly what: string;
-  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit' | 'Recordings';
+  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit' | 'Review' | 'Recordings';
   /** Also when the key is held. */
   readonly repeats?: boolean;
   /** Whether it makes sense now; without it: whenever a recording is open. */
@@ -191,6 +191,13 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'Tools',
     repeats: true,
     run: () => actions.stepObject(-1),
+  },
+  {
+    keys: ['shift+x'],
+    shown: 'Shift X',
+    what: 'Restore deleted points',
+    group: 'Tools',
+    run: () => actions.setTool('restore'),
   },
   {
     keys: ['x'],

@@ -76,6 +76,8 @@ describe('a recording that is deleted here', () => {
       labels_missing: null,
       created: null,
       labelled: 0,
+      labels: 0,
+      labels_used: 0,
       identity: null,
     };
     state.sequences.value = [wall];

@@ -65,6 +65,8 @@ async function refreshSequences(): Promise<void> {
     labels_missing: row.labels_missing,
     created: row.created,
     labelled: row.labelled,
+    labels: row.labels,
+    labels_used: row.labels_used,
     identity: row.identity,
     points: row.points.reduce((most, count) => Math.max(most, count), 0),
   }));

@@ -109,7 +109,7 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   notify(
     'info',
     `Not sure of ${namesOf([label])} here`,
-    'Mend it with a stroke, or accept it, and go on.',
+    'Mend it with a stroke, or confirm it, and go on.',
   );
 }
 

@@ -14,6 +14,8 @@ export interface SequenceOut {
   readonly labels_missing: string | null;
   readonly created: string | null;
   readonly labelled: number;
+  readonly labels: number;
+  readonly labels_used: number;
   readonly identity: string | null;
 }
 

@@ -83,7 +83,7 @@ export function ConnectionStatus() {
       data-tip={connection.state === 'connecting' ? 'Reaching the server' : tip}
     >
       <span class="dot" />
-      {word}
+      <span class="button-label">{word}</span>
     </span>
   );
 }

@@ -44,7 +44,7 @@ const TOOLS: readonly RadioOption<Tool>[] = [
     icon: 'restore',
     label: 'Restore',
     tip: 'Bring deleted points back',
-    keys: '',
+    keys: 'Shift X',
   },
 ];
 

@@ -4,8 +4,7 @@ import { plural } from '../common/format';
 import { Icon, type IconName } from '../common/icons';
 import { canReview } from '../store/state';
 import { type Finding, framesOf } from './model';
-import { checking, checks, current, goTo, reviewTab, settle, step, waiting } from './store';
-import { draft } from './frame-states';
+import { checking, checks, current, draft, goTo, reviewTab, settle, step, waiting } from './store';
 
 const ICONS: Readonly<Record<Finding['kind'], IconName>> = {
   name: 'swap',
@@ -77,7 +76,8 @@ function Row({ finding }: { finding: Finding }) {
         <div class="finding-actions">
           <Button
             icon="check"
-            label="Right as it is"
+            label="Confirm"
+            tip="Right as it is"
             kind="outlined"
             small
             disabled={!canReview.value}

@@ -1,38 +1,33 @@
 /** States of frames: what they are, who said so, and what one says oneself. */
-import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { Button } from '../panels/parts/controls';
+import { plural } from '../common/format';
 import { Icon } from '../common/icons';
 import { canEdit, canReview, state } from '../store/state';
 import {
   framesOf,
+  type LabelProgress,
   notesOf,
   type Place,
+  progressOf,
   type ReviewState,
   type Standing,
   standingOf,
   STATE_WORDS,
   STATES,
 } from './model';
-import { overview, pointing, put, visit } from './store';
-
-interface Draft {
-  readonly note: string;
-  readonly place: Place | null;
-  /** null: the frame on screen. */
-  readonly first: number | null;
-  readonly last: number | null;
-}
-
-const NOTHING: Draft = { note: '', place: null, first: null, last: null };
-/** Draft of a note, kept while other tabs are looked at. */
-export const draft = signal<Draft>(NOTHING);
+import { draft, judge, overview, pointing, visit } from './store';
 
 const VERBS: Readonly<Record<ReviewState, string>> = {
   open: 'Open again',
   review: 'Hand in',
   accepted: 'Accept',
   rejected: 'Reject',
+};
+
+const KEYS: Readonly<Partial<Record<ReviewState, string>>> = {
+  accepted: 'Ctrl Enter',
+  rejected: 'Ctrl Backspace',
 };
 
 export function FrameStates() {
@@ -43,6 +38,7 @@ export function FrameStates() {
       <Here />
       <Judge />
       <Notes />
+      <ByLabel />
     </>
   );
 }
@@ -100,16 +96,24 @@ function Here() {
 function Judge() {
   const frame = state.frame.value;
   const { note, place, first, last } = draft.value;
-  const set = (patch: Partial<Draft>): void => {
+  const set = (patch: Partial<typeof draft.value>): void => {
     draft.value = { ...draft.peek(), ...patch };
-  };
-  const say = async (kind: ReviewState): Promise<void> => {
-    const range = { first: first ?? frame, last: last ?? frame };
-    const words = note.trim() ? { note: note.trim(), ...(place ? { place } : {}) } : {};
-    if (await put({ ...range, state: kind, ...words })) draft.value = NOTHING;
   };
   return (
     <form class="review-form" onSubmit={(event) => event.preventDefault()}>
+      <div class="verdicts" role="group" aria-label="State">
+        {STATES.map((kind) => (
+          <Button
+            key={kind}
+            class={`verdict-${kind}`}
+            label={VERBS[kind]}
+            kind="outlined"
+            disabled={!(kind === 'accepted' || kind === 'rejected' ? canReview : canEdit).value}
+            keys={KEYS[kind]}
+            onClick={() => void judge(kind)}
+          />
+        ))}
+      </div>
       <FrameRange first={first ?? frame} last={last ?? frame} onChange={set} />
       <label>
         Note
@@ -123,18 +127,6 @@ function Judge() {
         />
       </label>
       <Pin place={place} onPin={(at) => set({ place: at })} />
-      <div class="verdicts" role="group" aria-label="State">
-        {STATES.map((kind) => (
-          <Button
-            key={kind}
-            class={`verdict-${kind}`}
-            label={VERBS[kind]}
-            kind="outlined"
-            disabled={!(kind === 'accepted' || kind === 'rejected' ? canReview : canEdit).value}
-            onClick={() => void say(kind)}
-          />
-        ))}
-      </div>
     </form>
   );
 }
@@ -190,6 +182,48 @@ function NoteRow({ standing }: { standing: Standing }) {
       </span>
     </button>
   );
+}
+
+const PARTS = ['painted', 'tracked', 'doubtful'] as const;
+
+/** Frames of each label: painted or confirmed, tracked, doubtful; labels without any in one line. */
+function ByLabel() {
+  const frames = state.sequence.value?.frames ?? 1;
+  const palette = state.palette.value;
+  const found = progressOf(state.timeline.value.rows);
+  const empty = palette.length - found.length;
+  return (
+    <>
+      <h3>Frames by label</h3>
+      <ul class="label-progress">
+        {found.map((one) => (
+          <li key={one.label}>
+            <span class="name">{palette.find(({ id }) => id === one.label)?.name}</span>
+            <span
+              class="parts"
+              role="img"
+              aria-label={wordsOf(one, frames)}
+              data-tip={wordsOf(one, frames)}
+            >
+              {PARTS.map((part) => (
+                <span
+                  key={part}
+                  data-part={part}
+                  style={{ width: `${(100 * one[part]) / frames}%` }}
+                />
+              ))}
+            </span>
+          </li>
+        ))}
+      </ul>
+      {empty > 0 && <p class="soft">{plural(empty, 'label')} without points</p>}
+    </>
+  );
+}
+
+function wordsOf({ painted, tracked, doubtful }: LabelProgress, frames: number): string {
+  const left = frames - painted - tracked - doubtful;
+  return `${painted} painted, ${tracked} tracked, ${doubtful} doubtful, ${left} without points`;
 }
 
 /** Two numbers that say from which frame to which. */

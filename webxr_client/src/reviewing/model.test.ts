@@ -9,6 +9,7 @@ import {
   standingOf,
   stepFrom,
   worstFrames,
+  progressOf,
 } from './model';
 
 function finding(id: string, first: number | null, labels: number[] = [1]): Finding {
@@ -88,4 +89,23 @@ it('names the frames that differ most', () => {
   ];
   const found = worstFrames({ miou: 1, same: 1, labels: [], frames });
   expect(found.map(({ frame }) => frame)).toEqual([1, 0]);
+});
+
+it('tells of each label who answers for its frames, the most doubtful first', () => {
+  const row = (points: number[], painted: number[], confidence: number[], states: number[]) => ({
+    points: Uint32Array.from(points),
+    painted: Uint32Array.from(painted),
+    confidence: Float32Array.from(confidence),
+    state: Uint8Array.from(states),
+  });
+  const none = [0, 0, 0, 0, 0];
+  const rows = new Map([
+    [1, row([9, 9, 9, 0, 0], [9, 0, 0, 0, 0], [NaN, 0.9, 0.9, NaN, NaN], none)],
+    [2, row(none, none, none, none)],
+    [3, row([9, 9, 9, 0, 0], none, [0.9, 0.2, 0.9, 0, 0], [2, 2, 2, 3, 4])],
+  ]);
+  expect(progressOf(rows)).toEqual([
+    { label: 3, painted: 0, tracked: 3, doubtful: 2 },
+    { label: 1, painted: 1, tracked: 2, doubtful: 0 },
+  ]);
 });

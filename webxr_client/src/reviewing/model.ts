@@ -1,4 +1,6 @@
 /** Values of the review: the server's answers by its names, their order, and their words. */
+import { cellKind, type CellKind, wantsLook } from '../store/cells';
+import type { TimelineRow } from '../store/types';
 
 export type ReviewState = 'open' | 'review' | 'accepted' | 'rejected';
 export type Place = readonly [number, number, number];
@@ -167,4 +169,35 @@ export function worstFrames({ frames }: Agreement, most = 6): Agreement['frames'
 /** 0.5 → "50 %"; of nothing there is no share. */
 export function percent(share: number | null): string {
   return share === null ? '–' : `${(100 * share).toFixed(share > 0.995 && share < 1 ? 1 : 0)} %`;
+}
+
+/** Frames of a label by who answers for its points there. */
+export interface LabelProgress {
+  readonly label: number;
+  readonly painted: number;
+  /** Tracked, and sure or hidden. */
+  readonly tracked: number;
+  /** Tracked, and doubtful or lost. */
+  readonly doubtful: number;
+}
+
+/** Progress of the labels that have points or tracks, the most doubtful first. */
+export function progressOf(rows: ReadonlyMap<number, TimelineRow>): readonly LabelProgress[] {
+  const found = [...rows].map(([label, row]) => {
+    const frames = { painted: 0, tracked: 0, doubtful: 0 };
+    for (let frame = 0; frame < row.points.length; frame++) {
+      const part = partOf(cellKind(row, frame));
+      if (part) frames[part] += 1;
+    }
+    return { label, ...frames };
+  });
+  return found
+    .filter(({ painted, tracked, doubtful }) => painted + tracked + doubtful > 0)
+    .sort((a, b) => b.doubtful - a.doubtful || a.label - b.label);
+}
+
+function partOf(kind: CellKind): 'painted' | 'tracked' | 'doubtful' | null {
+  if (kind === 'none') return null;
+  if (kind === 'painted') return 'painted';
+  return wantsLook(kind) ? 'doubtful' : 'tracked';
 }

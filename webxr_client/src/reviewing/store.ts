@@ -3,7 +3,7 @@ import { computed, signal } from '@preact/signals';
 import { actions } from '../store/actions';
 import { attempt, sequencePath } from '../engine/recordings';
 import { api } from '../net/rest';
-import { notify, state } from '../store/state';
+import { canReview, notify, state } from '../store/state';
 import { follow } from '../store/watch';
 import {
   acceptances,
@@ -12,6 +12,8 @@ import {
   type Overview,
   type Place,
   type ReviewPatch,
+  type ReviewState,
+  STATE_WORDS,
   stepFrom,
   unsettled,
 } from './model';
@@ -76,6 +78,42 @@ export async function put(...patches: readonly ReviewPatch[]): Promise<boolean> 
     done = true;
   });
   return done;
+}
+
+interface Draft {
+  readonly note: string;
+  readonly place: Place | null;
+  /** null: the frame on screen. */
+  readonly first: number | null;
+  readonly last: number | null;
+}
+
+const NOTHING: Draft = { note: '', place: null, first: null, last: null };
+/** Draft of a note, kept while other tabs are looked at. */
+export const draft = signal<Draft>(NOTHING);
+
+/** Say how frames are, with the note that was written: those of the form, or the one on screen. */
+export async function judge(kind: ReviewState): Promise<boolean> {
+  const { note, place, first, last } = draft.peek();
+  const frame = state.frame.peek();
+  const range = { first: first ?? frame, last: last ?? frame };
+  const words = note.trim() ? { note: note.trim(), ...(place ? { place } : {}) } : {};
+  const done = await put({ ...range, state: kind, ...words });
+  if (done) draft.value = NOTHING;
+  return done;
+}
+
+/** The same by a key, for the frame on screen; a rejected one wants a note. */
+export async function judgeHere(kind: 'accepted' | 'rejected'): Promise<void> {
+  if (!canReview.peek()) {
+    notify('info', 'Frames are accepted and rejected by reviewers');
+    return;
+  }
+  const frame = state.frame.peek();
+  draft.value = { ...draft.peek(), first: null, last: null };
+  if (!(await judge(kind))) return;
+  notify('success', `Frame ${frame} is ${STATE_WORDS[kind]}`);
+  if (kind === 'rejected') [reviewOpen.value, reviewTab.value] = [true, 'frames'];
 }
 
 /** Go to a finding: its frame, its label, its place. */

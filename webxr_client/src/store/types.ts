@@ -57,6 +57,9 @@ export interface SequenceSummary {
   readonly created: string | null;
   /** Frames with labels. */
   readonly labelled: number;
+  /** Labels, and those of them that have points in some frame. */
+  readonly labels: number;
+  readonly labels_used: number;
   /** Of its import: pictures kept of another one are not shown. */
   readonly identity: string | null;
 }

@@ -103,16 +103,24 @@ function Length({ row }: { row: SequenceSummary }) {
   );
 }
 
-/** Frames with labels, of all. */
+/** Frames and labels that have points, of all: neither says that the work is done. */
 function Labelled({ row }: { row: SequenceSummary }) {
-  const share = row.frames > 0 ? row.labelled / row.frames : 0;
   return (
     <span class="recording-progress">
+      <Part done={row.labelled} of={row.frames} what="frames" />
+      {row.labels > 0 && <Part done={row.labels_used} of={row.labels} what="labels" />}
+    </span>
+  );
+}
+
+function Part({ done, of, what }: { done: number; of: number; what: string }) {
+  return (
+    <span class="part">
       <span class="soft number">
-        {row.labelled} of {row.frames} labelled
+        {done} of {of} {what}
       </span>
       <span class="progress" aria-hidden="true">
-        <span style={{ transform: `scaleX(${share})` }} />
+        <span style={{ transform: `scaleX(${of > 0 ? done / of : 0})` }} />
       </span>
     </span>
   );

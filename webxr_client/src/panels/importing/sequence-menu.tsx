@@ -29,7 +29,7 @@ export function SequenceMenu() {
         class="button sequence-button"
         aria-haspopup="dialog"
         aria-expanded={open.value}
-        data-tip="Recordings"
+        data-tip={sequence?.name ?? 'Recordings'}
         onClick={toggle}
       >
         <span class="name">{sequence?.name ?? 'Recordings'}</span>

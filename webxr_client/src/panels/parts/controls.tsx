@@ -30,7 +30,7 @@ export function Button(props: ButtonProps) {
       ref={props.buttonRef ?? null}
       class={`button${kind}${shape} ${props.class ?? ''}`}
       tabIndex={props.tabIndex}
-      aria-label={props.label === undefined ? props.tip : undefined}
+      aria-label={props.label ?? props.tip}
       aria-pressed={props.pressed}
       aria-expanded={props.expanded}
       aria-haspopup={props.expanded === undefined ? undefined : 'dialog'}

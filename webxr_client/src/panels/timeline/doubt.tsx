@@ -15,8 +15,9 @@ export function Doubt() {
       <span class="doubt-text">{textOf(labels, found)}</span>
       {labels.length > 0 && canReview.value && (
         <Button
-          label="Accept"
+          label="Confirm"
           tip="Right as it is: its points count as painted"
+          keys="Shift C"
           kind="outlined"
           small
           onClick={() => void actions.acceptHere()}
@@ -60,7 +61,7 @@ function OfStretch({ found }: { found: Stretch }) {
       {canReview.value && (
         <Button
           icon="check"
-          tip={`Accept ${frames}: right as they are`}
+          tip={`Confirm ${frames}: right as they are`}
           small
           onClick={() => void actions.acceptStretch()}
         />

@@ -11,7 +11,7 @@ const open = signal(false);
 type Sample = Pick<Run, 'kind' | 'sure'>;
 
 const LINES: readonly (readonly [Sample, string])[] = [
-  [{ kind: 'painted' }, 'Painted or accepted by a person'],
+  [{ kind: 'painted' }, 'Painted or confirmed by a person'],
   [{ kind: 'tracked', sure: 1 }, 'Tracked, sure'],
   [{ kind: 'tracked', sure: 0.6 }, 'Tracked, less sure: paler'],
   [{ kind: 'doubtful' }, 'Tracked, doubtful: have a look'],

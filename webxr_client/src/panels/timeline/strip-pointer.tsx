@@ -151,7 +151,7 @@ function entries({ label, frame }: StripPlace, locked: boolean): readonly Entry[
     { icon: 'target', text: 'Go there', disabled: false, run: () => actions.seek(frame) },
     { icon: 'track', text: 'Track on from here', disabled: busy || frame === last, run: () => track(last) },
     { icon: 'swap', text: 'Track back from here', disabled: busy || frame === 0, run: () => track(0) },
-    { icon: 'check', text: 'Accept here', disabled: cannot || !canReview.value, run: () => void actions.acceptLabels([label], frame) },
+    { icon: 'check', text: 'Confirm here', disabled: cannot || !canReview.value, run: () => void actions.acceptLabels([label], frame) },
     { icon: 'layers', text: 'Copy from the frame before', disabled: cannot || frame === 0, run: () => void actions.copyLabels([label], frame - 1, frame) },
     { icon: 'trash', text: clears, disabled: cannot, run: () => void actions.clearLabels([label], from, to) },
   ]; // prettier-ignore

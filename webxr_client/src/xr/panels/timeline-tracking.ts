@@ -86,10 +86,10 @@ export function drawDoubt(words: Row, answers: Row): void {
       void actions.acceptStretch();
     });
   }
-  answers.button(8.5, { text: 'Accept', icon: 'check', on: true, disabled }, () => {
+  answers.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
     void actions.acceptHere();
   });
-  words.say(`${namesOf(unsure.peek())}: not sure. Mend it, or accept it`, INK.warn);
+  words.say(`${namesOf(unsure.peek())}: not sure. Mend it, or confirm it`, INK.warn);
 }
 
 export function drawMended(words: Row, answers: Row): void {

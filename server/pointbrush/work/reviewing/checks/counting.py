@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from pointbrush.labels import Label
 from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
 
+NAMED = 3
+"""Empty labels that are named; of more their number is told."""
 Counts = NDArray[np.int64]
 """Points of a label (F,) in each frame."""
 
@@ -32,11 +34,16 @@ def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterat
 def few_points(
     palette: Sequence[Label], counts: Mapping[int, Counts], options: CheckOptions
 ) -> Iterator[Finding]:
-    """Yield labels with hardly a point in a frame, and those that have none anywhere."""
+    """Yield labels with hardly a point in a frame, and as one finding those that have none at all."""
+    empty = [label for label in palette if not counts[label.id].any()]
+    if empty:
+        names = ", ".join(f"“{label.name}”" for label in empty[:NAMED])
+        more = f" and {len(empty) - NAMED} more" if len(empty) > NAMED else ""
+        have = "has" if len(empty) == 1 else "have"
+        text = f"{names}{more} {have} no points in any frame"
+        yield Finding("few", text, tuple(label.id for label in empty))
     for label in palette:
         mine = counts[label.id]
-        if not mine.any():
-            yield Finding("few", f"“{label.name}” has no points in any frame", (label.id,))
         for frame in np.flatnonzero((mine > 0) & (mine <= options.few_points)).tolist():
             points = "1 point" if mine[frame] == 1 else f"{mine[frame]} points"
             yield Finding("few", f"“{label.name}” has only {points}", (label.id,), frame, frame)
