@@ -15,7 +15,7 @@ import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { Flight } from './reviewing/flight';
 import { mountReview, ReviewButton } from './reviewing/panel';
-import { state } from './store/state';
+import { notify, state } from './store/state';
 import { installTheme } from './store/theme';
 import { follow } from './store/watch';
 
@@ -27,6 +27,14 @@ export function startPage(early: Early): void {
   const engine = new Engine(document.getElementById('view') as HTMLCanvasElement, early);
   if (early.refused)
     state.connection.value = { state: 'refused', detail: '', retryAt: null, unsent: [] };
+  void early.opening.then(() => {
+    if (early.missing === null) return;
+    notify(
+      'error',
+      `There is no recording “${early.missing}”`,
+      'It may have been deleted, or the link is wrong.',
+    );
+  });
   const overlays = installOverlays(engine);
   installCameras(engine);
   installHook(engine);

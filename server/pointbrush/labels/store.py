@@ -25,7 +25,7 @@ from pointbrush.labels.signing_keys import SigningKeys
 from pointbrush.labels.state import revisions
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.labels.team import Team
-from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label
+from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Progress
 from pointbrush.labels.writer import Writer, require_import
 
 

@@ -248,6 +248,7 @@ class Hub:
                 message=job.message,
                 error=job.error,
                 edit=job.edit,
+                owner=job.owner or "",
             )
         )
         for viewer in viewers:

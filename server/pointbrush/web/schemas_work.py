@@ -153,3 +153,4 @@ class JobOut(Out):
     message: str
     result: dict[str, Any] | None
     error: str | None
+    owner: Annotated[str | None, Field(description="the account that began it")] = None

@@ -62,6 +62,9 @@ def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
     ]
 
 
+NOTHING = Progress()
+
+
 @dataclass(frozen=True, slots=True)
 class Listed:
     """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
@@ -74,7 +77,7 @@ class Listed:
     revision: int
     manifest: Manifest | None
     damaged: str | None
-    progress: Progress = Progress()
+    progress: Progress = NOTHING
     labels_missing: str | None = None
     project: str = FIRST
 
@@ -115,7 +118,7 @@ class Listing:
                 revisions.get(one.id, 0),
                 one.manifest,
                 one.damaged,
-                progress.get(one.id, Progress()),
+                progress.get(one.id, NOTHING),
                 missing.get(one.id),
                 projects.get(one.id, FIRST),
             )
@@ -155,7 +158,7 @@ class Listing:
         revision = self._store.sequences().get(sequence)
         if self._library.has(sequence):
             found = self._library.look(sequence)
-            progress = self._store.progress(sequence).get(sequence, Progress())
+            progress = self._store.progress(sequence).get(sequence, NOTHING)
             missing = self._labels_missing(found.manifest)
             project = self._store.team.summaries.projects().get(sequence, FIRST)
             return Listed(

@@ -2,10 +2,12 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../store/actions';
 import type { Error as ErrorMessage, Job, SequenceInfo } from '../protocol/messages';
 import {
+  canCancel,
   canEdit,
   canManage,
   CELL_STATES,
   state,
+  trackingJob,
   type SequenceSummary,
   type TimelineRow,
 } from '../store/state';
@@ -51,6 +53,7 @@ describe('a recording that somebody deletes', () => {
 });
 
 describe('the end of a run', () => {
+  const openSequence = vi.fn();
   const job: Job = {
     type: 'job',
     id: 'run',
@@ -62,6 +65,7 @@ describe('the end of a run', () => {
     frame: null,
     error: null,
     edit: 'edit',
+    owner: 'ada',
   };
   const deps = { following: { job: vi.fn() }, viewer: { invalidate: vi.fn() } };
   const inbox = new Inbox(deps as unknown as InboxDeps);
@@ -91,6 +95,32 @@ describe('the end of a run', () => {
   it('is told once where it failed, too, until it is dismissed', () => {
     inbox.receive({ t: 'message', message: { ...job, state: 'failed', error: 'no room' } });
     expect(state.notices.value).toMatchObject([{ kind: 'error', detail: 'no room' }]);
+  });
+
+  it('is not told where somebody else’s ended in another recording', () => {
+    state.me.value = { viewer: 'v', author: 'ada', role: 'annotator', serverVersion: '' };
+    inbox.receive({ t: 'message', message: { ...job, owner: 'bob', sequence: 'street' } });
+    expect(state.notices.value).toEqual([]);
+    // Nor may one stop it, or is it in the way of a run of one's own.
+    const running = { ...job, owner: 'bob', sequence: 'street', state: 'running' } as const;
+    inbox.receive({ t: 'message', message: running });
+    expect([trackingJob.value, canCancel(running), canCancel(job)]).toEqual([null, false, true]);
+    state.me.value = { ...state.me.value, role: 'manager' };
+    expect(canCancel(running)).toBe(true);
+    state.me.value = { ...state.me.value, role: 'viewer' };
+    expect(canCancel(job)).toBe(false);
+    state.me.value = null;
+  });
+
+  it('of an import offers to open it until that is used', async () => {
+    bindActions({ refreshSequences: () => Promise.resolve(), openSequence });
+    vi.useFakeTimers();
+    inbox.receive({ t: 'message', message: { ...job, kind: 'import', sequence: 'street' } });
+    await vi.advanceTimersByTimeAsync(60_000);
+    vi.useRealTimers();
+    expect(state.notices.value).toMatchObject([{ title: 'Imported', action: { label: 'Open' } }]);
+    state.notices.value[0]!.action!.run();
+    expect(openSequence).toHaveBeenCalledWith('street');
   });
 
   it('is told by its doubt where it stopped for one', async () => {

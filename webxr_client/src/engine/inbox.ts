@@ -8,12 +8,13 @@ import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type {
   Error as ErrorMessage,
+  Job,
   SequenceInfo,
   ServerPresence,
   Welcome,
 } from '../protocol/messages';
 import { takeBoxes } from '../store/boxes';
-import { isActive, isTracking, notify, state } from '../store/state';
+import { isActive, isMine, isTracking, notify, state } from '../store/state';
 import type { ObjectTool } from '../tools/object';
 import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
@@ -188,6 +189,10 @@ export class Inbox {
     noteJob(job);
     this.deps.following.job(job);
     if (isActive(job) || (known && !isActive(known)) || waitedFor.has(job.id)) return;
+    if (isElsewhere(job)) {
+      if (job.kind === 'import') void actions.refreshSequences();
+      return;
+    }
     if (job.kind === 'tracking') {
       this.dropProvisional();
       runEnded(tellRun(job));
@@ -202,9 +207,7 @@ export class Inbox {
     const before = new Set((state.sequences.peek() ?? []).map((entry) => entry.id));
     await actions.refreshSequences();
     const fresh = (state.sequences.peek() ?? []).find((entry) => !before.has(entry.id));
-    notify('success', 'Imported', fresh?.name ?? job.message);
-    const id = job.sequence ?? fresh?.id;
-    if (id && !state.sequence.peek()) actions.openSequence(id);
+    offer(job.sequence ?? fresh?.id ?? null, fresh?.name ?? job.message);
   }
 
   private dropProvisional(): void {
@@ -212,6 +215,22 @@ export class Inbox {
     this.provisional.clear();
     this.deps.viewer.invalidate();
   }
+}
+
+/** Whether somebody else did it, in a recording that is not open here: it is theirs to hear of. */
+function isElsewhere(job: Job): boolean {
+  return !isMine(job) && job.sequence !== state.sequence.peek()?.id;
+}
+
+/** Open what was imported, or, with another recording on screen, offer to until that is used. */
+function offer(id: string | null, name: string): void {
+  if (id === null || state.sequence.peek() === null) {
+    notify('success', 'Imported', name);
+    if (id !== null) actions.openSequence(id);
+    return;
+  }
+  const run = (): void => actions.openSequence(id);
+  notify('success', 'Imported', name, { label: 'Open', run, stays: true });
 }
 
 /** Say how a run ended well; the message's id, or null. */

@@ -50,8 +50,10 @@ export function setUpload(name: string, next: Upload | null): void {
   state.uploads.value = next ? [...others, next] : others;
 }
 
-export function jobOf(answer: Omit<Job, 'type' | 'frame'>): Job {
-  return { ...answer, type: 'job', frame: null };
+export function jobOf(
+  answer: Omit<Job, 'type' | 'frame' | 'owner'> & { owner: string | null },
+): Job {
+  return { ...answer, type: 'job', frame: null, owner: answer.owner ?? '' };
 }
 
 async function refreshSequences(): Promise<void> {
@@ -195,6 +197,6 @@ export const recordingActions: RecordingActions = {
   cancelJob: (id, keep = false) =>
     attempt('The job could not be stopped', async () => {
       const query = keep ? '?keep=true' : '';
-      noteJob(jobOf(await api<Omit<Job, 'type' | 'frame'>>('DELETE', `jobs/${id}${query}`)));
+      noteJob(jobOf(await api<Parameters<typeof jobOf>[0]>('DELETE', `jobs/${id}${query}`)));
     }),
 };

@@ -39,7 +39,9 @@ describe('what goes out before the page has loaded', () => {
   });
 
   it('opens nothing where a person has to choose, or the server says no', async () => {
-    expect(await page('http://host/?sequence=gone', two).opening).toBe(null);
+    const gone = page('http://host/?sequence=gone', two);
+    expect(await gone.opening).toBe(null);
+    expect(gone.missing).toBe('gone');
     expect(opened()).toEqual([]);
     const refused = (): Promise<Response> => Promise.resolve(new Response('', { status: 401 }));
     expect(await page('http://host/?sequence=a', refused).opening).toBe(null);
@@ -57,5 +59,7 @@ describe('what goes out before the page has loaded', () => {
     vi.stubGlobal('location', new URL('http://host/'));
     expect(firstOf([{ id: 'only' }])).toBe('only');
     expect(firstOf([])).toBe(null);
+    vi.stubGlobal('location', new URL('http://host/?sequence=gone'));
+    expect(firstOf([{ id: 'only' }])).toBe(null);
   });
 });

@@ -23,6 +23,8 @@ export class Early {
   readonly link = new Link();
   /** The recording that was asked for; null where the page has to show the list, or an error. */
   readonly opening: Promise<string | null>;
+  /** The recording that the address names where there is none of that id, or null. */
+  missing: string | null = null;
   /** The address has a token still: the server did not take it. */
   readonly refused = new URLSearchParams(location.search).has('token');
 
@@ -38,6 +40,8 @@ export class Early {
   private async open(): Promise<string | null> {
     const list = await listSequences();
     const id = firstOf(list);
+    const wanted = new URLSearchParams(location.search).get('sequence');
+    if (id !== wanted) this.missing = wanted;
     if (id !== null) {
       nameInAddress(id);
       const frames = list.find((row) => row.id === id)?.frames ?? 1;
@@ -52,11 +56,11 @@ export function listSequences(): Promise<SequenceOut[]> {
   return api('GET', 'sequences');
 }
 
-/** The recording that the address names, or the only one there is. */
+/** The recording that the address names; where it names none, the only one there is. */
 export function firstOf(list: readonly { readonly id: string }[]): string | null {
   const wanted = new URLSearchParams(location.search).get('sequence');
   if (list.some(({ id }) => id === wanted)) return wanted;
-  return list.length === 1 ? list[0]!.id : null;
+  return wanted === null && list.length === 1 ? list[0]!.id : null;
 }
 
 /** Reloading the page opens the same recording again, or the list of them (null). */

@@ -11,6 +11,7 @@ import { helpOpen } from './parts/popover';
 import { ConnectionStatus, People } from './people';
 import { RadioGroup, type RadioOption } from './parts/radio-group';
 import { SequenceMenu } from './importing/sequence-menu';
+import { OthersJobs } from './stage/jobs';
 import { ToolOptions } from './tool-options';
 import { TrackForm, trackOpen } from './timeline/track-form';
 
@@ -66,6 +67,7 @@ export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[
         <ExportButton />
         <People />
         <ConnectionStatus />
+        <OthersJobs />
         <VrButton />
         <ThemeButton />
         <HelpButton />
@@ -81,6 +83,7 @@ function WelcomeBar() {
       <span class="brand">pointbrush</span>
       <span class="spacer" />
       <ConnectionStatus />
+      <OthersJobs />
       <ThemeButton />
       <HelpButton />
     </div>

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '6bb57de933fe';
+export const SCHEMA_HASH = '845c3c1feac3';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -398,6 +398,7 @@ export interface Job {
   frame: number | null;
   error: string | null;
   edit: string | null;
+  owner: string;
 }
 
 /** An entry of the palette. */

@@ -146,12 +146,28 @@ export const activeLabelHidden: ReadonlySignal<boolean> = computed(() => {
 
 /** A tracking run in progress, or null. */
 export const trackingJob: ReadonlySignal<Job | null> = computed(
-  () => state.jobs.value.find(isTracking) ?? null,
+  () => state.jobs.value.find((job) => isTracking(job) && isOf(job, state.sequence.value)) ?? null,
 );
+
+function isOf({ sequence }: Job, open: SequenceInfo | null): boolean {
+  return sequence === null || sequence === open?.id;
+}
+
+/** Whether this person began a job; everything counts as theirs until the server has told who they are. */
+export function isMine({ owner }: Pick<Job, 'owner'>): boolean {
+  const me = state.me.value;
+  return me === null || owner === '' || owner === me.author;
+}
+
+/** Whether this person may stop a job: their own, or as a manager anybody's. */
+export function canCancel(job: Pick<Job, 'owner'>): boolean {
+  return canManage.value || (canEdit.value && isMine(job));
+}
 
 /** An import in progress, or null. */
 export const importJob: ReadonlySignal<Job | null> = computed(
-  () => state.jobs.value.find((job) => job.kind === 'import' && isActive(job)) ?? null,
+  () =>
+    state.jobs.value.find((job) => job.kind === 'import' && isActive(job) && isMine(job)) ?? null,
 );
 
 /** Whether this person may change labels. */
@@ -208,12 +224,12 @@ export function notify(
   const same = (other: Notice): boolean => other.title === title && other.detail === detail;
   const notices = [...state.notices.peek().filter((other) => !same(other)), notice];
   while (notices.length > MOST_NOTICES) {
-    const passing = notices.findIndex((other) => other.kind !== 'error');
+    const passing = notices.findIndex((other) => other.kind !== 'error' && !other.action?.stays);
     notices.splice(Math.max(0, passing), 1);
   }
   state.notices.value = notices;
   const shown = action ? SHOWN_WITH_ACTION_MS : SHOWN_MS;
-  if (kind !== 'error') setTimeout(() => dismiss(notice.id), shown);
+  if (kind !== 'error' && !action?.stays) setTimeout(() => dismiss(notice.id), shown);
   return notice.id;
 }
 

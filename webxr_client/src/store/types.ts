@@ -240,8 +240,12 @@ export interface Notice {
   readonly kind: 'info' | 'success' | 'error';
   readonly title: string;
   readonly detail: string;
-  /** Remedy: a button. */
-  readonly action?: { readonly label: string; readonly run: () => void };
+  /** Remedy, or what comes next: a button; `stays`: until it is used. */
+  readonly action?: {
+    readonly label: string;
+    readonly run: () => void;
+    readonly stays?: boolean;
+  };
 }
 
 /** Files on their way to the server, before the import job exists. */

@@ -246,6 +246,8 @@ class Job(Message):
     error: str | None = None
     edit: str | None = None
     """The edit that it makes: the id of the ``track`` that asked for it."""
+    owner: str = ""
+    """The account that began it: it may stop the job, and whoever manages."""
 
 
 class ServerPresence(Message):

@@ -1,9 +1,11 @@
 /** Long work under way, with a way to stop it. */
+import { signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import type { Job } from '../../protocol/messages';
-import { isActive, state } from '../../store/state';
+import { canCancel, isActive, isMine, state } from '../../store/state';
 import { Button, Progress } from '../parts/controls';
-import { bytes } from '../../common/format';
+import { bytes, plural } from '../../common/format';
+import { PopoverButton } from '../parts/popover';
 
 const TITLE = {
   import: 'Importing',
@@ -13,8 +15,9 @@ const TITLE = {
   fitting: 'Fitting boxes',
 } as const;
 
+/** One's own; what others do is told beside the state of the server. */
 export function JobCards() {
-  const jobs = state.jobs.value.filter(isActive);
+  const jobs = state.jobs.value.filter((job) => isActive(job) && isMine(job));
   return (
     <>
       {state.uploads.value.map((upload) => (
@@ -29,38 +32,70 @@ export function JobCards() {
         </div>
       ))}
       {jobs.map((job) => (
-        <Running key={job.id} job={job} />
+        <div key={job.id} class="card job" role="status">
+          <Running job={job} about={job.message} />
+        </div>
       ))}
     </>
   );
 }
 
-function Running({ job }: { job: Job }) {
+const othersOpen = signal(false);
+
+/** Work of other people, folded: of which recording and whose it is. */
+export function OthersJobs() {
+  const jobs = state.jobs.value.filter((job) => isActive(job) && !isMine(job));
+  if (jobs.length === 0) return null;
+  const nameOf = (id: string | null): string =>
+    state.sequences.value?.find((row) => row.id === id)?.name ?? id ?? 'a new recording';
+  return (
+    <PopoverButton
+      open={othersOpen}
+      icon="people"
+      button={{ label: String(jobs.length), class: 'others-jobs' }}
+      tip={`${plural(jobs.length, 'job')} of other people`}
+      label="Jobs of other people"
+      class="jobs"
+    >
+      {jobs.map((job) => (
+        <div key={job.id} class="job">
+          <Running job={job} about={`${nameOf(job.sequence)} · ${job.owner}`} />
+        </div>
+      ))}
+    </PopoverButton>
+  );
+}
+
+function Running({ job, about }: { job: Job; about: string }) {
   const tracking = job.kind === 'tracking';
   return (
-    <div class="card job" role="status">
+    <>
       <div class="job-head">
         <strong>{TITLE[job.kind]}</strong>
         <span class="soft name">
-          {job.state === 'queued' ? 'waiting for its turn' : job.message}
+          {job.state === 'queued' ? `waiting for its turn · ${about}` : about}
         </span>
         <span class="number">{Math.round(job.progress * 100)} %</span>
       </div>
       <Progress share={job.progress} label={TITLE[job.kind]} />
-      <div class="job-end">
-        {tracking && (
+      {canCancel(job) && (
+        <div class="job-end">
+          {tracking && (
+            <Button
+              label="Stop and keep"
+              tip="Keep the frames tracked so far"
+              onClick={() => void actions.cancelJob(job.id, true)}
+            />
+          )}
           <Button
-            label="Stop and keep"
-            tip="Keep the frames tracked so far"
-            onClick={() => void actions.cancelJob(job.id, true)}
+            label="Cancel"
+            tip={
+              tracking ? 'Stop and leave every label as it was' : 'Stop, and leave nothing behind'
+            }
+            onClick={() => void actions.cancelJob(job.id)}
           />
-        )}
-        <Button
-          label="Cancel"
-          tip={tracking ? 'Stop and leave every label as it was' : 'Stop, and leave nothing behind'}
-          onClick={() => void actions.cancelJob(job.id)}
-        />
-      </div>
-    </div>
+        </div>
+      )}
+    </>
   );
 }

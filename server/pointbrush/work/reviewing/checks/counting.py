@@ -34,7 +34,7 @@ def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterat
 def few_points(
     palette: Sequence[Label], counts: Mapping[int, Counts], options: CheckOptions
 ) -> Iterator[Finding]:
-    """Yield labels with hardly a point in a frame, and as one finding those that have none at all."""
+    """Yield labels with hardly a point in a frame, and in one finding those without any."""
     empty = [label for label in palette if not counts[label.id].any()]
     if empty:
         names = ", ".join(f"“{label.name}”" for label in empty[:NAMED])
