@@ -1,6 +1,9 @@
-import { describe, expect, it } from 'vitest';
+import { PerspectiveCamera } from 'three';
+import { describe, expect, it, vi } from 'vitest';
+import type { Viewer } from '../cloud/picture/viewer';
 import { ALL_POINTS } from '../cloud/points/frame';
-import { FEWEST_POINTS, PointBudget } from './pacing';
+import type { Playback } from './playback';
+import { FEWEST_POINTS, Pacing, PointBudget } from './pacing';
 
 const TARGET = 1000 / 72;
 
@@ -113,5 +116,41 @@ describe('the budget of points', () => {
     const display = new Display(1);
     display.run(60);
     expect(display.drawn).toBeGreaterThanOrEqual(FEWEST_POINTS);
+  });
+});
+
+describe('a slow display', () => {
+  /** Pictures of 400 ms of a million points. */
+  function slow() {
+    const camera = new PerspectiveCamera();
+    const intervalMs = { total: 0, last: (out: Float64Array) => (out[0] = 400) };
+    const renderer = { xr: { isPresenting: false } };
+    const setLimit = vi.fn<(points: number) => void>();
+    const viewer = { software: true, camera, intervalMs, renderer, setLimit, drawn: 1_000_000 };
+    const playback = { pointBudget: null } as unknown as Playback;
+    const pacing = new Pacing(viewer as unknown as Viewer, playback);
+    let now = 1000;
+    const pictures = (count: number, step: () => void = () => undefined): void => {
+      for (let k = 0; k < count; k++) {
+        step();
+        camera.updateMatrixWorld();
+        intervalMs.total += 1;
+        pacing.update((now += 400));
+      }
+    };
+    const limit = (): number => setLimit.mock.lastCall![0];
+    return { camera, pictures, limit };
+  }
+
+  it('draws fewer points while the camera moves, and all of them under a still one', () => {
+    const { camera, pictures, limit } = slow();
+    pictures(1);
+    // Aiming and painting change the picture, but nobody looks from elsewhere.
+    pictures(20);
+    expect(limit()).toBe(ALL_POINTS);
+    pictures(20, () => (camera.position.x += 0.1));
+    expect(limit()).toBeLessThan(1_000_000);
+    pictures(2);
+    expect(limit()).toBe(ALL_POINTS);
   });
 });

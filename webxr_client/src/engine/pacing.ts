@@ -2,6 +2,7 @@
 import { ALL_POINTS } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
 import { state } from '../store/state';
+import { peek } from '../store/watch';
 import type { Playback } from './playback';
 
 const DESK_MS = 1000 / 60;
@@ -17,7 +18,11 @@ export class Pacing {
   adaptive = true;
   private readonly budget = new PointBudget();
   private seen = 0;
-  private changes = 0;
+  /** The last picture was drawn whole. */
+  private whole = false;
+  /** Camera and frame as they were, and are. */
+  private readonly before = new Float64Array(33);
+  private readonly here = new Float64Array(33);
   private readonly movedAt = new Float64Array(1);
   private readonly deskMs: number;
   /** Of the last picture, as the budget takes it. */
@@ -50,14 +55,29 @@ export class Pacing {
   update(now: number): void {
     const { viewer } = this;
     const { total } = viewer.intervalMs;
-    if (total !== this.seen && this.adaptive) this.note(now);
+    // A picture that is drawn whole says nothing of what can be drawn while one moves.
+    if (total !== this.seen && this.adaptive && !this.whole) this.note(now);
     this.seen = total;
-    const moved = viewer.changes !== this.changes || state.playing.peek();
-    this.changes = viewer.changes;
+    // What is lit or painted under a still camera changes points, not how many there are.
+    const moved = this.look() || state.playing.peek();
     if (moved || viewer.renderer.xr.isPresenting) this.movedAt[0] = now;
     const { points } = this;
     this.playback.pointBudget = points === ALL_POINTS ? null : points;
-    viewer.setLimit(now - this.movedAt[0]! > REST_MS ? ALL_POINTS : points);
+    this.whole = now - this.movedAt[0]! > REST_MS;
+    viewer.setLimit(this.whole ? ALL_POINTS : points);
+  }
+
+  /** Whether one looks from elsewhere, or at another frame, than when asked last. */
+  private look(): boolean {
+    const { here, before } = this;
+    const { matrixWorld, projectionMatrix } = this.viewer.camera;
+    matrixWorld.toArray(here);
+    projectionMatrix.toArray(here, 16);
+    here[32] = peek(state.frame);
+    let moved = false;
+    for (let i = 0; i < here.length; i++) if (here[i] !== before[i]) moved = true;
+    if (moved) before.set(here);
+    return moved;
   }
 
   /** Take note of the last picture. */

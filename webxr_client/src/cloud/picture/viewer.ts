@@ -33,8 +33,6 @@ export class Viewer {
   readonly backdrop = new Backdrop();
   readonly palette = new PaletteTexture();
   readonly uniforms = new PointUniforms(this.palette.texture);
-  /** Counts what asked for a picture. */
-  changes = 0;
   /** Run before each picture, in order, with its time and the headset's frame. */
   readonly ticks = new Listeners<number, XRFrame | undefined>();
   readonly afterwards = new Afterwards();
@@ -110,7 +108,6 @@ export class Viewer {
   /** Draw again at the next opportunity: something changed. */
   invalidate(): void {
     this.dirty = true;
-    this.changes += 1;
   }
 
   private resize(): void {
