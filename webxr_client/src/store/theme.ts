@@ -1,29 +1,17 @@
 /** Light or dark: dark, on which points are legible, unless chosen; kept for the next visit. */
 import { signal } from '@preact/signals';
+import { keep, kept } from './kept';
 import { follow } from './watch';
 
 export type Theme = 'light' | 'dark';
 
 const KEY = 'pointbrush.theme';
 
-export const theme = signal<Theme>(kept() ?? 'dark');
-
-function kept(): Theme | null {
-  try {
-    const value = localStorage.getItem(KEY);
-    return value === 'light' || value === 'dark' ? value : null;
-  } catch {
-    return null; // a browser that keeps nothing
-  }
-}
+export const theme = signal<Theme>(kept(KEY) === 'light' ? 'light' : 'dark');
 
 export function chooseTheme(wanted: Theme): void {
   theme.value = wanted;
-  try {
-    localStorage.setItem(KEY, wanted);
-  } catch {
-    // The choice holds for this visit.
-  }
+  keep(KEY, wanted);
 }
 
 /** Put the theme on the page, now and whenever it changes. */

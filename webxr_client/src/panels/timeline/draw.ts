@@ -2,7 +2,7 @@
 import type { Label } from '../../protocol/messages';
 import type { LoadedRange, TimelineRow } from '../../store/state';
 import type { FrameRange } from '../../store/range';
-import { type CellKind } from '../../store/cells';
+import { type CellKind, wantsLook } from '../../store/cells';
 import { frameToX, runs, ticks, type Run, type Span } from './layout';
 
 export interface TimelinePicture {
@@ -95,6 +95,9 @@ function shadeOf(sure: number): number {
   return Math.max(0.4, 0.3 + 0.7 * sure);
 }
 
+/** Pixels that a doubtful frame has at least, and below which it is red all over. */
+const [LEAST_DOUBT, NARROW] = [3, 6];
+
 type Pen = CanvasRenderingContext2D;
 
 export function drawTimeline(pen: Pen, sizes: TimelineSizes, picture: TimelinePicture): void {
@@ -157,13 +160,29 @@ function drawLane(
   pen.beginPath();
   pen.rect(gutter, top + gap, inner, row - gap);
   pen.clip();
-  for (const run of runs(cells, picture.span, picture.frames, inner)) {
-    const left = gutter + frameToX(run.from, picture.span, inner);
-    const right = gutter + frameToX(run.to, picture.span, inner);
-    drawRun(pen, run, label.color, left, top + gap, Math.max(1, right - left), row - gap, ink);
+  const found = runs(cells, picture.span, picture.frames, inner);
+  // What wants a look lies over its neighbours, and is wide enough to be seen.
+  for (const looks of [false, true]) {
+    for (const run of found) {
+      if (wantsLook(run.kind) !== looks) continue;
+      const [left, wide] = placeOf(run, picture.span, inner);
+      drawRun(pen, run, label.color, gutter + left, top + gap, wide, row - gap, ink);
+    }
   }
   pen.restore();
   pen.font = `500 ${fontSize}px ${font}`;
+}
+
+/** Where a run begins and how wide it is, pixels. */
+export function placeOf(
+  run: Run,
+  span: Span,
+  inner: number,
+): readonly [left: number, wide: number] {
+  const left = frameToX(run.from, span, inner);
+  const wide = frameToX(run.to, span, inner) - left;
+  const least = wantsLook(run.kind) ? LEAST_DOUBT : 1;
+  return wide >= least ? [left, wide] : [left + (wide - least) / 2, least];
 }
 
 function drawName(
@@ -202,7 +221,12 @@ function drawRun(
   pen.fillStyle = kind === 'lost' ? ink.bad : color;
   pen.fillRect(left, top, width, height);
   pen.globalAlpha = 1;
-  if (kind !== 'doubtful' && kind !== 'lost') return;
+  if (!wantsLook(kind)) return;
+  if (width < NARROW) {
+    pen.fillStyle = ink.bad;
+    pen.fillRect(left, top, width, height);
+    return;
+  }
   hatch(pen, left, top, width, height, ink.bad);
 }
 
@@ -297,10 +321,14 @@ function drawPlayhead(
   pen.fillText(text, left + width / 2, tall / 2 + 0.5);
 }
 
-/** The text cut with "…" so that it is at most `width` wide in the pen's font. */
+/**
+ * The text cut with "…" so that it is at most `width` wide in the pen's font; a short last word, a
+ * number as a rule, stays.
+ */
 export function ellipsis(pen: Pen, text: string, width: number): string {
   if (pen.measureText(text).width <= width) return text;
-  let end = text.length;
-  while (end > 0 && pen.measureText(`${text.slice(0, end)}…`).width > width) end--;
-  return `${text.slice(0, end).trimEnd()}…`;
+  const last = /\S\s(\S{1,5})$/u.exec(text)?.[1] ?? '';
+  let end = text.length - last.length;
+  while (end > 0 && pen.measureText(`${text.slice(0, end)}…${last}`).width > width) end--;
+  return `${text.slice(0, end).trimEnd()}…${last}`;
 }

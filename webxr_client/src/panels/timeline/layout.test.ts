@@ -1,7 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import type { TimelineRow } from '../../store/state';
 import { cellKind, doubtfulFrames, nextUnlabelled } from '../../store/cells';
-import { reveal, runs, ticks, xToFrame, zoom } from './layout';
+import { placeOf } from './draw';
+import { reveal, runs, stretched, ticks, xToFrame, zoom } from './layout';
 
 /** One character a frame: p painted, t tracked, ? doubtful, x lost, o occluded. */
 function row(text: string): TimelineRow {
@@ -81,5 +82,25 @@ describe('the ruler', () => {
     expect(reveal({ first: 10, length: 20 }, 15, 100).first).toBe(10);
     expect(reveal({ first: 10, length: 20 }, 30, 100).first).toBe(11);
     expect(reveal({ first: 10, length: 20 }, 2, 100).first).toBe(2);
+  });
+});
+
+describe('a long recording', () => {
+  it('shows a doubtful frame at least three pixels wide, in its place', () => {
+    const span = { first: 0, length: 2000 };
+    const [left, wide] = placeOf({ from: 1000, to: 1001, kind: 'doubtful' }, span, 1000);
+    expect(wide).toBe(3);
+    expect(left + wide / 2).toBeCloseTo(500.25);
+    expect(placeOf({ from: 1000, to: 1001, kind: 'tracked' }, span, 1000)[1]).toBe(1);
+  });
+
+  it('is shown in part by the ends of a bar, which meet nowhere', () => {
+    const span = { first: 100, length: 400 };
+    expect(stretched(span, 50, 'first', 2000)).toEqual({ first: 150, length: 350 });
+    expect(stretched(span, 900, 'first', 2000)).toEqual({ first: 492, length: 8 });
+    expect(stretched(span, -50, 'last', 2000)).toEqual({ first: 100, length: 350 });
+    expect(stretched(span, 9000, 'last', 2000)).toEqual({ first: 100, length: 1900 });
+    expect(stretched(span, -100, 'both', 2000)).toEqual({ first: 200, length: 200 });
+    expect(stretched(span, 2000, 'both', 2000)).toEqual({ first: 0, length: 2000 });
   });
 });

@@ -96,6 +96,25 @@ export function clampSpan(span: Span, frames: number): Span {
   return { first: Math.min(Math.max(0, span.first), Math.max(0, frames - length)), length };
 }
 
+/** The span with one end, or both, moved by frames: at least as many stay as one can zoom in to. */
+export function stretched(
+  { first, length }: Span,
+  by: number,
+  end: 'first' | 'last' | 'both',
+  frames: number,
+): Span {
+  const last = first + length;
+  const least = Math.min(MIN_VISIBLE, frames);
+  const from = end === 'last' ? first : end === 'first' ? first + by : first - by;
+  const to = end === 'first' ? last : last + by;
+  if (end === 'first') {
+    const start = Math.min(Math.max(0, from), last - least);
+    return { first: start, length: last - start };
+  }
+  const start = Math.max(0, from);
+  return clampSpan({ first: start, length: Math.max(least, Math.min(frames, to) - start) }, frames);
+}
+
 /** The span moved just as far as needed to show a frame. */
 export function reveal(span: Span, frame: number, frames: number): Span {
   if (frame < span.first) return clampSpan({ ...span, first: frame }, frames);

@@ -1,5 +1,5 @@
 /** The canvas of the timeline: scrub on the ruler, choose a range on the strips. */
-import { useSignal } from '@preact/signals';
+import { type Signal, useSignal } from '@preact/signals';
 import { useEffect, useRef } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { theme } from '../../store/theme';
@@ -7,6 +7,7 @@ import { state } from '../../store/state';
 import { frameRange, type FrameRange } from '../../store/range';
 import { stripHover, stripPlace } from './strip-pointer';
 import { DARK_INK, drawTimeline, LIGHT_INK, type StripInk, type TimelineSizes } from './draw';
+import { RangeBar } from './range-bar';
 import { pan, reveal, xToFrame, zoom, type Span } from './layout';
 import { follow } from '../../store/watch';
 
@@ -17,6 +18,8 @@ const ROW = COARSE ? 40 : 18;
 /** Pixels below the last strip. */
 const FOOT = 6;
 const GUTTER_NARROW = 136;
+/** The wheel over the strips of more frames changes how many are shown; over names it moves rows. */
+const MOST_WHOLE = 60;
 
 /** Labels that have points somewhere, the active one always. */
 function shownLabels() {
@@ -95,20 +98,8 @@ export function Strips({ frames }: { frames: number }) {
     const { gutter, width } = sizesOf(size.peek());
     return xToFrame(event.offsetX - gutter, span.peek(), width - gutter, frames);
   };
-  const wheel = (event: WheelEvent): void => {
-    event.preventDefault();
-    const { gutter, width } = sizesOf(size.peek());
-    if (event.ctrlKey || event.altKey) {
-      const factor = Math.exp(-event.deltaY * 0.004);
-      span.value = zoom(span.peek(), factor, event.offsetX - gutter, width - gutter, frames);
-    } else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
-      const by = (event.deltaX || event.deltaY) / Math.max(1, width - gutter);
-      span.value = pan(span.peek(), by * span.peek().length, frames);
-    } else {
-      const most = Math.max(0, rows - rowsIn(size.peek().height));
-      scroll.value = Math.min(most, Math.max(0, scroll.peek() + Math.sign(event.deltaY)));
-    }
-  };
+  const wheel = (event: WheelEvent): void =>
+    turnWheel(event, { span, scroll, sizes: sizesOf(size.peek()), rows, frames });
   useEffect(() => {
     const element = canvas.current!;
     element.addEventListener('wheel', wheel, { passive: false });
@@ -116,35 +107,66 @@ export function Strips({ frames }: { frames: number }) {
   });
 
   return (
-    <canvas
-      ref={canvas}
-      class="strips"
-      role="slider"
-      tabIndex={0}
-      aria-label="Playhead"
-      aria-valuemin={0}
-      aria-valuemax={frames - 1}
-      aria-valuenow={state.frame.value}
-      onPointerDown={(event) => drag(event, frameAt, rows, scroll.peek())}
-      onDblClick={() => (frameRange.value = null)}
-      onPointerMove={(event) => {
-        if (event.pointerType === 'touch' || event.offsetX < GUTTER_NARROW) return;
-        const bottom = innerHeight - event.currentTarget.getBoundingClientRect().top + 6;
-        const label = labelAt(event.offsetY, scroll.peek())?.id ?? null;
-        stripHover.value = { frame: frameAt(event), label, x: event.clientX, bottom };
-      }}
-      onPointerLeave={() => (stripHover.value = null)}
-      onContextMenu={(event) => {
-        event.preventDefault();
-        const label = labelAt(event.offsetY, scroll.peek());
-        const frame = frameAt(event);
-        stripHover.value = null;
-        if (!label) return;
-        actions.selectLabel(label.id);
-        stripPlace.value = { label: label.id, frame, x: event.clientX, y: event.clientY };
-      }}
-    />
+    <>
+      <canvas
+        ref={canvas}
+        id="strips"
+        class="strips"
+        role="slider"
+        tabIndex={0}
+        aria-label="Playhead"
+        aria-valuemin={0}
+        aria-valuemax={frames - 1}
+        aria-valuenow={state.frame.value}
+        onPointerDown={(event) => drag(event, frameAt, rows, scroll.peek())}
+        onDblClick={() => (frameRange.value = null)}
+        onPointerMove={(event) => {
+          if (event.pointerType === 'touch' || event.offsetX < GUTTER_NARROW) return;
+          const bottom = innerHeight - event.currentTarget.getBoundingClientRect().top + 6;
+          const label = labelAt(event.offsetY, scroll.peek())?.id ?? null;
+          stripHover.value = { frame: frameAt(event), label, x: event.clientX, bottom };
+        }}
+        onPointerLeave={() => (stripHover.value = null)}
+        onContextMenu={(event) => {
+          event.preventDefault();
+          const label = labelAt(event.offsetY, scroll.peek());
+          const frame = frameAt(event);
+          stripHover.value = null;
+          if (!label) return;
+          actions.selectLabel(label.id);
+          stripPlace.value = { label: label.id, frame, x: event.clientX, y: event.clientY };
+        }}
+      />
+      <RangeBar span={span} frames={frames} gutter={GUTTER_NARROW} />
+    </>
   );
+}
+
+interface Turned {
+  span: Signal<Span>;
+  scroll: Signal<number>;
+  sizes: TimelineSizes;
+  rows: number;
+  frames: number;
+}
+
+/** Over strips of many frames the wheel zooms, with Shift it pans; over names it moves the rows. */
+function turnWheel(event: WheelEvent, { span, scroll, sizes, rows, frames }: Turned): void {
+  event.preventDefault();
+  const { gutter, width, height } = sizes;
+  const inner = width - gutter;
+  const sideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+  const zooms = event.offsetX > gutter && frames > MOST_WHOLE;
+  if (event.ctrlKey || event.altKey || (zooms && !sideways)) {
+    const factor = Math.exp(-event.deltaY * 0.004);
+    span.value = zoom(span.peek(), factor, event.offsetX - gutter, inner, frames);
+  } else if (sideways) {
+    const by = (event.deltaX || event.deltaY) / Math.max(1, inner);
+    span.value = pan(span.peek(), by * span.peek().length, frames);
+  } else {
+    const most = Math.max(0, rows - rowsIn(height));
+    scroll.value = Math.min(most, Math.max(0, scroll.peek() + Math.sign(event.deltaY)));
+  }
 }
 
 /** The label of the strip at a height, or undefined on the ruler and below the last. */

@@ -7,6 +7,7 @@ import { follow } from '../../store/watch';
 import { Button } from '../parts/controls';
 import { Doubt } from './doubt';
 import { clock, plural } from '../../common/format';
+import { keep, kept } from '../../store/kept';
 import { frameRange, ordered } from '../../store/range';
 import { StripLegend } from './legend';
 import { StripCard, StripMenu } from './strip-pointer';
@@ -133,8 +134,8 @@ function Doubtful({ frames }: { frames: number }) {
   );
 }
 
-/** Pixels: transport, ruler and four strips; and with one strip, which is the least. */
-const TIMELINE_DEFAULT = 146;
+/** Pixels: transport, ruler and four strips, two in a low window; and with one, which is the least. */
+const TIMELINE_DEFAULT = innerHeight < 560 ? 110 : 146;
 const TIMELINE_LEAST = 92;
 /** Part of the window that stays with the picture. */
 const MOST_OF_WINDOW = 0.6;
@@ -146,29 +147,17 @@ function clampHeight(height: number, windowHeight: number): number {
   return Math.round(Math.min(most, Math.max(TIMELINE_LEAST, height)));
 }
 
-function kept(): number {
-  try {
-    return Number(localStorage.getItem(KEY)) || TIMELINE_DEFAULT;
-  } catch {
-    return TIMELINE_DEFAULT; // storage is switched off
-  }
-}
-
 const height = signal(TIMELINE_DEFAULT);
 
 function setHeight(wanted: number): void {
   height.value = clampHeight(wanted, innerHeight);
-  try {
-    localStorage.setItem(KEY, String(height.peek()));
-  } catch {
-    // It is kept until the page is left.
-  }
+  keep(KEY, String(height.peek()));
 }
 
 /** The edge between picture and timeline. */
 function TimelineHandle() {
   useEffect(() => {
-    height.value = clampHeight(kept(), innerHeight);
+    height.value = clampHeight(Number(kept(KEY)) || TIMELINE_DEFAULT, innerHeight);
     return follow(() => {
       document.getElementById('timeline')!.style.height = `${height.value}px`;
     });

@@ -1,0 +1,21 @@
+/** Small things kept in this browser; where its storage is switched off, until the page is left. */
+
+const here = new Map<string, string>();
+
+export function keep(key: string, value: string): void {
+  here.set(key, value);
+  try {
+    localStorage.setItem(key, value);
+  } catch {
+    // Nothing more can be done.
+  }
+}
+
+/** What was kept under a key, or null. */
+export function kept(key: string): string | null {
+  try {
+    return localStorage.getItem(key) ?? here.get(key) ?? null;
+  } catch {
+    return here.get(key) ?? null;
+  }
+}
