@@ -138,7 +138,7 @@ class Listing:
                 manifest = self._library.recording(sequence).manifest
                 if wanted in sequence or wanted in manifest.name.lower():
                     found.append(manifest)
-        revisions, labelled = self._store.sequences(), self._store.labelled_frames()
+        revisions, progress = self._store.sequences(), self._store.progress()
         projects = self._store.team.summaries.projects()
         entries = [
             Listed(
@@ -146,7 +146,7 @@ class Listing:
                 revisions.get(each.id, 0),
                 each,
                 None,
-                labelled.get(each.id, 0),
+                progress.get(each.id, NOTHING),
                 project=projects.get(each.id, FIRST),
             )
             for each in found

@@ -1,6 +1,13 @@
 /** Every command, found by its words: Ctrl K. */
 import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
-import { commandsNow, found, frameCommand, type Command } from './command-search';
+import {
+  commandsNow,
+  found,
+  frameCommand,
+  lastFirst,
+  noteUsed,
+  type Command,
+} from './command-search';
 import { commandsOpen } from '../panels/parts/popover';
 import { nextIndex } from '../panels/parts/radio-group';
 
@@ -12,7 +19,7 @@ function Opened() {
   const dialog = useRef<HTMLDialogElement>(null);
   const [query, setQuery] = useState('');
   const [at, setAt] = useState(0);
-  const all = useMemo(commandsNow, []);
+  const all = useMemo(() => lastFirst(commandsNow()), []);
   const shown = [...frameCommand(query), ...found(all, query)];
   useEffect(() => dialog.current?.showModal(), []);
   useEffect(() => {
@@ -22,6 +29,7 @@ function Opened() {
     if (!command) return;
     // The focus goes back first: what the command opens may take it.
     dialog.current?.close();
+    noteUsed(command);
     command.run();
   };
   const keys = (event: KeyboardEvent): void => {

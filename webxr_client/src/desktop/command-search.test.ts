@@ -2,7 +2,7 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { COMMANDS } from './commands';
 import { state } from '../store/state';
 import type { SequenceInfo } from '../protocol/messages';
-import { commandsNow, found, frameCommand } from './command-search';
+import { commandsNow, found, frameCommand, lastFirst, noteUsed } from './command-search';
 
 function open(frames: number): void {
   state.sequence.value = { id: 'one', frames, fields: ['rgb'] } as unknown as SequenceInfo;
@@ -56,6 +56,13 @@ describe('the command palette', () => {
     expect(texts).not.toContain('Play or pause');
     open(10);
     expect(commandsNow().some(({ what }) => what.includes('intensity'))).toBe(false);
+  });
+
+  it('opens on what was used last', () => {
+    open(10);
+    noteUsed({ what: 'Boxes: show or hide' });
+    expect(lastFirst(commandsNow())[0]?.what).toBe('Boxes: show or hide');
+    expect(lastFirst(commandsNow())).toHaveLength(commandsNow().length);
   });
 
   it('says each thing once', () => {

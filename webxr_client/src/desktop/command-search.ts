@@ -1,8 +1,10 @@
 /** Search of the command palette by words. */
 import { actions } from '../store/actions';
+import { keep, kept } from '../store/kept';
 import { COMMANDS } from './commands';
 import { state } from '../store/state';
 import { listed } from '../store/palette-list';
+import { shownOf } from './shortcuts';
 
 export interface Command {
   readonly what: string;
@@ -17,11 +19,11 @@ export interface Command {
 export function commandsNow(): readonly Command[] {
   const table = COMMANDS.filter(
     ({ listed: shown, when }) => shown !== false && (when?.() ?? state.sequence.peek() !== null),
-  ).map(({ what, group, shown, keys, run }) => ({
-    what,
-    group,
-    shown,
-    run: () => run(keys[0] ?? ''),
+  ).map((binding) => ({
+    what: binding.what,
+    group: binding.group,
+    shown: shownOf(binding),
+    run: () => binding.run(binding.keys[0] ?? ''),
   }));
   const labels = listed.peek().map(({ id, name }) => ({
     what: `Choose ${name}`,
@@ -62,6 +64,20 @@ export function found<T extends Omit<Command, 'run'>>(
     .filter((each) => each.rank >= 0)
     .sort((a, b) => a.rank - b.rank)
     .map(({ command }) => command);
+}
+
+const KEY = 'pointbrush.last-command';
+
+/** Keep in this browser what was used last, so that the palette opens on it. */
+export function noteUsed({ what }: Pick<Command, 'what'>): void {
+  keep(KEY, what);
+}
+
+/** The commands with the one that was used last in front. */
+export function lastFirst<T extends Pick<Command, 'what'>>(commands: readonly T[]): readonly T[] {
+  const last = kept(KEY);
+  const used = commands.filter(({ what }) => what === last);
+  return used.length > 0 ? [...used, ...commands.filter(({ what }) => what !== last)] : commands;
 }
 
 /** A number typed into the palette leads to its frame. */

@@ -1,8 +1,12 @@
 /** The keyboard and the mouse, on one page that can be searched. */
+import { signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { BOX_KEYS } from '../boxes/keys';
 import { COMMANDS } from './commands';
-import { WALK_KEYS } from './keys';
+import { keyName } from './keyboard';
+import { type KeyBinding, WALK_KEYS } from './keys';
+import { isChangeable, isFree, shownOf } from './shortcuts';
+import { resetKeys, setKey } from '../store/own-keys';
 import { found } from './command-search';
 import { Button } from '../panels/parts/controls';
 import { state } from '../store/state';
@@ -20,7 +24,33 @@ const MOUSE = [
 
 const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'Review', 'View', 'Boxes', 'Mouse'] as const;
 
-const ROWS = [...COMMANDS.filter(({ shown }) => shown !== ''), WALK_KEYS, ...BOX_KEYS, ...MOUSE];
+interface HelpRow {
+  readonly shown: string;
+  readonly what: string;
+  readonly group: string;
+  /** The command whose key can be changed. */
+  readonly binding?: KeyBinding;
+}
+
+/** The command that waits for its new key, by its words; and whether keys are being changed. */
+const waiting = signal<string | null>(null);
+const changing = signal(false);
+
+/** Commands with a key; all that may have one while keys are changed. */
+function rowsNow(): readonly HelpRow[] {
+  const all = changing.value;
+  const rows = COMMANDS.map((binding): HelpRow => {
+    const { what, group } = binding;
+    return {
+      shown: shownOf(binding),
+      what,
+      group,
+      ...(all && isChangeable(binding) && { binding }),
+    };
+  });
+  const listed = rows.filter(({ shown, binding }) => shown !== "" || binding);
+  return [...listed, WALK_KEYS, ...BOX_KEYS, ...MOUSE];
+}
 
 export function Help() {
   return helpOpen.value ? <Opened /> : null;
@@ -30,7 +60,7 @@ function Opened() {
   const dialog = useRef<HTMLDialogElement>(null);
   const [query, setQuery] = useState('');
   useEffect(() => dialog.current?.showModal(), []);
-  const rows = found(ROWS, query);
+  const rows = found(rowsNow(), query);
   return (
     <dialog
       ref={dialog}
@@ -51,7 +81,16 @@ function Opened() {
             value={query}
             onInput={(event) => setQuery(event.currentTarget.value)}
           />
-          {state.sequence.value && (
+          <Button
+            label={changing.value ? 'Done' : 'Change keys'}
+            tip="Keys of your own, kept in this browser"
+            kind="outlined"
+            onClick={() => (changing.value = !changing.value)}
+          />
+          {changing.value && (
+            <Button label="Reset" tip="All keys as they were at first" onClick={resetKeys} />
+          )}
+          {state.sequence.value && !changing.value && (
             <Button
               label="First steps"
               tip="A tour of five cards"
@@ -78,7 +117,7 @@ function Opened() {
 
 interface KeyListProps {
   group: string;
-  rows: readonly { readonly shown: string; readonly what: string }[];
+  rows: readonly HelpRow[];
 }
 
 function KeyList({ group, rows }: KeyListProps) {
@@ -87,15 +126,44 @@ function KeyList({ group, rows }: KeyListProps) {
     <section>
       <h3>{group}</h3>
       <dl>
-        {rows.map(({ shown, what }) => (
+        {rows.map(({ shown, what, binding }) => (
           <div key={what}>
             <dt>{what}</dt>
             <dd>
-              <span class={group === 'Mouse' ? 'soft' : 'kbd'}>{shown}</span>
+              {binding ? (
+                <KeyButton what={what} shown={shown} />
+              ) : (
+                <span class={group === 'Mouse' ? 'soft' : 'kbd'}>{shown}</span>
+              )}
             </dd>
           </div>
         ))}
       </dl>
     </section>
+  );
+}
+
+/** A key that can be pressed anew: Backspace gives back the first one, Escape changes nothing. */
+function KeyButton({ what, shown }: { what: string; shown: string }) {
+  const waits = waiting.value === what;
+  const press = (event: KeyboardEvent): void => {
+    if (!waits || event.key === 'Tab') return;
+    event.preventDefault();
+    event.stopPropagation();
+    const key = keyName(event);
+    if (key === 'backspace' || isFree(key)) setKey(what, key === 'backspace' ? null : key);
+    if (key === 'escape' || key === 'backspace' || isFree(key)) waiting.value = null;
+  };
+  return (
+    <button
+      type="button"
+      class="kbd key-button"
+      aria-label={`Key of ${what}: ${shown || 'none'}`}
+      onClick={() => (waiting.value = what)}
+      onKeyDown={press}
+      onBlur={() => (waiting.value = null)}
+    >
+      {waits ? 'Press a key…' : shown || 'none'}
+    </button>
   );
 }

@@ -1,12 +1,9 @@
-/** Listens to the keyboard by the table of `commands.ts`. */
+/** Listens to the keyboard by the person's table of keys. */
 import { boxKey } from '../boxes/keys';
 import type { DeskCamera } from '../view/camera';
-import { COMMANDS } from './commands';
 import { isForControl, releaseSlider } from '../common/focus';
 import type { KeyBinding } from './keys';
-
-const table = new Map<string, KeyBinding>();
-for (const binding of COMMANDS) for (const key of binding.keys) table.set(key, binding);
+import { keyTable } from './shortcuts';
 
 /** Return an event's key as `KEYS` writes it. */
 export function keyName(event: KeyboardEvent): string {
@@ -42,6 +39,7 @@ function typing(target: EventTarget | null): boolean {
 
 /** The character's own meaning goes first: keyboards have / and + above digits. */
 function bindingOf(name: string, digit: string | null): KeyBinding | undefined {
+  const table = keyTable.peek();
   return table.get(name) ?? (digit ? table.get(`shift+${digit}`) : undefined);
 }
 

@@ -1,6 +1,7 @@
 /** One tooltip for the whole page: whatever has `data-tip` (and `data-keys`) is explained. */
 import { signal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { renamedKeys } from '../../store/own-keys';
 
 interface Tip {
   readonly text: string;
@@ -65,7 +66,7 @@ export function Tooltip() {
   return (
     <div ref={box} class="tooltip" role="tooltip">
       <span>{tip.text}</span>
-      {tip.keys && <span class="kbd">{tip.keys}</span>}
+      {tip.keys && <span class="kbd">{renamedKeys.value.get(tip.keys) ?? tip.keys}</span>}
     </div>
   );
 }

@@ -1,0 +1,46 @@
+import { beforeEach, describe, expect, it } from 'vitest';
+import { renamedKeys, resetKeys, setKey } from '../store/own-keys';
+import { state } from '../store/state';
+import { commandsNow } from './command-search';
+import { isFree, keyTable, printed } from './shortcuts';
+
+function login(author: string): void {
+  state.me.value = { viewer: 'v', author, role: 'annotator', serverVersion: '' };
+}
+
+const said = (key: string): string | undefined => keyTable.value.get(key)?.what;
+
+beforeEach(() => {
+  for (const author of ['ada', 'bob']) {
+    login(author);
+    resetKeys();
+  }
+  login('ada');
+});
+
+describe('keys of one’s own', () => {
+  it('are a person’s, and take a key away from what had it', () => {
+    expect(said('g')).toBe('Ground');
+    setKey('Boxes: show or hide', 'g');
+    expect(said('g')).toBe('Boxes: show or hide');
+    login('bob');
+    expect(said('g')).toBe('Ground');
+    login('ada');
+    setKey('Boxes: show or hide', null);
+    expect(said('g')).toBe('Ground');
+  });
+
+  it('are told wherever the key is', () => {
+    state.sequence.value = { id: 'one', frames: 2, fields: [] } as never;
+    setKey('Undo', 'ctrl+shift+u');
+    expect(commandsNow().find(({ what }) => what === 'Undo')?.shown).toBe('Ctrl Shift U');
+    expect(renamedKeys.value.get('Ctrl Z')).toBe('Ctrl Shift U');
+    expect(said('ctrl+z')).toBeUndefined();
+    expect([' ', 'shift+arrowleft', 'ctrl++'].map(printed)).toEqual(['Space', 'Shift ←', 'Ctrl +']);
+  });
+
+  it('are none that walk, or that dialogs need', () => {
+    expect(['w', 'escape', 'tab', 'shift', 'ctrl+control'].filter(isFree)).toEqual([]);
+    expect(['f9', 'ctrl+b', 'ö'].every(isFree)).toBe(true);
+  });
+});

@@ -1,0 +1,66 @@
+/** The keys of commands as this person has them. */
+import { computed, type ReadonlySignal } from '@preact/signals';
+import { ownKeys, renamedKeys } from '../store/own-keys';
+import { follow } from '../store/watch';
+import { COMMANDS } from './commands';
+import { type KeyBinding, WALK_KEYS } from './keys';
+
+/** Keys that walk, and those that every dialog and form needs. */
+const FIXED = new Set([...WALK_KEYS.shown.toLowerCase().split(' '), 'escape', 'tab', 'shift+tab']);
+const NAMES: Readonly<Record<string, string>> = {
+  ' ': 'Space',
+  arrowleft: '←',
+  arrowright: '→',
+  arrowup: '↑',
+  arrowdown: '↓',
+  pageup: 'Page ↑',
+  pagedown: 'Page ↓',
+  escape: 'Esc',
+  '-': '−',
+};
+
+/** Whether a person may give a command another key: not digits, which stand for labels. */
+export function isChangeable({ keys, listed }: KeyBinding): boolean {
+  return listed !== false && keys.length <= 2;
+}
+
+/** Whether a key may be given to a command. */
+export function isFree(key: string): boolean {
+  return (
+    !FIXED.has(key) && !/^(ctrl\+|alt\+|shift\+)*(control|shift|alt|meta|dead|altgraph)$/.test(key)
+  );
+}
+
+/** A key in print, from how the table writes it. */
+export function printed(key: string): string {
+  const parts = /^((?:ctrl\+|alt\+|shift\+)*)(.+)$/s.exec(key);
+  const [held = '', name = key] = parts?.slice(1) ?? [];
+  const words = [...held.split('+').filter(Boolean), NAMES[name] ?? name];
+  return words.map((word) => word.charAt(0).toUpperCase() + word.slice(1)).join(' ');
+}
+
+/** The keys of a command: the person's own, else its first ones that no other has been given. */
+export function keysOf(binding: KeyBinding): readonly string[] {
+  const own = ownKeys.value;
+  const mine = own[binding.what];
+  if (mine !== undefined) return [mine];
+  const given = new Set(Object.values(own));
+  return binding.keys.filter((key) => !given.has(key));
+}
+
+/** The same in print; empty when it has none. */
+export function shownOf(binding: KeyBinding): string {
+  const keys = keysOf(binding);
+  if (keys.length === binding.keys.length && keys[0] === binding.keys[0]) return binding.shown;
+  return keys[0] === undefined ? '' : printed(keys[0]);
+}
+
+/** Key → what it does. */
+export const keyTable: ReadonlySignal<ReadonlyMap<string, KeyBinding>> = computed(
+  () => new Map(COMMANDS.flatMap((each) => keysOf(each).map((key) => [key, each] as const))),
+);
+
+follow(() => {
+  const changed = COMMANDS.filter((each) => each.shown && shownOf(each) !== each.shown);
+  renamedKeys.value = new Map(changed.map((each) => [each.shown, shownOf(each)]));
+});

@@ -1,0 +1,45 @@
+/** A person's own keys, kept in this browser for each account. */
+import { computed, signal, type ReadonlySignal } from '@preact/signals';
+import { keep, kept } from './kept';
+import { state } from './state';
+import { follow } from './watch';
+
+/** Command, by its words → key as the keyboard's table writes it. */
+type OwnKeys = Readonly<Record<string, string>>;
+
+const place: ReadonlySignal<string> = computed(
+  () => `pointbrush.keys.${state.me.value?.author ?? ''}`,
+);
+const chosen = signal<OwnKeys>({});
+export const ownKeys: ReadonlySignal<OwnKeys> = chosen;
+
+/** As printed → the key that a person has in its place: for tooltips. */
+export const renamedKeys = signal<ReadonlyMap<string, string>>(new Map());
+
+follow(() => {
+  chosen.value = parsed(kept(place.value));
+});
+
+function parsed(text: string | null): OwnKeys {
+  try {
+    const found: unknown = JSON.parse(text ?? '{}');
+    if (typeof found !== 'object' || found === null) return {};
+    return Object.fromEntries(Object.entries(found).filter(([, key]) => typeof key === 'string'));
+  } catch {
+    return {};
+  }
+}
+
+/** Give a command a key, which another one loses; null: its own again. */
+export function setKey(command: string, key: string | null): void {
+  const others = Object.entries(chosen.peek()).filter(
+    ([what, held]) => what !== command && held !== key,
+  );
+  chosen.value = Object.fromEntries(key === null ? others : [...others, [command, key]]);
+  keep(place.peek(), JSON.stringify(chosen.peek()));
+}
+
+export function resetKeys(): void {
+  chosen.value = {};
+  keep(place.peek(), '{}');
+}
