@@ -19,6 +19,10 @@ export interface Pictures {
 }
 
 export const stripOpen = signal(true);
+/** The camera whose picture lies large over the cloud, by its name; null: none. */
+export const largeCamera = signal<string | null>(null);
+/** Of the large picture, 0 to 1: less lets the cloud through. */
+export const largeOpacity = signal(1);
 /** null while nobody has told; of the frame on screen, or of one just before it. */
 export const pictures = signal<Pictures | null>(null);
 /** The frame whose points are projected, and its version: another object at each change. */

@@ -3,6 +3,8 @@ import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { Lens, type CameraPicture } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
 import {
+  largeCamera,
+  largeOpacity,
   outlines,
   pictures,
   pointAt,
@@ -14,10 +16,12 @@ import {
 import { aimAt } from '../../cameras/strip';
 import { apiUrl } from '../../net/rest';
 import { state } from '../../store/state';
-import { Button } from '../parts/controls';
+import { percent } from '../../common/format';
+import { Button, Slider } from '../parts/controls';
 
 /** Pixels of the raster that points are drawn in, across. */
 const RASTER = 480;
+const LARGE_RASTER = 960;
 /** Greatest distance of the pointer from a point's pixel, pixels of the raster. */
 const REACH = 9;
 
@@ -43,33 +47,37 @@ export function CameraPanel() {
     return () => stage.classList.remove('with-cameras');
   }, [open]);
   if (!open) return null;
+  const sourceOf = ({ name }: CameraPicture): string =>
+    apiUrl(`sequences/${found.sequence}/frames/${found.frame}/images/${encodeURIComponent(name)}`);
+  const large = found.cameras.find(({ name }) => name === largeCamera.value);
   return (
-    <section class="cameras" aria-label="Cameras">
-      {found.cameras.map((picture) => (
-        <Camera
-          key={picture.name}
-          picture={picture}
-          source={apiUrl(
-            `sequences/${found.sequence}/frames/${found.frame}/images/${encodeURIComponent(picture.name)}`,
-          )}
-        />
-      ))}
-    </section>
+    <>
+      <section class="cameras" aria-label="Cameras">
+        {found.cameras.map((picture) => (
+          <Camera key={picture.name} picture={picture} source={sourceOf(picture)} large={false} />
+        ))}
+      </section>
+      {large && (
+        <section class="camera-large" aria-label={`Camera ${large.name}, large`}>
+          <Camera key={large.name} picture={large} source={sourceOf(large)} large />
+        </section>
+      )}
+    </>
   );
 }
 
 interface CameraProps {
   picture: CameraPicture;
   source: string;
+  /** It lies over the cloud. */
+  large: boolean;
 }
 
-function Camera({ picture, source }: CameraProps) {
+function Camera({ picture, source, large }: CameraProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const shift = state.sequence.value?.shift ?? null;
   const lens = useMemo(() => shift && Lens.of(picture, shift), [picture, shift]);
-  const [raster] = useState(
-    () => new Projected(RASTER, Math.max(1, Math.round((RASTER * picture.height) / picture.width))),
-  );
+  const [raster] = useState(() => rasterOf(picture, large ? LARGE_RASTER : RASTER));
   const shown = projectedFrame.value;
   const colours = useColours();
   useEffect(() => {
@@ -98,7 +106,7 @@ function Camera({ picture, source }: CameraProps) {
     if (place && lens) aimAt(place, lens);
   };
   return (
-    <figure class="camera">
+    <figure class="camera" style={large ? { opacity: largeOpacity.value } : {}}>
       <div class="camera-picture" style={{ aspectRatio: `${picture.width} / ${picture.height}` }}>
         <img src={source} alt={`What camera ${picture.name} saw`} draggable={false} />
         <canvas
@@ -115,9 +123,37 @@ function Camera({ picture, source }: CameraProps) {
       <figcaption>
         {picture.name}
         {!lens && <span class="soft"> · not calibrated: no points</span>}
+        <span class="spacer" />
+        {large && <Opacity />}
+        <Button
+          icon={large ? 'close' : 'rectangle'}
+          tip={
+            large ? 'Close the large picture' : `Picture of ${picture.name} large, over the cloud`
+          }
+          small
+          onClick={() => (largeCamera.value = large ? null : picture.name)}
+        />
       </figcaption>
     </figure>
   );
+}
+
+function Opacity() {
+  return (
+    <Slider
+      label="Opacity"
+      value={largeOpacity.value}
+      min={0.15}
+      max={1}
+      tip="Less lets the cloud through"
+      shown={percent(largeOpacity.value)}
+      onInput={(opacity) => (largeOpacity.value = opacity)}
+    />
+  );
+}
+
+function rasterOf({ width, height }: CameraPicture, across: number): Projected {
+  return new Projected(across, Math.max(1, Math.round((across * height) / width)));
 }
 
 /** The place that one points at. */
