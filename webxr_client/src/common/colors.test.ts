@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { contrast, difference, inkOn, LABEL_COLORS, suggestColor, suggestName } from './colors';
+import { contrast, difference, inkOn, LABEL_COLORS, leastDifference, SAFE_COLORS, suggestColor, suggestName } from './colors'; // prettier-ignore
 import { clock, count, metres, shortCount } from './format';
 
 describe('suggested colours', () => {
@@ -26,6 +26,27 @@ describe('suggested colours', () => {
       expect(contrast(color, '#12161b')).toBeGreaterThan(4.5);
       expect(contrast(color, inkOn(color))).toBeGreaterThan(4.5);
     }
+  });
+});
+
+describe('colours for colour-blind eyes', () => {
+  const least = (colors: readonly string[]): number =>
+    Math.min(
+      ...colors.flatMap((one, i) =>
+        colors.slice(i + 1).map((other) => leastDifference(one, other)),
+      ),
+    );
+
+  it('are told apart without any one kind of cones, where the usual ones are not', () => {
+    expect(least(LABEL_COLORS.slice(0, SAFE_COLORS.length))).toBeLessThan(0.01);
+    expect(least(SAFE_COLORS)).toBeGreaterThan(0.07);
+    for (const color of SAFE_COLORS) expect(contrast(color, '#12161b')).toBeGreaterThan(2.4);
+  });
+
+  it('are suggested to who wants them', () => {
+    const taken: string[] = [];
+    for (let i = 0; i < SAFE_COLORS.length; i++) taken.push(suggestColor(taken, SAFE_COLORS));
+    expect(taken.sort()).toEqual([...SAFE_COLORS].sort());
   });
 });
 

@@ -19,6 +19,22 @@ export const LABEL_COLORS = [
   '#d59ad0',
 ] as const;
 
+/** Told apart by eyes that lack a kind of cones: Okabe and Ito (2008), and five beyond them. */
+export const SAFE_COLORS = [
+  '#e69f00',
+  '#56b4e9',
+  '#009e73',
+  '#f0e442',
+  '#0072b2',
+  '#d55e00',
+  '#cc79a7',
+  '#96ffff',
+  '#784b4b',
+  '#b4c3a5',
+  '#a569ff',
+  '#d2ffb4',
+] as const;
+
 export type Rgb = readonly [number, number, number];
 
 /** "#rrggbb" → 0..255 each. */
@@ -51,11 +67,7 @@ export function inkOn(color: string): '#07131f' | '#ffffff' {
 }
 
 /** Oklab, where distance is close to what the eye sees (Björn Ottosson, 2020). */
-function oklab(color: string): Rgb {
-  const [red, green, blue] = parseColor(color);
-  const r = linear(red);
-  const g = linear(green);
-  const b = linear(blue);
+function oklab([r, g, b]: Rgb): Rgb {
   const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
   const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
   const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
@@ -89,9 +101,35 @@ function encoded(value: number): string {
 
 /** Visible difference of two colours; 0 is the same. */
 export function difference(one: string, other: string): number {
-  const a = oklab(one);
-  const b = oklab(other);
+  return apart(oklab(lightOf(one)), oklab(lightOf(other)));
+}
+
+function apart(a: Rgb, b: Rgb): number {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+function lightOf(color: string): Rgb {
+  return parseColor(color).map(linear) as unknown as Rgb;
+}
+
+type Cones = readonly [Rgb, Rgb, Rgb];
+/** Light as seen without one kind of cones, of linear red, green, blue (Machado et al. 2009). */
+const EYES: readonly Cones[] = [
+  [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+  [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+  [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+]; // prettier-ignore
+
+function seenBy(eye: Cones, [r, g, b]: Rgb): Rgb {
+  const part = ([x, y, z]: Rgb): number => Math.min(1, Math.max(0, x * r + y * g + z * b));
+  return [part(eye[0]), part(eye[1]), part(eye[2])];
+}
+
+/** Visible difference to the eye that sees it least: with all cones, or without one kind of them. */
+export function leastDifference(one: string, other: string): number {
+  const [a, b] = [lightOf(one), lightOf(other)];
+  const blind = EYES.map((eye) => apart(oklab(seenBy(eye, a)), oklab(seenBy(eye, b))));
+  return Math.min(difference(one, other), ...blind);
 }
 
 /** Lightness and chroma of further colours, in Oklab, and how many hues of each. */
@@ -108,12 +146,15 @@ function furtherColors(): string[] {
 }
 
 /** The colour of the set that is farthest from all that are taken; of further ones when all are. */
-export function suggestColor(taken: readonly string[]): string {
+export function suggestColor(
+  taken: readonly string[],
+  set: readonly string[] = LABEL_COLORS,
+): string {
   const used = new Set(taken.map((color) => color.toLowerCase()));
-  const all = LABEL_COLORS.every((color) => used.has(color));
+  const all = set.every((color) => used.has(color));
   const distance = (color: string): number =>
     Math.min(Infinity, ...taken.map((other) => difference(color, other)));
-  const choices: readonly string[] = all ? furtherColors() : LABEL_COLORS;
+  const choices: readonly string[] = all ? furtherColors() : set;
   return choices.reduce((best, color) => (distance(color) > distance(best) ? color : best));
 }
 

@@ -5,7 +5,9 @@ import { layers } from '../cloud/points/accumulation';
 import { ALL_POINTS, type CloudFrame } from '../cloud/points/frame';
 import { Viewer } from '../cloud/picture/viewer';
 import { DeskCamera } from '../view/camera';
-import { isPlan, viewOf } from '../view/framing';
+import { isPlan, underCeiling, viewOf } from '../view/framing';
+import { clip, type Clip } from '../tools/clip';
+import type { Vector3 } from 'three';
 import { Listeners } from '../store/listeners';
 import { nameInAddress, type Early } from '../net/early';
 import type { Link } from '../net/link';
@@ -60,6 +62,8 @@ export class Engine {
   private readonly accumulated: Accumulated;
   /** The view must still be chosen for the recording just opened. */
   private unframed = false;
+  /** The clip that keeps a ceiling out of a plan. */
+  private cut: Clip | null = null;
   /** The frame on screen. */
   readonly frame = (): CloudFrame | null => this.playback.frame;
   /** Source minus local coordinates. */
@@ -267,8 +271,30 @@ export class Engine {
     this.camera.depth = Math.max(10, 2 * size);
     // A brush for what one sees: 5 cm in a room, as much larger in a street.
     if (jump) setRadius(Math.min(1, Math.max(0.02, eye.distanceTo(target) / 60)));
+    this.cutCeiling(preset === 'top' ? underCeiling(frame, room.matrix) : null, low, high);
     this.camera.lookAt(eye, target, jump, isPlan(preset));
     this.viewer.invalidate();
+  }
+
+  /** Show what is below a height, from now on; null: no more.  A clip box of the person's own stays. */
+  private cutCeiling(height: number | null, low: Vector3, high: Vector3): void {
+    if (clip.peek() !== null && clip.peek() !== this.cut) return;
+    const [x, z] = [(low.x + high.x) / 2, (low.z + high.z) / 2];
+    const wide = low.distanceTo(high);
+    const bottom = low.y - 1;
+    this.cut =
+      height === null
+        ? null
+        : {
+            volume: {
+              center: [x, (bottom + height) / 2, z],
+              size: [wide, height - bottom, wide],
+              yaw: 0,
+            },
+            slab: 1,
+            follows: false,
+          };
+    clip.value = this.cut;
   }
 
   private track(request: TrackRequest): void {

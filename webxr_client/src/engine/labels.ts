@@ -3,6 +3,7 @@ import { signal } from '@preact/signals';
 import { type Actions, actions, type LabelPatch } from '../store/actions';
 import { api } from '../net/rest';
 import { suggestColor, suggestName } from '../common/colors';
+import { labelColours } from '../store/safe-colours';
 import { listed } from '../store/palette-list';
 import type { Label, Labels, Timeline } from '../protocol/messages';
 import {
@@ -26,6 +27,7 @@ type LabelActions = Pick<
   | 'updateLabel'
   | 'renameLabel'
   | 'recolorLabel'
+  | 'recolorAll'
   | 'toggleVisible'
   | 'toggleLock'
   | 'deleteLabel'
@@ -103,7 +105,12 @@ async function create(name?: string, color?: string, category = ''): Promise<num
   const palette = state.palette.peek();
   const body = {
     name: name ?? suggestName(category, palette.map((label) => label.name)), // prettier-ignore
-    color: color ?? suggestColor(palette.map((label) => label.color)),
+    color:
+      color ??
+      suggestColor(
+        palette.map((label) => label.color),
+        labelColours.peek(),
+      ),
     category,
     // Somebody else may be making a label at this moment.
     distinct: true,
@@ -152,6 +159,15 @@ export const labelActions: LabelActions = {
   newLabel: () => beginLabel(create),
   updateLabel: update,
   renameLabel: (id, name) => update(id, { name }),
+  recolorAll: async () => {
+    const colours = labelColours.peek();
+    const given: string[] = [];
+    for (const { id, color, locked } of listed.peek()) {
+      const next = colours[given.length] ?? suggestColor(given, colours);
+      given.push(next);
+      if (color !== next && !locked) await update(id, { color: next });
+    }
+  },
   recolorLabel: (id, color) => update(id, { color }),
   toggleVisible: (id) => update(id, { visible: !find(id)?.visible }),
   toggleLock: (id) => update(id, { locked: !find(id)?.locked }),
@@ -186,7 +202,11 @@ async function beginLabel(create: Create): Promise<void> {
   const palette = state.palette.peek();
   const names = palette.map((label) => label.name);
   const colors = palette.map((label) => label.color);
-  const draft: NewLabel = { name: suggestName('', names), color: suggestColor(colors), id: 0 };
+  const draft: NewLabel = {
+    name: suggestName('', names),
+    color: suggestColor(colors, labelColours.peek()),
+    id: 0,
+  };
   newLabel.value = draft;
   made = create(draft.name, draft.color);
   const id = await made;

@@ -4,7 +4,7 @@ import { useEffect } from 'preact/hooks';
 import { actions } from '../store/actions';
 import { exportFormats, type ExportFormat } from '../engine/recordings';
 import { state } from '../store/state';
-import { Check } from './parts/controls';
+import { Button } from './parts/controls';
 import { frameRange, ordered } from '../store/range';
 import { PopoverButton } from './parts/popover';
 
@@ -44,13 +44,7 @@ function ExportMenu() {
   return (
     <>
       <h2>Export {frames ? `frames ${range![0]} – ${range![1]}` : `all ${all} frames`}</h2>
-      {range && (
-        <Check
-          label="Only the chosen range"
-          checked={onlyRange.value}
-          onChange={(checked) => (onlyRange.value = checked)}
-        />
-      )}
+      <Range all={all} range={frames ? range : null} />
       <Formats formats={exportFormats.value.filter((each) => !each.splits)} start={start} />
       <label class="row">
         <span>Validation</span>
@@ -70,6 +64,45 @@ function ExportMenu() {
         start={(format) => start(format, val)}
       />
     </>
+  );
+}
+
+interface RangeProps {
+  all: number;
+  /** null: all frames. */
+  range: readonly [number, number] | null;
+}
+
+/** From which frame to which: the range chosen on the timeline, which these choose too. */
+function Range({ all, range }: RangeProps) {
+  const [from, to] = range ?? [0, all - 1];
+  const choose = (first: number, last: number): void => {
+    const within = (frame: number): number => Math.min(all - 1, Math.max(0, Math.round(frame)));
+    onlyRange.value = true;
+    frameRange.value = { from: within(Math.min(first, last)), to: within(Math.max(first, last)) };
+  };
+  const field = (label: string, value: number, change: (value: number) => void) => (
+    <label>
+      {label}
+      <input
+        class="field"
+        type="number"
+        min={0}
+        max={all - 1}
+        value={value}
+        onKeyDown={(event) => event.key !== 'Escape' && event.stopPropagation()}
+        onChange={({ currentTarget: { value: text } }) => text && change(Number(text))}
+      />
+    </label>
+  );
+  return (
+    <div class="row frame-range">
+      {field('Frames', from, (value) => choose(value, Math.max(value, to)))}
+      {field('to', to, (value) => choose(Math.min(from, value), value))}
+      {range && (
+        <Button label="All" tip="Export all frames" onClick={() => (onlyRange.value = false)} />
+      )}
+    </div>
   );
 }
 

@@ -15,6 +15,7 @@ import { boxDraft } from '../tools/volume';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
 import { Button, Check, Slider } from './parts/controls';
+import { CutName } from './parts/cut-name';
 import { metres } from '../common/format';
 import { PopoverButton } from './parts/popover';
 import { RadioGroup, type RadioOption } from './parts/radio-group';
@@ -167,7 +168,9 @@ function Action() {
       {tool === 'paint' && label && (
         <>
           <span class="swatch" style={{ '--color': label.color }} />
-          <strong>{label.name}</strong>
+          <strong>
+            <CutName name={label.name} />
+          </strong>
         </>
       )}{' '}
       by
@@ -217,7 +220,7 @@ function OutlineKinds() {
   return (
     <RadioGroup
       label="Outline"
-      class="segmented"
+      class="segmented outlines"
       options={KINDS}
       value={outlineKind.value}
       onChoose={(kind) => (outlineKind.value = kind)}

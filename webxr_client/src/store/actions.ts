@@ -95,6 +95,8 @@ export interface Actions {
   updateLabel(id: number, patch: LabelPatch): Promise<void>;
   renameLabel(id: number, name: string): Promise<void>;
   recolorLabel(id: number, color: string): Promise<void>;
+  /** Give all labels that are not locked colours of this person's set, in their order. */
+  recolorAll(): Promise<void>;
   toggleVisible(id: number): Promise<void>;
   toggleLock(id: number): Promise<void>;
   deleteLabel(id: number): Promise<void>;

@@ -2,7 +2,7 @@ import { Matrix4, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { CloudFrame } from '../cloud/points/frame';
 import { segmentOf } from '../cloud/points/testing';
-import { viewOf } from './framing';
+import { underCeiling, viewOf } from './framing';
 
 type Vector = [number, number, number];
 
@@ -71,5 +71,30 @@ describe('the first view', () => {
 
   it('needs points', () => {
     expect(viewOf('fit', new CloudFrame(0, false), new Matrix4(), 55, 1.6, LOCAL)).toBeNull();
+  });
+});
+
+describe('a plan', () => {
+  const layer = (height: number): Vector[] =>
+    Array.from({ length: 900 }, (_, i) => [(i % 30) * 150, height, Math.floor(i / 30) * 150]);
+  const walls = Array.from({ length: 600 }, (_, i): Vector => [
+    i % 2 ? 0 : 4350,
+    (i % 25) * 100,
+    Math.floor(i / 25) * 180,
+  ]);
+
+  it('ends below the ceiling of a room', () => {
+    const { frame, room } = frameAround([...layer(0), ...walls, ...layer(2500)]);
+    const height = underCeiling(frame, room)!;
+    expect(height).toBeGreaterThan(2.1);
+    expect(height).toBeLessThan(2.5);
+  });
+
+  it('shows all of what has no ceiling', () => {
+    const { frame, room } = frameAround([...layer(0), ...walls]);
+    expect(underCeiling(frame, room)).toBeNull();
+    // A table is none.
+    const table = frameAround([...layer(0), ...walls, ...layer(800)]);
+    expect(underCeiling(table.frame, table.room)).toBeNull();
   });
 });

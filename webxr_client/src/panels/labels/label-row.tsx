@@ -4,7 +4,7 @@ import { useRef, useState } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import type { Label } from '../../protocol/messages';
 import { canEdit, state } from '../../store/state';
-import { LABEL_COLORS } from '../../common/colors';
+import { labelColours } from '../../store/safe-colours';
 import { Button, NameField } from '../parts/controls';
 import { shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
@@ -12,6 +12,7 @@ import { lossOf, pointsOf } from './label-points';
 import { dragged, onRowDown, onRowFocus, onRowKey, tabStop } from './label-rows';
 import { LabelMenu } from './label-menu';
 import { keyOf, renaming } from '../../store/palette-list';
+import { CutName } from '../parts/cut-name';
 import { Popover } from '../parts/popover';
 
 export function LabelRow({ label, number }: { label: Label; number: number }) {
@@ -34,6 +35,11 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
       tabIndex={tabStop.value === label.id ? 0 : -1}
       onPointerDown={(event) => onRowDown(event, label.id)}
       onClick={choose}
+      onContextMenu={(event) => {
+        event.preventDefault();
+        choose();
+        setMenu(true);
+      }}
       onDblClick={() => canEdit.peek() && (renaming.value = label.id)}
       onKeyDown={(event) => onRowKey(event, label.id)}
       onFocusIn={() => onRowFocus(label.id)}
@@ -72,7 +78,7 @@ function LabelText({ label }: { label: Label }) {
   }
   return (
     <>
-      <span class="name">{label.name}</span>
+      <CutName name={label.name} />
       {label.category && label.category !== label.name && (
         <span class="category">{label.category}</span>
       )}
@@ -215,7 +221,7 @@ function ColorPicker({ label, anchor, onClose }: ColorPickerProps) {
   return (
     <Popover anchor={anchor} label={`Colour of ${label.name}`} onClose={onClose}>
       <div class="color-grid">
-        {LABEL_COLORS.map((color) => (
+        {labelColours.value.map((color) => (
           <button
             key={color}
             type="button"

@@ -6,6 +6,8 @@ import { canEdit, state } from '../../store/state';
 import { templates } from '../../engine/palette-files';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
+import { chooseSafeColours, safeColours } from '../../store/safe-colours';
+import { Check } from '../parts/controls';
 import { PopoverButton } from '../parts/popover';
 
 const open = signal(false);
@@ -59,6 +61,24 @@ function Menu() {
         }}
       >
         <Icon name="import" /> A palette file…
+      </button>
+      <hr />
+      <Check
+        label="Colours for colour-blind eyes"
+        tip="New labels, and what can be chosen, have colours that are told apart without red, green or blue cones"
+        checked={safeColours.value}
+        onChange={chooseSafeColours}
+      />
+      <button
+        type="button"
+        class="menu-item"
+        disabled={cannot || state.palette.value.length === 0}
+        onClick={() => {
+          close();
+          void actions.recolorAll();
+        }}
+      >
+        <Icon name="swap" /> Give all labels these colours
       </button>
       <hr />
       <button

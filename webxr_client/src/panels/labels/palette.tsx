@@ -1,5 +1,6 @@
 /** The labels, at the side. */
 import { computed } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { finishLabel, isNew, newLabel } from '../../engine/labels';
 import type { Label } from '../../protocol/messages';
@@ -40,6 +41,13 @@ export function Palette() {
 function LabelList() {
   const groups = shownGroups.value;
   const numbers = new Map(listed.value.map((label, index) => [label.id, index + 1]));
+  const active = state.activeLabel.value;
+  // Chosen by a search, a key or a click into the cloud, it may be far away in the list.
+  useEffect(() => {
+    document
+      .querySelector(`#palette [data-label="${active}"]`)
+      ?.scrollIntoView({ block: 'nearest' });
+  }, [active, groups]);
   return (
     <div class="labels" role="grid" aria-label="Labels">
       {groups.map(({ category, labels }) => (
@@ -184,9 +192,12 @@ function PaletteSearch() {
         )}
       </div>
       <div class="count-head faint" aria-hidden="true">
-        Points in this frame
-        <br />
-        in all frames
+        <span>Name, category</span>
+        <span>
+          Points here
+          <br />
+          in all frames
+        </span>
       </div>
     </>
   );

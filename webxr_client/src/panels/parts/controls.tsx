@@ -56,6 +56,7 @@ interface SliderProps {
   tip?: string;
   keys?: string;
   before?: ComponentChildren;
+  class?: string;
   shown?: string;
   disabled?: boolean;
   onInput: (value: number) => void;
@@ -73,7 +74,7 @@ export function Slider(props: SliderProps) {
     return logarithmic ? min * (max / min) ** (raw / LOG_STEPS) : raw;
   };
   return (
-    <label class="slider" data-tip={props.tip} data-keys={props.keys}>
+    <label class={`slider ${props.class ?? ''}`} data-tip={props.tip} data-keys={props.keys}>
       {props.before ?? <span>{props.label}</span>}
       <input
         type="range"

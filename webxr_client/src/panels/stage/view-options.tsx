@@ -45,8 +45,23 @@ export function ViewOptions() {
         )}
       </select>
       <RampButton />
+      <ViewSliders class="of-view" />
+      <CamerasButton />
+      <ClipButton />
+      <AccumulateButton />
+      <OverlayOptions />
+    </>
+  );
+}
+
+/** Sliders of the look of points, in the bar where there is room, in the menu of layers always. */
+function ViewSliders({ class: extra }: { class?: string }) {
+  const view = state.view.value;
+  return (
+    <>
       <Slider
         label="Labels over colour"
+        {...(extra && { class: extra })}
         before={<Icon name="view" />}
         value={view.labelBlend}
         min={0}
@@ -57,6 +72,7 @@ export function ViewOptions() {
       />
       <Slider
         label="Point size"
+        {...(extra && { class: extra })}
         before={<Icon name="points" />}
         value={view.pointSize}
         min={0.25}
@@ -66,10 +82,6 @@ export function ViewOptions() {
         shown={`${view.pointSize.toFixed(1)}×`}
         onInput={(pointSize) => actions.setView({ pointSize })}
       />
-      <CamerasButton />
-      <ClipButton />
-      <AccumulateButton />
-      <OverlayOptions />
     </>
   );
 }
@@ -99,6 +111,7 @@ function OverlayOptions() {
       label="Drawn over the recording"
       class="overlays"
     >
+      <ViewSliders />
       {OVERLAYS.map(([name, label, tip]) => (
         <Check
           key={name}
