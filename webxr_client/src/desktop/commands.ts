@@ -112,7 +112,7 @@ const MORE: readonly KeyBinding[] = [
   plain('View', 'First steps: a tour of five cards', beginTour),
   key('z', 'Z', 'Review', 'Next suspicious place', () => stepFindings(1)),
   key('shift+z', 'Shift Z', 'Review', 'Previous suspicious place', () => stepFindings(-1)),
-  key('shift+c', 'Shift C', 'Review', 'Confirm what is doubtful in this frame', () => {
+  key('shift+y', 'Shift Y', 'Review', 'Confirm what is doubtful in this frame', () => {
     if (canReview.peek()) void actions.acceptHere();
   }),
   key('ctrl+enter', 'Ctrl Enter', 'Review', 'Accept this frame', () => judgeHere('accepted')),

@@ -48,7 +48,7 @@ function rowsNow(): readonly HelpRow[] {
       ...(all && isChangeable(binding) && { binding }),
     };
   });
-  const listed = rows.filter(({ shown, binding }) => shown !== "" || binding);
+  const listed = rows.filter(({ shown, binding }) => shown !== '' || binding);
   return [...listed, WALK_KEYS, ...BOX_KEYS, ...MOUSE];
 }
 

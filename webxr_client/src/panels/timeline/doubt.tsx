@@ -17,7 +17,7 @@ export function Doubt() {
         <Button
           label="Confirm"
           tip="Right as it is: its points count as painted"
-          keys="Shift C"
+          keys="Shift Y"
           kind="outlined"
           small
           onClick={() => void actions.acceptHere()}
