@@ -129,6 +129,7 @@ def test_a_long_palette_is_worked_with_the_keyboard(browser: Browser, server: Li
         keyboard.press("Enter")
         assert desk.ask("pb.state.activeLabel.value") == 12
         expect(page.locator(".label-row")).to_have_count(12)
+        expect(page.get_by_role("row", name="thing 12")).to_be_in_viewport()
         # A row is one tab stop; arrows go through rows, and into one.
         page.get_by_role("searchbox", name="Search labels").focus()
         keyboard.press("Tab")

@@ -13,6 +13,7 @@ from pointbrush.sequences import import_frames
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, name_person, painted
 from tests.e2e.server import LiveServer
+from tests.e2e.test_accessibility import faults
 from tests.waiting import eventually
 
 READY = "pb.state.object.value?.ready && pb.state.object.value.levels > 1"
@@ -45,6 +46,9 @@ def test_hover_shows_levels_a_click_takes_and_one_undo_takes_back(
     shown = desk.ask("pb.state.object.value")
     assert 2 <= shown["levels"] <= 6
     assert desk.labels().get(65534) == shown["points"]
+    # Told from surroundings of its colour by an edge, which goes with it.
+    assert desk.ask("pb.engine.viewer.uniforms.settings.value[27]") == 1
+    assert faults(desk.page, "lit object") == []
     for _ in range(shown["level"]):
         desk.press("-")
     smallest = desk.ask("pb.state.object.value.points")

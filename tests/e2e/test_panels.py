@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, expect
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import SEQUENCE, painted
 from tests.e2e.server import LiveServer
-from tests.e2e.test_accessibility import faults
+from tests.e2e.test_accessibility import faults, focused
 from tests.waiting import eventually
 
 # Pixels of the names beside the strips.
@@ -88,7 +88,7 @@ def test_a_label_is_recoloured_locked_hidden_and_deleted(desk: Desk, server: Liv
     other.hover()
     other.get_by_role("button", name="Show only this label").click()
     desk.until("pb.state.solo.value === 2")
-    other.get_by_role("button", name="More for pin 2").click()
+    other.click(button="right")
     page.get_by_role("button", name="Delete", exact=True).last.click()
     desk.until("pb.state.palette.value.length === 1")
 
@@ -138,6 +138,14 @@ def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServ
     desk.page.mouse.move(left + width * 4.5 / 6, y, steps=4)
     desk.page.mouse.up()
     desk.page.get_by_text("Frames 1 – 4").wait_for()
+    desk.page.get_by_role("button", name="Export", exact=True).click()
+    export = desk.page.get_by_role("dialog", name="Export")
+    export.get_by_role("spinbutton", name="to").fill("3")
+    export.get_by_role("spinbutton", name="to").press("Tab")
+    expect(export.get_by_role("heading", name="Export frames 1 – 3")).to_be_visible()
+    export.get_by_role("spinbutton", name="to").fill("4")
+    export.get_by_role("spinbutton", name="to").press("Tab")
+    desk.press("Escape")
     desk.page.locator(".chip").get_by_role("button", name="Track…").click()
     form = desk.page.get_by_role("dialog", name="Track labels")
     expect(form.get_by_role("spinbutton", name="From")).to_have_value("1")
@@ -162,8 +170,19 @@ def test_help_lists_every_key_and_closes(desk: Desk) -> None:
     dialog = desk.page.get_by_role("dialog", name="Keyboard and mouse")
     for what in ("Play or pause", "Eraser", "Smaller brush", "Choose a label", "Redo"):
         expect(dialog.get_by_text(what)).to_be_visible()
+    # A key of one's own counts at once, and is taken from what had it.
+    dialog.get_by_role("button", name="Change keys").click()
+    dialog.get_by_role("button", name="Key of Loop: L").click()
+    desk.press("v")
+    expect(dialog.get_by_role("button", name="Key of Loop: V")).to_be_visible()
+    expect(dialog.get_by_role("button", name="Key of Look around: none")).to_be_visible()
+    assert faults(desk.page, "keys", "dialog") == []
+    dialog.get_by_role("button", name="Done").click()
     desk.press("Escape")
     expect(dialog).to_have_count(0)
+    desk.page.locator("#view").focus()
+    desk.press("v")
+    desk.until("!pb.state.loop.value && pb.state.tool.value === 'paint'")
 
 
 def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: LiveServer) -> None:
@@ -212,7 +231,7 @@ def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: Live
 
 
 def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
-    for width, height in ((390, 844), (1280, 720), (1920, 1080)):
+    for width, height in ((390, 844), (853, 480), (1280, 720), (1920, 1080)):
         desk.page.set_viewport_size({"width": width, "height": height})
         nameless = desk.page.evaluate(
             """() => [...document.querySelectorAll('button, input, select, [role=slider]')]
@@ -222,10 +241,54 @@ def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
         assert nameless == []
         outside = desk.page.evaluate(
             """() => [...document.querySelectorAll('#toolbar *, #timeline *')]
+              .filter((e) => !e.parentElement.closest('.options') || innerWidth >= 760)
               .filter((e) => e.getBoundingClientRect().right > innerWidth + 1)
               .map((e) => e.outerHTML)"""
         )
         assert outside == []
+        # The cloud has its room, and what is painted its name.
+        room = desk.page.locator("#view").bounding_box()
+        assert room is not None
+        assert room["width"] * room["height"] > 0.35 * width * height
+        desk.press("o")
+        name = desk.page.locator(".action strong")
+        assert name.evaluate("(e) => e.scrollWidth <= e.clientWidth && e.clientWidth > 20")
+
+
+def by_keys_alone(window: Desk, server: LiveServer) -> None:
+    """Label, track and export a recording that is open, without a mouse."""
+    page = window.page
+
+    def until_focused(text: str) -> None:
+        for _ in range(60):
+            if text in focused(page):
+                return
+            window.press("Tab")
+        raise AssertionError(f"Tab does not lead to {text!r}")
+
+    def command(words: str) -> None:
+        window.press("Control+k")
+        page.keyboard.type(words)
+        window.press("Enter")
+
+    window.until("pb.shown().total > 0 && pb.shown().drawn === pb.shown().total")
+    window.press("n")
+    page.keyboard.type("thing")
+    window.press("Enter")
+    window.until("pb.state.palette.value[0]?.name === 'thing' && pb.state.activeLabel.value === 1")
+    page.locator("#view").focus()
+    window.press("0")
+    window.settled()
+    window.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")
+    command("track labels")
+    until_focused("Track 1 label")
+    window.press("Enter")
+    window.until("pb.state.timeline.value.rows.get(1)?.points[1] > 0", 60)
+    command("export points")
+    until_focused("PLY")
+    with page.expect_download() as saved:
+        window.press("Enter")
+    assert saved.value.path().stat().st_size > 1000
 
 
 def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
@@ -247,8 +310,7 @@ def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
         dialog.get_by_role("button", name="Import", exact=True).click()
         window.until("pb.state.sequence.value?.frames === 2")
         expect(window.page.get_by_text("A label is one thing to follow")).to_be_visible()
-        window.page.get_by_role("button", name="First label").click()
-        window.until("pb.state.palette.value.length === 1")
+        by_keys_alone(window, server)
         window.context.close()
         assert window.complaints == []
     finally:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
@@ -67,3 +68,17 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     desk.press("Control+z")
     eventually(lambda: not any(server.annotation("street", i).any() for i in range(FRAMES)))
     eventually(lambda: not np.any([desk.labels(i).get(1, 0) for i in range(FRAMES)]))
+    # The camera's picture over the cloud, which stays where it is.
+    before = page.locator("#view").bounding_box()
+    page.get_by_role("button", name="Picture of front large, over the cloud").click()
+    large = page.get_by_role("region", name="Camera front, large")
+    large.get_by_role("slider", name="Opacity").fill("0.5")
+    assert large.locator("figure").evaluate("(e) => getComputedStyle(e).opacity") == "0.5"
+    wide = large.locator("img").bounding_box()
+    assert wide is not None
+    assert before is not None
+    assert wide["width"] > 0.5 * before["width"]
+    assert page.locator("#view").bounding_box() == before
+    assert before["x"] == page.locator("#stage").bounding_box()["x"]  # type: ignore[index]
+    large.get_by_role("button", name="Close the large picture").click()
+    expect(large).to_have_count(0)

@@ -20,6 +20,7 @@ from tests.e2e.recording import (
     tip_over,
 )
 from tests.e2e.server import LiveServer
+from tests.waiting import eventually
 
 
 def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk: Desk) -> None:
@@ -126,6 +127,9 @@ def test_a_run_that_stopped_is_accepted_and_then_continued_at_the_desk(
     row = "pb.state.timeline.value.rows.get(1)"
     desk.until(f"{row}.painted[1] > 0")
     assert not desk.ask("pb.state.jobs.value.some((job) => job.state === 'running')")
+    desk.press("Control+Enter")
+    review = f"sequences/{SEQUENCE}/frames/1/review"
+    eventually(lambda: server.request("GET", review).json()["state"] == "accepted")
     desk.page.get_by_role("button", name="Continue to 5").click()
     desk.until(f"{row}.points[2] > 0", 60)
     provenance = server.annotation(SEQUENCE, 1, "provenance")

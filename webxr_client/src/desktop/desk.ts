@@ -85,6 +85,7 @@ class Desk {
       goToObject: (label = state.activeLabel.peek(), frame) => going.goTo(label, frame),
       clipTo: (slab) => clipping.set(slab),
       aimAtMiddle: () => pointer.aimAtMiddle(),
+      useInMiddle: () => pointer.useInMiddle(),
       cancelStroke: () => pointer.cancel() || objects.end() || leaveBox(),
       closeOutline: () => pointer.closeOutline(),
       takeBackCorner: () => pointer.takeBackCorner(),

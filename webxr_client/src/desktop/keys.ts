@@ -155,6 +155,13 @@ export const KEYS: readonly KeyBinding[] = [
     run: () => actions.snapBox(),
   },
   {
+    keys: ['0'],
+    shown: '0',
+    what: 'Use the tool in the middle of the picture',
+    group: 'Tools',
+    run: () => actions.useInMiddle(),
+  },
+  {
     keys: ['backspace'],
     shown: 'Backspace',
     what: 'Take back the polygon’s last corner',

@@ -3,7 +3,6 @@ import type { Vector3 } from 'three';
 import type { ObjectBoxes } from '../boxes/index';
 import { actions } from '../store/actions';
 import { type CloudFrame } from '../cloud/points/frame';
-import { DELETED } from '../cloud/points/piece';
 import type { Viewer } from '../cloud/picture/viewer';
 import { isStroke, state } from '../store/state';
 import type { PointerSample } from '../store/types';
@@ -122,19 +121,19 @@ export class DeskPointer {
       if (this.lasso.corner(this.aim.x, this.aim.y)) this.closeOutline();
       return null;
     }
-    return this.useTool(event, removes);
+    return this.useTool(event.pointerType === 'touch', removes);
   }
 
-  private useTool(event: PointerEvent, removes: boolean): Drag | null {
+  private useTool(finger: boolean, removes: boolean): Drag | null {
     const tool = state.tool.peek();
     if (tool === 'boxes' && this.boxPress.begin()) return 'box';
     if (tool === 'boxes' || tool === 'navigate') return this.pivotUnderCursor('turn');
-    return isStroke(tool) ? this.beginStroke(removes) : this.beginTap(event);
+    return isStroke(tool) ? this.beginStroke(removes) : this.beginTap(finger);
   }
 
-  private beginTap(event: PointerEvent): Drag | null {
+  private beginTap(finger: boolean): Drag | null {
     // A finger's tap counts when it is up: a second one may follow.
-    if (event.pointerType === 'touch') return 'tap';
+    if (finger) return 'tap';
     this.tap();
     return null;
   }
@@ -149,7 +148,9 @@ export class DeskPointer {
   }
 
   private tap(): void {
-    if (state.tool.peek() === 'pick') this.pickLabel();
+    const label = state.tool.peek() === 'pick' ? this.aim.labelHere() : 0;
+    // Which takes up the brush.
+    if (label !== 0) actions.selectLabel(label);
     if (state.tool.peek() === 'floor') void actions.pointAtFloor(this.aim.ray());
   }
 
@@ -227,6 +228,13 @@ export class DeskPointer {
     const more = this.touches.up(event);
     if (this.drag === 'tap') this.tap();
     if (this.drag === 'pinch' && more) return;
+    this.finish();
+    if (this.canvas.hasPointerCapture(event.pointerId)) {
+      this.canvas.releasePointerCapture(event.pointerId);
+    }
+  }
+
+  private finish(): void {
     if (this.drag === 'stroke') {
       this.stroke?.end();
       if (this.stroke && completes(deskWay())) {
@@ -238,9 +246,14 @@ export class DeskPointer {
     if (this.drag === 'box') this.boxPress.end();
     this.handles.release();
     this.drag = null;
-    if (this.canvas.hasPointerCapture(event.pointerId)) {
-      this.canvas.releasePointerCapture(event.pointerId);
-    }
+  }
+
+  /** Use the tool in the middle of the picture, as a click there does. */
+  useInMiddle(): void {
+    if (this.drag) return;
+    this.aimAtMiddle();
+    this.drag = this.useTool(false, false);
+    this.finish();
   }
 
   private leave(): void {
@@ -314,7 +327,8 @@ export class DeskPointer {
     if (!this.stroke || deskWay().samples !== 'path') return;
     const distance = Math.hypot(x - this.last.x, y - this.last.y);
     if (distance < 0.5) return;
-    const gap = Math.max(2, this.radiusPixels() * DAB_SPACING);
+    const pixel = this.aim.pixelAt(state.hover.peek()?.distance ?? 2);
+    const gap = Math.max(2, (state.brush.peek().radius / pixel) * DAB_SPACING);
     const dabs = Math.min(MAX_DABS, Math.ceil(distance / gap));
     for (let i = 1; i <= dabs; i++) {
       const t = i / dabs;
@@ -323,12 +337,6 @@ export class DeskPointer {
     }
     this.last.x = x;
     this.last.y = y;
-  }
-
-  /** The brush's radius on screen where it last met the surface. */
-  private radiusPixels(): number {
-    const distance = state.hover.peek()?.distance ?? 2;
-    return state.brush.peek().radius / this.aim.pixelAt(distance);
   }
 
   /** Close the polygon that is drawn, or take the box; false when there is neither. */
@@ -346,14 +354,6 @@ export class DeskPointer {
   /** Put the box that is drawn on the ground; false when there is none. */
   snapBox(): boolean {
     return this.boxes.snap();
-  }
-
-  private pickLabel(): void {
-    const hit = this.aim.hit(0.03);
-    const label = hit?.frame.labelOf(hit.point) ?? 0;
-    if (label === 0 || label === DELETED) return;
-    actions.selectLabel(label);
-    actions.setTool('paint');
   }
 
   /** Put the brush into the middle of the picture. */

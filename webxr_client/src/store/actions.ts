@@ -73,6 +73,8 @@ export interface Actions {
   clipTo(slab: 0 | 1 | 2 | null): void;
   /** Put the desk's brush into the middle of the picture. */
   aimAtMiddle(): void;
+  /** Use the tool there, as a click does: for hands without a mouse. */
+  useInMiddle(): void;
   /** Between perspective and an orthographic picture. */
   toggleOrthographic(): void;
   /**

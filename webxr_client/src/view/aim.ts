@@ -83,6 +83,13 @@ export class Aim {
     return (state.tool.peek() === 'restore' ? meet(isDeleted) : null) ?? meet(this.seen);
   }
 
+  /** The label under the cursor, 0 where there is none. */
+  labelHere(): number {
+    const hit = this.hit(0.03);
+    const label = hit?.frame.labelOf(hit.point) ?? 0;
+    return label === DELETED ? 0 : label;
+  }
+
   roomPosition(hit: Hit): Vector3 {
     return new Vector3(...hit.position).applyMatrix4(this.viewer.room.matrixWorld);
   }
