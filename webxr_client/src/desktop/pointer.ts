@@ -149,7 +149,6 @@ export class DeskPointer {
 
   private tap(): void {
     const label = state.tool.peek() === 'pick' ? this.aim.labelHere() : 0;
-    // Which takes up the brush.
     if (label !== 0) actions.selectLabel(label);
     if (state.tool.peek() === 'floor') void actions.pointAtFloor(this.aim.ray());
   }

@@ -58,7 +58,7 @@ export class Pacing {
     // A picture that is drawn whole says nothing of what can be drawn while one moves.
     if (total !== this.seen && this.adaptive && !this.whole) this.note(now);
     this.seen = total;
-    // What is lit or painted under a still camera changes points, not how many there are.
+    // Light and paint under a still camera change points, not how many there are.
     const moved = this.look() || state.playing.peek();
     if (moved || viewer.renderer.xr.isPresenting) this.movedAt[0] = now;
     const { points } = this;

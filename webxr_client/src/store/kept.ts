@@ -11,7 +11,7 @@ export function keep(key: string, value: string): void {
   }
 }
 
-/** What was kept under a key, or null. */
+/** The value kept under a key, or null. */
 export function kept(key: string): string | null {
   try {
     return localStorage.getItem(key) ?? here.get(key) ?? null;

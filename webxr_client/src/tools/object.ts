@@ -201,7 +201,7 @@ export class ObjectTool {
     this.dropOverlay();
     const candidates = message.candidates.map(({ id, runs }) => ({ id, indices: numbersOf(runs) }));
     const like = question.like && mostLike(candidates, question.like);
-    // What is near alone does not tell where an object ends: its smallest part is the least wrong.
+    // Near points alone do not tell where an object ends: its smallest part is the least wrong.
     const first = message.ready || question.purpose !== 'hover' ? message.first : 0;
     const level = like ?? Math.max(0, Math.min(first, candidates.length - 1));
     this.offer = { question, candidates, ready: message.ready, level, chosen: like !== null };
@@ -328,7 +328,7 @@ export class ObjectTool {
     return Uint16Array.of(tool === 'paint' ? (label ?? 0) : tool === 'delete' ? DELETED : 0);
   }
 
-  /** What would be painted is lighter than its label, and has an edge. */
+  /** Points that would be painted are lighter than their label, and have an edge. */
   private previewOf(brush: Brush): Uint16Array {
     return brush.tool === 'paint' ? Uint16Array.of(PREVIEW) : this.valueOf(brush);
   }

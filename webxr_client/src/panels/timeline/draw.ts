@@ -161,7 +161,7 @@ function drawLane(
   pen.rect(gutter, top + gap, inner, row - gap);
   pen.clip();
   const found = runs(cells, picture.span, picture.frames, inner);
-  // What wants a look lies over its neighbours, and is wide enough to be seen.
+  // Doubtful frames lie over their neighbours, and are wide enough to be seen.
   for (const looks of [false, true]) {
     for (const run of found) {
       if (wantsLook(run.kind) !== looks) continue;
@@ -173,7 +173,7 @@ function drawLane(
   pen.font = `500 ${fontSize}px ${font}`;
 }
 
-/** Where a run begins and how wide it is, pixels. */
+/** Left edge and width of a run, pixels. */
 export function placeOf(
   run: Run,
   span: Span,

@@ -1,4 +1,4 @@
-/** Which of a long recording's frames the timeline shows: a bar that is dragged, its ends too. */
+/** The part of a long recording that the timeline shows: a bar that is dragged, its ends too. */
 import type { Signal } from '@preact/signals';
 import { doubtfulFrames } from '../../store/cells';
 import { state } from '../../store/state';
