@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from pointbrush.labels import Commit
+from pointbrush.labels.box_maps import LONGEST_SIDE
 from pointbrush.names import HIDDEN
 from pointbrush.roles import Role
 from pointbrush.sequences import Manifest
@@ -28,6 +29,9 @@ VISIBLE = f"[^{HIDDEN}]"
 """Pattern of a character that names may hold."""
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=f"^{VISIBLE}+$")]
 PaintId = Annotated[int, Field(ge=1, le=65534)]
+Side = Annotated[float, Field(gt=0, le=LONGEST_SIDE, allow_inf_nan=False)]
+Sides = Annotated[list[Side], Field(min_length=3, max_length=3)]
+"""Length, width and height of a box, metres."""
 
 
 def integral(body: Any) -> Any:

@@ -23,7 +23,7 @@ from pointbrush.streaming.messages import (
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body, EditOut, PaintId
+from pointbrush.web.schemas import Body, EditOut, PaintId, Sides
 from pointbrush.web.schemas_work import JobOut
 
 router = resource("boxes")
@@ -48,7 +48,7 @@ class BoxBody(Body):
     """A new box; ``edit``: the edit's UUID, the same one twice is applied once."""
 
     label: PaintId
-    size: Vec3
+    size: Sides
     poses: Annotated[dict[FrameKey, PoseBody], Field(min_length=1)]
     attributes: Attributes = Field(default_factory=dict)
     provenance: BoxProvenance = "drawn"
@@ -69,7 +69,7 @@ class BoxChange(Body):
     """Changes of a box: poses are merged by frame, attributes by name; null removes one."""
 
     label: PaintId | None = None
-    size: Vec3 | None = None
+    size: Sides | None = None
     poses: dict[FrameKey, PoseChange | None] = Field(default_factory=dict)
     attributes: Merged = Field(default_factory=dict)
     provenance: BoxProvenance | None = None

@@ -8,13 +8,13 @@ from pydantic import BaseModel, Field
 
 from pointbrush.labels import BoxAttribute, Category
 from pointbrush.labels.box_attributes import MOST_CHOICES, AttributeKind, Scope
-from pointbrush.labels.box_maps import LONGEST_SIDE, MOST_ATTRIBUTES, NAME_LIMIT
+from pointbrush.labels.box_maps import MOST_ATTRIBUTES, NAME_LIMIT
 from pointbrush.labels.taxonomy import Taxonomy
 from pointbrush.names import HIDDEN
 from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import VISIBLE, Body, Out
+from pointbrush.web.schemas import VISIBLE, Body, Out, Sides
 
 router = resource("taxonomy")
 NAME = f"^[^{HIDDEN} ]{VISIBLE}*$"
@@ -23,10 +23,6 @@ NAME = f"^[^{HIDDEN} ]{VISIBLE}*$"
 
 DatasetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 DatasetNumber = Annotated[int, Field(ge=0, le=65535)]
-
-
-Side = Annotated[float, Field(gt=0, le=LONGEST_SIDE, allow_inf_nan=False)]
-Sides = Annotated[list[Side], Field(min_length=3, max_length=3)]
 
 
 class CategoryBody(Body):
