@@ -40,7 +40,7 @@ from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing
 from pointbrush.work.objects import Objects
-from pointbrush.work.projects import Projects, Queue, Versions
+from pointbrush.work.projects import Agreeing, Projects, Queue, Versions
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
@@ -113,7 +113,8 @@ class Workspace:
         self.copying = Copying(self.labels, self.recording)
         self.splitting = Splitting(self.labels, self.recording)
         self.boxes = BoxPainting(self.labels, self.recording)
-        self.queue = Queue(self.labels, self.recording)
+        self.agreeing = Agreeing(self.labels, self.library)
+        self.queue = Queue(self.labels, self.recording, self.agreeing.copy)
         self.projects, self.versions = Projects(self.labels, publish), Versions(self.labels)
         self.deletion.tidy()
         if not self.read_only:

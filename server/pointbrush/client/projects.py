@@ -9,7 +9,7 @@ from datetime import datetime
 from typing import Any, Literal
 
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.values import Vector, read
+from pointbrush.client.values import Edit, Vector, read
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,14 +145,18 @@ class Project(Part[L]):
         frames: str | None = None,
         every: int | None = None,
         assignee: str = "",
+        people: int = 1,
+        truth: bool = False,
     ) -> Steps[list[Task]]:
         """Make a task of each recording (None: all), or of each ``every`` frames of ``frames``.
 
-        Raises ConflictError for frames that have a task which is not accepted yet.
+        ``people`` label the same, each a copy that the others do not see; ``truth``: the labels
+        that are there are hidden, and known to be right.  Raises ConflictError for frames that
+        have a task which is not accepted yet.
         """
         given = {"recordings": recordings, "frames": frames, "every": every}
         body: dict[str, Any] = {n: value for n, value in given.items() if value is not None}
-        body |= {"assignee": assignee, "id": str(uuid.uuid4())}
+        body |= {"assignee": assignee, "people": people, "truth": truth, "id": str(uuid.uuid4())}
         request = Request("POST", f"{self._place}/tasks", {"json": body}, again=True)
         return [read(Task, entry) for entry in (yield from send(request)).json()]
 
@@ -202,6 +206,31 @@ class Project(Part[L]):
         """List the changes of a task, the newest first."""
         request = Request("GET", f"{self._place}/tasks/{number}/history", again=True)
         found: list[dict[str, Any]] = (yield from send(request)).json()
+        return found
+
+    # ── agreement ────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def agreement(self, sequence: str) -> Steps[list[dict[str, Any]]]:
+        """Compare each two people's copies of a recording: by points, and places that differ."""
+        query = {"sequence": sequence}
+        place = f"{self._place}/agreement"
+        answer = yield from send(Request("GET", place, {"params": query}, again=True))
+        found: list[dict[str, Any]] = answer.json()
+        return found
+
+    @steps
+    def merge(self, sequence: str, take: str = "majority") -> Steps[Edit]:
+        """Write the labels of the majority, or of one copy by its id, into the recording."""
+        body = {"sequence": sequence, "take": take, "id": str(uuid.uuid4())}
+        request = Request("POST", f"{self._place}/merge", {"json": body}, again=True)
+        return read(Edit, (yield from send(request)).json())
+
+    @steps
+    def scores(self) -> Steps[list[dict[str, Any]]]:
+        """Compare what each person has handed in of known truth with it."""
+        answer = yield from send(Request("GET", f"{self._place}/scores", again=True))
+        found: list[dict[str, Any]] = answer.json()
         return found
 
     # ── versions ─────────────────────────────────────────────────────────────────────────

@@ -106,6 +106,7 @@ def restore_sequence(
             raise NotFoundError(f"backup: expected labels of {sequence!r}, there are none")
         fields = {name: value for name, value in row.items() if name != "number"}
         there = select(projects.c.id).where(projects.c.id == row["project"])
+        fields |= {"copy_of": None, "copy_kind": None}  # numbers of another database
         fields["project"] = writer.execute(there).scalar()  # else it joins the first one
         made = writer.execute(insert(sequences), fields | {"id": target, "identity": identity})
         key = made.inserted_primary_key

@@ -21,7 +21,7 @@ from pointbrush.labels.project_tables import (
     version_recordings,
     versions,
 )
-from pointbrush.labels.schema import LIVE, PROJECT_OF, categories, sequences
+from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, categories, sequences
 from pointbrush.labels.tasks import forget_tasks, lock_project
 from pointbrush.names import require_visible
 from pointbrush.roles import ROLES, Role, includes
@@ -162,7 +162,11 @@ def _project(connection: Connection, project: str) -> Project:
 
 def _projects(connection: Connection, only: str | None = None) -> list[Project]:
     chosen = select(projects)
-    held = select(PROJECT_OF.label("project"), sequences.c.id).where(LIVE).order_by(sequences.c.id)
+    held = (
+        select(PROJECT_OF.label("project"), sequences.c.id)
+        .where(LIVE, WHOLE)
+        .order_by(sequences.c.id)
+    )
     roles = select(project_roles)
     if only is not None:
         chosen = chosen.where(projects.c.id == only)

@@ -35,7 +35,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0017"
+HEAD = "0018"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -73,6 +73,8 @@ sequences = Table(
     Column("deleted", Double),  # seconds since the epoch, or NULL
     Column("expired", Double),  # when its time to be restored was first seen to be over, or NULL
     Column("project", String(64)),  # NULL: the first one, "default"
+    Column("copy_of", Integer),  # here and below of a copy for one person; else NULL
+    Column("copy_kind", String(16)),
     Index("sequences_project", "project"),
     Index("sequences_live", "id", unique=True, sqlite_where=LIVE, postgresql_where=LIVE),
     sqlite_autoincrement=True,
@@ -80,6 +82,8 @@ sequences = Table(
 
 PROJECT_OF: Any = func.coalesce(sequences.c.project, FIRST)
 """Project of a row of ``sequences``."""
+WHOLE = sequences.c.copy_of.is_(None)
+"""A row of ``sequences`` is no copy for one person."""
 
 edits = Table(
     "edits",

@@ -10,7 +10,7 @@ from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, or_,
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import tasks
-from pointbrush.labels.schema import LIVE, PROJECT_OF, counts, edits, labels, sequences
+from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, labels, sequences
 from pointbrush.labels.tasks import TaskState
 
 _CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
@@ -98,13 +98,13 @@ class Summaries:
 
     def matching(self, search: Search) -> set[str]:
         """Return the ids of recordings that a search is about."""
-        chosen = select(sequences.c.id).where(LIVE, *_conditions(search))
+        chosen = select(sequences.c.id).where(LIVE, WHOLE, *_conditions(search))
         with self._database.read() as connection:
             return set(connection.execute(chosen).scalars())
 
     def figures(self, project: str, effort: Effort) -> Figures:
         """Return the figures of a project."""
-        here = and_(project == PROJECT_OF, LIVE)
+        here = and_(project == PROJECT_OF, LIVE, WHOLE)
         with self._database.read() as connection:
             number = connection.execute(select(func.count()).where(here)).scalar_one()
             frames = select(counts.c.sequence, counts.c.frame).distinct()

@@ -27,6 +27,7 @@ from sqlalchemy import (
 )
 
 from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.labels.copies import seen_elsewhere
 from pointbrush.labels.database import Database
 from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.project_tables import projects, task_events, tasks
@@ -158,12 +159,18 @@ class Tasks:
             connection.execute(insert(task_events), [_event(t, 1, now, author) for t in made])
         return made
 
+    def made(self, project: str, batch: str | None) -> list[Task] | None:
+        """Return the tasks that a call has made before, if any."""
+        with self._database.read() as connection:
+            return _batch(connection, project, batch) or None
+
     def take(self, project: str, account: str, *, review: bool = False) -> Task | None:
         """Give an account its next task, atomically; None where there is none for it.
 
         First the one that it has begun: asked twice, it gets the same.  Then what was returned to
-        it, what was meant for it, what is free, the oldest first.  ``review``: a task to look at,
-        which is no work of its own.  Raises NotFoundError.
+        it, what was meant for it, what is free, the oldest first; nothing of a recording of which
+        it has another copy.  ``review``: a task to look at, no work of its own.  Raises
+        NotFoundError.
         """
         ranks = _to_review(account) if review else _to_label(account)
         state: TaskState = "review" if review else "taken"
@@ -171,7 +178,8 @@ class Tasks:
         def make(connection: Connection) -> Task | None:
             lock_project(connection, project)
             order = case(*ranks, else_=len(ranks))
-            chosen = _chosen(project).where(order < len(ranks)).order_by(order, tasks.c.number)
+            chosen = _chosen(project).where(order < len(ranks), ~seen_elsewhere(account))
+            chosen = chosen.order_by(order, tasks.c.number)
             row = connection.execute(chosen.limit(1)).first()
             if row is None:
                 return None
@@ -200,6 +208,10 @@ class Tasks:
             lock_project(connection, project)
             task = _get(connection, project, number)
             wanted.append(decide(task))
+            person = wanted[-1].assignee
+            there = _chosen(project).where(tasks.c.number == number, seen_elsewhere(person))
+            if person not in ("", task.assignee) and connection.execute(there).first():
+                raise ConflictError(f"assignee: {person!r} has another copy of this recording")
             return task if wanted[-1] == task else self._put(connection, wanted[-1], author)
 
         def find(connection: Connection) -> Task | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pointbrush.labels.access import Access
+from pointbrush.labels.copies import Copies
 from pointbrush.labels.database import Database
 from pointbrush.labels.projects import Projects
 from pointbrush.labels.sessions import Sessions
@@ -18,7 +19,7 @@ class Team:
         self._sessions = sessions
         self.projects, self.tasks = Projects(database), Tasks(database)
         self.versions, self.summaries = Versions(database), Summaries(database)
-        self.access = Access(database)
+        self.access, self.copies = Access(database), Copies(database)
 
     def at(self, moment: Moment) -> PastLabels:
         """Return the labels of a recording as they were at a moment."""

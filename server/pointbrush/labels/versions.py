@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from sqlalchemy import ColumnElement, Connection, delete, insert, select
+from sqlalchemy import ColumnElement, Connection, and_, delete, insert, select
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.box_journal import as_at, read_boxes
@@ -35,6 +35,7 @@ from pointbrush.labels.projects import LONGEST_NAME
 from pointbrush.labels.schema import (
     LIVE,
     PROJECT_OF,
+    WHOLE,
     edit_blocks,
     edit_tracks,
     edits,
@@ -103,7 +104,9 @@ class Versions:
                     "revision": revision,
                     "palette": json.dumps(palette),
                 }
-                for number, revision, palette in _moments(connection, project == PROJECT_OF)
+                for number, revision, palette in _moments(
+                    connection, and_(project == PROJECT_OF, WHOLE)
+                )
             ]
             if rows:
                 connection.execute(insert(version_recordings), rows)

@@ -108,6 +108,9 @@ class Listing:
             found = self._library.survey()
             self._imports.complete([one.manifest for one in found if one.manifest is not None])
             revisions = self._store.sequences()
+        copies = self._store.team.copies.ids()
+        found = [one for one in found if one.id not in copies]
+        revisions = {name: number for name, number in revisions.items() if name not in copies}
         whole = revisions.keys() == {one.id for one in found}
         importing = () if whole else self._store.guards.importing()
         progress, projects = self._store.progress(), self._store.team.summaries.projects()

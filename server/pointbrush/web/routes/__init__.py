@@ -1,6 +1,7 @@
 """REST resources: one module per resource, each with a ``router``."""
 
 from pointbrush.web.routes import (
+    agreement,
     annotations,
     boxes,
     checks,
@@ -26,5 +27,5 @@ from pointbrush.web.routes import (
 RESOURCES = (
     meta, sequences, imports, frames, labels, boxes, taxonomy, edits, events, objects,
     annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
-    snapshots,
+    snapshots, agreement,
 )  # fmt: skip

@@ -26,12 +26,18 @@ SequenceName = Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]
 
 
 class TasksBody(Body):
-    """Tasks to make: of ``recordings``, null: all of the project; ``every`` so many frames one."""
+    """Tasks to make: of ``recordings``, null: all of the project; ``every`` so many frames one.
+
+    ``people`` label the same, each a copy that the others do not see; ``truth``: the labels that
+    are there are hidden, and known to be right.
+    """
 
     recordings: Annotated[list[SequenceName], Field(max_length=10_000)] | None = None
     frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] | None = None
     every: Annotated[int, Field(ge=1, lt=2**31)] | None = None
     assignee: Person = ""
+    people: Annotated[int, Field(ge=1, le=9)] = 1
+    truth: bool = False
     id: Uuid | None = None
 
 
@@ -100,7 +106,9 @@ def create_tasks(p: ProjectId, body: TasksBody, workspace: Ws, who: Caller) -> l
     Frames that have a task which is not accepted yet get no other (409).  With an ``id`` the call
     can be repeated.
     """
-    new = NewTasks(body.recordings, body.frames, body.every, body.assignee, body.id)
+    new = NewTasks(
+        body.recordings, body.frames, body.every, body.assignee, body.people, body.truth, body.id
+    )
     return [TaskOut.of(task) for task in workspace.queue.add(p, who.author, new)]
 
 

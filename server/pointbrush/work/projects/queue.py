@@ -9,11 +9,14 @@ from functools import partial
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
 from pointbrush.labels.accounts import require_name
+from pointbrush.labels.copies import CopyKind
 from pointbrush.labels.tasks import Stretch, Task, TaskEvent, Wanted
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.projects.rules import Person, Wish, fulfilled
 
+MOST_PEOPLE = 9
+"""People who label the same frames."""
 MOST_TASKS = 10_000
 """Tasks that one call makes."""
 
@@ -28,6 +31,8 @@ class NewTasks:
     ``frames``      "I:J" of each; None: all.
     ``every``       frames of a task; None: a task has all.
     ``assignee``    account that it is meant for, or "".
+    ``people``      who label the same, each a copy of their own; ``truth``: one copy without
+                    labels, to be compared with those that are known.
     ``id``          of the call: repeated, it makes no others.
     """
 
@@ -35,6 +40,8 @@ class NewTasks:
     frames: str | None = None
     every: int | None = None
     assignee: str = ""
+    people: int = 1
+    truth: bool = False
     id: str | None = None
 
 
@@ -44,8 +51,14 @@ class Queue:
     Every method raises NotFoundError for an unknown project or task.
     """
 
-    def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
-        self._store, self._recording = store, recording
+    def __init__(
+        self,
+        store: LabelStore,
+        recording: Callable[[str], Recording],
+        copy: Callable[[str, str, range, CopyKind], str],
+    ) -> None:
+        """``copy``: makes a copy of frames of a recording in a project, for one person."""
+        self._store, self._recording, self._copy = store, recording, copy
 
     def add(self, project: str, author: str, new: NewTasks) -> list[Task]:
         """Make tasks; raises ConflictError for frames that have one which is not accepted yet."""
@@ -53,20 +66,34 @@ class Queue:
             raise BadInputError(f"every: expected 1 frame or more, got {new.every}")
         if new.assignee:
             require_name(new.assignee)
+        if not 1 <= new.people <= MOST_PEOPLE or (new.truth and new.people > 1):
+            raise BadInputError(
+                f"people: expected 1 to {MOST_PEOPLE}, and 1 with known truth, got {new.people}"
+            )
+        if (made := self._store.team.tasks.made(project, new.id)) is not None:
+            return [self._named(task) for task in made]  # and no other copies
         chosen = self._store.team.projects.get(project).recordings
         stretches: list[Stretch] = []
         for sequence in chosen if new.recordings is None else dict.fromkeys(new.recordings):
             frames = parse_frames(new.frames, len(self._recording(sequence)))
             every = new.every or len(frames)
-            for first in frames[::every]:
-                last = min(first + every, frames.stop) - 1
-                stretches.append(Stretch(sequence, first, last))
+            for of_one in self._copies(project, sequence, frames, new):
+                for first in frames[::every]:
+                    last = min(first + every, frames.stop) - 1
+                    stretches.append(Stretch(of_one, first, last))
             if len(stretches) > MOST_TASKS:
                 raise BadInputError(f"expected at most {MOST_TASKS} tasks of a call, got more")
         made = self._store.team.tasks.add(
             project, author, stretches, assignee=new.assignee, batch=new.id
         )
         return [self._named(task) for task in made]
+
+    def _copies(self, project: str, sequence: str, frames: range, new: NewTasks) -> list[str]:
+        if new.truth:
+            return [self._copy(sequence, project, frames, "truth")]
+        if new.people == 1:
+            return [sequence]
+        return [self._copy(sequence, project, frames, "agreement") for _ in range(new.people)]
 
     def next(self, project: str, account: str, *, review: bool = False) -> Task | None:
         """Take the next task to label, or to look at, if any; asked twice it is the same one."""

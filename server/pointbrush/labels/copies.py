@@ -1,0 +1,97 @@
+"""Copies of recordings for one person each, who does not see what others do with the points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from sqlalchemy import ColumnElement, exists, select, update
+
+from pointbrush.labels.database import Database
+from pointbrush.labels.project_tables import tasks
+from pointbrush.labels.schema import LIVE, PROJECT_OF, sequences
+
+CopyKind = Literal["agreement", "truth"]
+"""Copies that are compared with each other, or with known truth."""
+
+
+@dataclass(frozen=True, slots=True)
+class CopyTask:
+    """Frames ``first`` to ``last`` of a copy, whose they are (an account or ""), their state."""
+
+    first: int
+    last: int
+    assignee: str
+    state: str
+
+
+@dataclass(frozen=True, slots=True)
+class Copy:
+    """A copy ``id`` of recording ``original``, and its tasks."""
+
+    id: str
+    original: str
+    kind: CopyKind
+    tasks: tuple[CopyTask, ...] = ()
+
+
+class Copies:
+    """The copies of one database; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def mark(self, copy: str, original: str, project: str, kind: CopyKind) -> None:
+        """Note that a recording that has just been registered is a copy."""
+        number = select(sequences.c.number).where(sequences.c.id == original, LIVE)
+        with self._database.write() as connection:
+            values = {"copy_of": number.scalar_subquery(), "copy_kind": kind, "project": project}
+            here = update(sequences).where(sequences.c.id == copy, LIVE)
+            connection.execute(here.values(**values))
+
+    def ids(self) -> set[str]:
+        """Return the ids of all copies."""
+        chosen = select(sequences.c.id).where(LIVE, sequences.c.copy_of.is_not(None))
+        with self._database.read() as connection:
+            return set(connection.execute(chosen).scalars())
+
+    def of(self, project: str, kind: CopyKind, original: str | None = None) -> list[Copy]:
+        """Return the copies of a project, of one recording or of all, by id."""
+        whole = sequences.alias()
+        chosen = (
+            select(sequences.c.number, sequences.c.id, whole.c.id.label("original"))
+            .join(whole, whole.c.number == sequences.c.copy_of)
+            .where(sequences.c.deleted.is_(None), whole.c.deleted.is_(None))
+            .where(PROJECT_OF == project, sequences.c.copy_kind == kind)
+            .order_by(sequences.c.id)
+        )
+        if original is not None:
+            chosen = chosen.where(whole.c.id == original)
+        with self._database.read() as connection:
+            rows = connection.execute(chosen).all()
+            numbers = [row.number for row in rows]
+            given: dict[int, list[CopyTask]] = {number: [] for number in numbers}
+            of_them = select(tasks).where(tasks.c.project == project).order_by(tasks.c.number)
+            for row in connection.execute(of_them):
+                if row.sequence in given:
+                    task = CopyTask(row.first, row.last, row.assignee or "", row.state)
+                    given[row.sequence].append(task)
+        return [Copy(row.id, row.original, kind, tuple(given[row.number])) for row in rows]
+
+
+def seen_elsewhere(account: str) -> ColumnElement[bool]:
+    """Whether a task is of a copy, and an account has one of another copy of that recording.
+
+    It is asked of rows of ``tasks`` that are joined with ``sequences``.
+    """
+    other, theirs = sequences.alias(), tasks.alias()
+    there = (
+        select(theirs.c.number)
+        .join(other, other.c.number == theirs.c.sequence)
+        .where(
+            theirs.c.assignee == account,
+            other.c.copy_of == sequences.c.copy_of,
+            other.c.number != sequences.c.number,
+        )
+    )
+    return exists(there.correlate(sequences))

@@ -1,0 +1,79 @@
+"""Agreement of people who label the same points, the merge of their work, and known truth."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Query
+from pydantic import Field
+
+from pointbrush.streaming.messages import Uuid, Vec3
+from pointbrush.web.auth import Caller, resource
+from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.routes.checks import AgreementOut
+from pointbrush.web.schemas import Body, EditOut, Out
+from pointbrush.work.projects.matching import Kind
+
+router = resource("agreement")
+Whole = Annotated[
+    str, Query(pattern=SEQUENCE_ID, max_length=64, description="the recording that has copies")
+]
+
+
+class PlaceOut(Out):
+    """A disagreement: labels of the first and second by name, and a point that differs."""
+
+    kind: Kind
+    frame: int
+    first: list[str]
+    second: list[str]
+    points: int
+    place: Annotated[Vec3 | None, Field(description="source coordinates; null in an octree")]
+
+
+class PairOut(Out):
+    """Agreement of two copies, and places where they differ, the largest first."""
+
+    first: str
+    second: str
+    agreement: AgreementOut
+    places: list[PlaceOut]
+
+
+class MergeBody(Body):
+    """Labels to take: of ``majority``, three people or more, or of one copy by its id."""
+
+    sequence: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]
+    take: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)] = "majority"
+    id: Uuid | None = None
+
+
+class ScoreOut(Out):
+    """Work of a person on frames of known truth; objects that are found, missed and added."""
+
+    person: Annotated[str, Field(validation_alias="account")]
+    frames: int
+    miou: float | None
+    found: int
+    missed: int
+    added: int
+
+
+@router.get("/projects/{p}/agreement", responses=responses(404))
+def get_agreement(p: ProjectId, sequence: Whole, workspace: Ws) -> list[PairOut]:
+    """Compare each two people's copies of a recording, in frames that both have handed in."""
+    return [PairOut.of(each) for each in workspace.agreeing.compare(p, sequence)]
+
+
+@router.post("/projects/{p}/merge", responses=responses(404, 409, 413))
+def merge(p: ProjectId, body: MergeBody, workspace: Ws, who: Caller) -> EditOut:
+    """Write the labels of one copy, or of the majority, into the recording, as one edit."""
+    made = workspace.agreeing.merge(p, body.sequence, body.take, who.author, body.id)
+    return EditOut.of(made)
+
+
+@router.get("/projects/{p}/scores", responses=responses(404))
+def get_scores(p: ProjectId, workspace: Ws) -> list[ScoreOut]:
+    """Compare what each person has handed in of known truth with it; the best come first."""
+    return [ScoreOut.of(each) for each in workspace.agreeing.scores(p)]

@@ -1,0 +1,240 @@
+"""Agreement of people by objects: which of one's is which of another's, whatever their numbers.
+
+Two annotations of the same points are compared by the points that each pair of labels has in
+common.  Nothing here knows a recording; labels are numbers, 0 is none.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+Pairs = Mapping[tuple[int, int], int]
+"""Points of each pair of labels, of the first and of the second annotation."""
+Kind = Literal["missed", "added", "split", "merged", "renamed", "outline"]
+
+
+@dataclass(frozen=True, slots=True)
+class MatchOptions:
+    """Bounds of what is one object; all are shares, 0 to 1."""
+
+    least: float = 0.1
+    """IoU below which two objects have nothing to do with each other."""
+    same: float = 0.75
+    """IoU from which their outlines agree."""
+    inside: float = 0.5
+    """Share of an object's points in another's, from which it is a part of that."""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.least <= self.same <= 1 or not 0 < self.inside <= 1:
+            raise ValueError("expected 0 < least <= same <= 1 and 0 < inside <= 1")
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """An object of the first, one of the second, and their IoU."""
+
+    first: int
+    second: int
+    iou: float
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """A difference of the second from the first.
+
+    ``missed``, ``added``  an object of the first, or second, alone.
+    ``split``, ``merged``  one of the first is several of the second, or the reverse.
+    ``renamed``            the same object of another class.
+    ``outline``            the same object of other points.
+    ``points``             those that differ, by which one looks at the largest first.
+    """
+
+    kind: Kind
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+    points: int
+
+
+def matches(pairs: Pairs, options: MatchOptions | None = None) -> list[Match]:
+    """Match objects one to one so that the sum of their IoU is the greatest."""
+    options = options or MatchOptions()
+    sizes = _sizes(pairs)
+    rows, columns = (sorted(each) for each in sizes)
+    iou = np.zeros((len(rows), len(columns)))
+    for (mine, theirs), points in pairs.items():
+        if mine and theirs:
+            union = sizes[0][mine] + sizes[1][theirs] - points
+            iou[rows.index(mine), columns.index(theirs)] = points / union
+    iou[iou < options.least] = 0.0
+    chosen = zip(*linear_sum_assignment(iou, maximize=True), strict=True)
+    return [Match(rows[i], columns[j], float(iou[i, j])) for i, j in chosen if iou[i, j] > 0]
+
+
+def disagreements(
+    pairs: Pairs,
+    first: Mapping[int, str],
+    second: Mapping[int, str],
+    options: MatchOptions | None = None,
+) -> list[Disagreement]:
+    """List the differences of the second from the first; those of most points come first.
+
+    ``first``, ``second``: the class of each label.
+    """
+    options = options or MatchOptions()
+    sizes = _sizes(pairs)
+    matched = matches(pairs, options)
+    to_second = {match.first: match.second for match in matched}
+    to_first = {match.second: match.first for match in matched}
+    found, wholes = [], (set[int](), set[int]())
+    turned = {(theirs, mine): points for (mine, theirs), points in pairs.items()}
+    for side, there, partner in ((0, pairs, to_second), (1, turned, to_first)):
+        parts: dict[int, list[int]] = defaultdict(list)
+        for own in sorted(sizes[side].keys() - partner.keys()):
+            whole = _whole_of(own, there, sizes[side][own], options.inside)
+            if whole and whole in (to_first, to_second)[side]:
+                parts[whole].append(own)
+                continue
+            alone = (own,)
+            found.append(
+                Disagreement("added", (), alone, sizes[side][own])
+                if side
+                else Disagreement("missed", alone, (), sizes[side][own])
+            )
+        for whole, others in parts.items():
+            points = sum(sizes[side][each] for each in others)
+            partner_of_whole = (to_first, to_second)[side][whole]
+            pieces = tuple(sorted([partner_of_whole, *others]))
+            wholes[1 - side].add(whole)
+            found.append(
+                Disagreement("split", (whole,), pieces, points)
+                if side
+                else Disagreement("merged", pieces, (whole,), points)
+            )
+    found += _of_matches(pairs, matched, sizes, (first, second), wholes, options)
+    return sorted(found, key=lambda each: (-each.points, each.kind, each.first, each.second))
+
+
+def _whole_of(own: int, there: Pairs, size: int, inside: float) -> int:
+    """Return the other's object that has most of an object's points; 0: none has enough."""
+    shared = {theirs: points for (mine, theirs), points in there.items() if mine == own and theirs}
+    whole = max(shared, key=lambda each: (shared[each], -each), default=0)
+    return whole if whole and shared[whole] >= inside * size else 0
+
+
+def _of_matches(
+    pairs: Pairs,
+    matched: Sequence[Match],
+    sizes: tuple[Counter[int], Counter[int]],
+    classes: tuple[Mapping[int, str], Mapping[int, str]],
+    wholes: tuple[set[int], set[int]],
+    options: MatchOptions,
+) -> list[Disagreement]:
+    found = []
+    for match in matched:
+        shared = pairs[match.first, match.second]
+        ends = ((match.first,), (match.second,))
+        if classes[0].get(match.first, "") != classes[1].get(match.second, ""):
+            found.append(Disagreement("renamed", *ends, shared))
+        told = match.first in wholes[0] or match.second in wholes[1]  # as split or merged
+        if match.iou < options.same and not told:
+            union = sizes[0][match.first] + sizes[1][match.second] - shared
+            found.append(Disagreement("outline", *ends, union - shared))
+    return found
+
+
+def _sizes(pairs: Pairs) -> tuple[Counter[int], Counter[int]]:
+    sizes: tuple[Counter[int], Counter[int]] = (Counter(), Counter())
+    for ends, points in pairs.items():
+        for side, label in enumerate(ends):
+            if label and points:
+                sizes[side][label] += points
+    return sizes
+
+
+Member = tuple[int, int]
+"""A person's number, and the label of an object of theirs."""
+
+
+def groups(
+    pairs: Mapping[tuple[int, int], Pairs], options: MatchOptions | None = None
+) -> dict[Member, int]:
+    """Number the objects of several people, 1, 2, …: one number, one object.
+
+    ``pairs``: of each two people, the first below the second.  The likest are joined first, and
+    never two of one person's.
+    """
+    options = options or MatchOptions()
+    likes: list[tuple[float, Member, Member]] = []
+    members: set[Member] = set()
+    for (one, other), shared in pairs.items():
+        sizes = _sizes(shared)
+        members |= {(one, label) for label in sizes[0]} | {(other, label) for label in sizes[1]}
+        for (mine, theirs), points in shared.items():
+            if mine and theirs:
+                iou = points / (sizes[0][mine] + sizes[1][theirs] - points)
+                if iou >= options.least:
+                    likes.append((-iou, (one, mine), (other, theirs)))
+    joined = {member: {member} for member in members}
+    for _, one_end, other_end in sorted(likes):
+        here, there = joined[one_end], joined[other_end]
+        if here is there or {who for who, _ in here} & {who for who, _ in there}:
+            continue
+        here |= there
+        for member in there:
+            joined[member] = here
+    numbers: dict[Member, int] = {}
+    for member in sorted(members):
+        if member not in numbers:
+            number = len(set(numbers.values())) + 1
+            numbers |= dict.fromkeys(joined[member], number)
+    return numbers
+
+
+UNDECIDED = -1
+"""A point about which no two people agree."""
+
+
+def majority(
+    labels: Sequence[NDArray[np.uint16]], numbers: Mapping[Member, int]
+) -> NDArray[np.int64]:
+    """Return for each point the object that more than half of the people gave it.
+
+    ``labels``: each person's, (N,); ``numbers``: of ``groups``.  0: no object, UNDECIDED.
+    """
+    votes = np.stack([_numbered(each, who, numbers) for who, each in enumerate(labels)])
+    counts = np.stack([(votes == each).sum(axis=0) for each in votes])
+    best = counts.argmax(axis=0)
+    at = np.arange(votes.shape[1])
+    enough = counts[best, at] * 2 > len(votes)
+    return np.where(enough, votes[best, at], UNDECIDED)
+
+
+def _numbered(
+    labels: NDArray[np.uint16], who: int, numbers: Mapping[Member, int]
+) -> NDArray[np.int64]:
+    table = np.zeros(1 << 16, np.int64)
+    for (person, label), number in numbers.items():
+        if person == who:
+            table[label] = number
+    return table[labels]
+
+
+def pairs_of_people(
+    labels: Sequence[NDArray[np.uint16]],
+) -> dict[tuple[int, int], Counter[tuple[int, int]]]:
+    """Count the points of each pair of labels of each two people; labels (N,) of each."""
+    found = {}
+    for one, other in combinations(range(len(labels)), 2):
+        joined = labels[one].astype(np.uint32) << 16 | labels[other]
+        values, counts = np.unique(joined, return_counts=True)
+        ends = zip((values >> 16).tolist(), (values & 0xFFFF).tolist(), strict=True)
+        found[one, other] = Counter(dict(zip(ends, counts.tolist(), strict=True)))
+    return found

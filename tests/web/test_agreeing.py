@@ -1,0 +1,109 @@
+"""Two and three people on the same frames: not seen by each other, compared, merged, scored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+
+from pointbrush.client import Client
+from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
+from tests.serving import Served, add_sequence, serving, settings_in
+
+PEOPLE = {"ada": "annotator", "bob": "annotator", "cat": "annotator", "lead": "manager"}
+
+
+@pytest.fixture
+def people(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Client]]:
+    settings = settings_in(tmp_path_factory.mktemp("agreeing"))
+    for name in ("room", "truth"):
+        add_sequence(settings, name, frames=2, points=400)
+    with serving(settings) as served, ExitStack() as stack:
+        yield {
+            name: stack.enter_context(Client(served.url, token_of(served, name, role)))
+            for name, role in PEOPLE.items()
+        }
+
+
+def token_of(served: Served, name: str, role: str) -> str:
+    return served.workspace.labels.tokens.add(role, name)
+
+
+def paint(client: Client, sequence: str, *objects: tuple[int, int, int]) -> None:
+    """Give points first to stop - 1 of frame 0 a label."""
+    recording = client[sequence]
+    values = np.zeros(recording.manifest.points[0], np.uint16)
+    for label, first, stop in objects:
+        values[first:stop] = label
+    recording.frames[0].annotate(values)
+
+
+def test_three_people_disagree_where_nobody_sees_the_others_and_the_majority_is_taken(
+    people: dict[str, Client],
+) -> None:
+    lead = people["lead"]
+    car = lead["room"].create_label("car", category="car").id
+    tree = lead["room"].create_label("tree", category="tree").id
+    project = lead.projects["default"]
+    made = project.add_tasks(["room"], frames="0:1", people=3)
+    assert [(task.first, task.last) for task in made] == [(0, 0)] * 3
+    copies = {}
+    for name in ("ada", "bob", "cat"):
+        mine = people[name].projects["default"]
+        copies[name] = mine.next_task().sequence
+        assert mine.next_task().sequence == copies[name]
+    assert len({*copies.values(), "room"}) == 4
+    assert [each.id for each in lead.sequences()] == ["room", "truth"]
+    with pytest.raises(NotFoundError):
+        people["ada"][copies["bob"]]
+    paint(people["ada"], copies["ada"], (car, 0, 100), (tree, 200, 300))
+    paint(people["bob"], copies["bob"], (car, 0, 100))
+    extra = people["cat"][copies["cat"]].create_label("van", category="car").id
+    paint(people["cat"], copies["cat"], (extra, 0, 60), (tree, 200, 300))
+    with pytest.raises(BadInputError, match="handed in"):
+        project.merge("room")
+    for name in copies:
+        client = people[name].projects["default"]
+        client.put_task(client.next_task().number, state="done")
+        assert client.next_task() is None, "nobody labels a copy of what they have labelled"
+    with pytest.raises(ForbiddenError):
+        people["ada"].projects["default"].agreement("room")
+    pairs = {(each["first"], each["second"]): each for each in project.agreement("room")}
+    found = pairs[copies["ada"], copies["bob"]]
+    (missed,) = found["places"]
+    assert (missed["kind"], missed["first"], missed["points"]) == ("missed", ["tree"], 100)
+    assert len(missed["place"]) == 3
+    assert found["agreement"]["same"] == 0.5
+    assert project.merge("room").changed == 200
+    values = lead["room"].frames[0].annotation()
+    assert (values[:100] == car).all()
+    assert (values[200:300] == tree).all()
+    assert np.count_nonzero(values) == 200
+    project.merge("room", copies["cat"])
+    values = lead["room"].frames[0].annotation()
+    names = {each.id: each.name for each in lead["room"].labels()}
+    assert [names[int(n)] for n in values[[0, 59, 200]]] == ["van", "van", "tree"]
+    assert values[60] == 0
+
+
+def test_frames_of_known_truth_score_who_labels_them(people: dict[str, Client]) -> None:
+    lead, ada = people["lead"], people["ada"]
+    car = lead["truth"].create_label("car", category="car").id
+    tree = lead["truth"].create_label("tree", category="tree").id
+    paint(lead, "truth", (car, 0, 100), (tree, 200, 300))
+    project = lead.projects["default"]
+    project.add_tasks(["truth"], truth=True)
+    task = ada.projects["default"].next_task()
+    copy = ada[task.sequence]
+    assert not copy.frames[0].annotation().any()
+    assert [each.name for each in copy.labels()] == ["car", "tree"]
+    other = copy.create_label("car 2", category="car").id
+    paint(ada, task.sequence, (car, 0, 100), (other, 200, 300))
+    assert project.scores() == []
+    ada.projects["default"].put_task(task.number, state="done")
+    (score,) = project.scores()
+    assert (score["person"], score["frames"]) == ("ada", 2)
+    assert (score["found"], score["missed"], score["added"]) == (1, 1, 1)
+    assert score["miou"] == pytest.approx(0.25)
