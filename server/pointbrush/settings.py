@@ -110,6 +110,12 @@ class Settings:
         where=SERVERS,
         group=JOBS,
     )
+    webhook_private: bool = option(
+        False,
+        "let webhooks tell addresses of this machine and of private networks too",
+        where=SERVERS,
+        group=ACCESS,
+    )
     selector: str = option(
         "tree",
         "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "

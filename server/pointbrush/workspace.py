@@ -40,7 +40,7 @@ from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing
 from pointbrush.work.objects import Objects
-from pointbrush.work.projects import Agreeing, Projects, Queue, Versions
+from pointbrush.work.projects import Agreeing, Hooks, Projects, Queue, Versions
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
@@ -113,6 +113,7 @@ class Workspace:
         self.copying = Copying(self.labels, self.recording)
         self.splitting = Splitting(self.labels, self.recording)
         self.boxes = BoxPainting(self.labels, self.recording)
+        self.hooks = Hooks(self.labels.team.webhooks, private=settings.webhook_private)
         self.agreeing = Agreeing(self.labels, self.library)
         self.queue = Queue(self.labels, self.recording, self.agreeing.copy)
         self.projects, self.versions = Projects(self.labels, publish), Versions(self.labels)
@@ -131,6 +132,7 @@ class Workspace:
 
     def close(self) -> None:
         """Cancel jobs or leave them to the next server, end worker processes and the database."""
+        self.hooks.close()
         self._objects.close()
         self.imports.close()
         self.runner.close()
@@ -142,6 +144,7 @@ class Workspace:
         """Let jobs outlive this process: see those of all servers, begin again what one left."""
         if not self.read_only:
             self.jobs.open()
+            self.hooks.open()
 
     @property
     def read_only(self) -> str:

@@ -76,6 +76,7 @@ def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
         ("p", "none"),
         ("t", "1"),
         ("s", "none"),
+        ("w", "0" * 16),
     ):
         path = path.replace(f"{{{name}}}", value)
     path = path.replace(f"labels/{UUID}", "labels/1").replace(f"boxes/{UUID}", "boxes/1")

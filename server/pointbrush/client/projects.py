@@ -233,6 +233,35 @@ class Project(Part[L]):
         found: list[dict[str, Any]] = answer.json()
         return found
 
+    # ── webhooks ─────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def webhooks(self) -> Steps[list[dict[str, Any]]]:
+        """Return the addresses that are told what happens in it."""
+        answer = yield from send(Request("GET", f"{self._place}/webhooks", again=True))
+        found: list[dict[str, Any]] = answer.json()
+        return found
+
+    @steps
+    def add_webhook(self, url: str, topics: Sequence[str] | None = None) -> Steps[dict[str, Any]]:
+        """Tell an address of topics (task, labels, job; None: all); returns id and secret."""
+        body = {"url": url} if topics is None else {"url": url, "topics": list(topics)}
+        answer = yield from send(Request("POST", f"{self._place}/webhooks", {"json": body}))
+        made: dict[str, Any] = answer.json()
+        return made
+
+    @steps
+    def delete_webhook(self, webhook: str) -> Steps[None]:
+        """Remove a webhook, and what is on its way to it."""
+        yield from send(Request("DELETE", f"{self._place}/webhooks/{webhook}"))
+
+    @steps
+    def deliveries(self, webhook: str) -> Steps[list[dict[str, Any]]]:
+        """Return the latest events of a webhook and how they went, the newest first."""
+        place = f"{self._place}/webhooks/{webhook}/deliveries"
+        found: list[dict[str, Any]] = (yield from send(Request("GET", place, again=True))).json()
+        return found
+
     # ── versions ─────────────────────────────────────────────────────────────────────────
 
     @steps

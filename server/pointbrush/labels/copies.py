@@ -62,7 +62,7 @@ class Copies:
             select(sequences.c.number, sequences.c.id, whole.c.id.label("original"))
             .join(whole, whole.c.number == sequences.c.copy_of)
             .where(sequences.c.deleted.is_(None), whole.c.deleted.is_(None))
-            .where(PROJECT_OF == project, sequences.c.copy_kind == kind)
+            .where(project == PROJECT_OF, sequences.c.copy_kind == kind)
             .order_by(sequences.c.id)
         )
         if original is not None:

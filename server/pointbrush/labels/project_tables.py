@@ -96,3 +96,37 @@ version_recordings = Table(
     Column("revision", BigInteger, nullable=False),
     Column("palette", Text, nullable=False),  # JSON list of the labels that there were
 )
+
+webhooks = Table(
+    "webhooks",
+    metadata,
+    Column("id", String(16), primary_key=True),
+    Column("project", String(64), ForeignKey("projects.id"), nullable=False),
+    Column("url", Text, nullable=False),
+    Column("topics", Text, nullable=False),  # JSON list
+    Column("secret", String(64), nullable=False),
+    Column("created", Double, nullable=False),
+)
+
+webhook_cursors = Table(
+    "webhook_cursors",
+    metadata,
+    Column("webhook", String(16), ForeignKey("webhooks.id"), primary_key=True),
+    Column("sequence", Integer, primary_key=True, autoincrement=False),
+    Column("revision", BigInteger, nullable=False),  # up to which edits were told
+)
+
+webhook_events = Table(
+    "webhook_events",
+    metadata,
+    Column("id", String(36), primary_key=True),
+    Column("webhook", String(16), ForeignKey("webhooks.id"), nullable=False),
+    Column("topic", String(16), nullable=False),
+    Column("body", Text, nullable=False),
+    Column("created", Double, nullable=False),
+    Column("due", Double, nullable=False),  # to be sent, or sent again, from then on
+    Column("attempts", Integer, nullable=False),
+    Column("delivered", Double),
+    Column("error", Text, nullable=False),
+    Index("webhook_events_due", "delivered", "due"),
+)

@@ -20,9 +20,11 @@ from pointbrush.labels.project_tables import (
     tasks,
     version_recordings,
     versions,
+    webhooks,
 )
 from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, categories, sequences
 from pointbrush.labels.tasks import forget_tasks, lock_project
+from pointbrush.labels.webhooks import forget_webhooks
 from pointbrush.names import require_visible
 from pointbrush.roles import ROLES, Role, includes
 
@@ -139,6 +141,7 @@ class Projects:
             held_then = version_recordings.c.version.in_(named)
             connection.execute(delete(version_recordings).where(held_then))
             connection.execute(delete(versions).where(versions.c.project == project))
+            forget_webhooks(connection, webhooks.c.project == project)
             connection.execute(delete(project_roles).where(project_roles.c.project == project))
             connection.execute(delete(projects).where(projects.c.id == project))
 

@@ -33,6 +33,7 @@ from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.project_tables import projects, task_events, tasks
 from pointbrush.labels.reviews import Place
 from pointbrush.labels.schema import LIVE, PROJECT_OF, sequences
+from pointbrush.labels.webhooks import announce
 
 TaskState = Literal["open", "taken", "done", "review", "accepted", "returned"]
 TASK_STATES: tuple[TaskState, ...] = get_args(TaskState)
@@ -157,6 +158,8 @@ class Tasks:
             ]
             connection.execute(insert(tasks), rows)
             connection.execute(insert(task_events), [_event(t, 1, now, author) for t in made])
+            for task in made:
+                announce(connection, project, _told(task, author), now)
         return made
 
     def made(self, project: str, batch: str | None) -> list[Task] | None:
@@ -230,6 +233,7 @@ class Tasks:
         own = (events.project == task.project) & (events.task == task.number)
         last = connection.execute(select(func.max(events.number)).where(own)).scalar() or 0
         connection.execute(insert(task_events), _event(task, last + 1, task.changed, author))
+        announce(connection, task.project, _told(task, author), task.changed)
         return task
 
     def remove(self, project: str, number: int) -> None:
@@ -373,6 +377,11 @@ def _task(row: Row[Any]) -> Task:
         | {"assignee": row.assignee or "", "reviewer": row.reviewer or ""}
         | {"place": None if place is None else tuple(json.loads(place))}
     )
+
+
+def _told(task: Task, author: str) -> dict[str, Any]:
+    names = ("number", "sequence", "first", "last", "state", "assignee", "reviewer", "note")
+    return {name: getattr(task, name) for name in names} | {"by": author}
 
 
 def _event(task: Task, number: int, now: float, author: str) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.summaries import Summaries
 from pointbrush.labels.tasks import Tasks
 from pointbrush.labels.versions import Moment, PastLabels, Versions
+from pointbrush.labels.webhooks import Webhooks
 
 
 class Team:
@@ -19,6 +20,7 @@ class Team:
         self._sessions = sessions
         self.projects, self.tasks = Projects(database), Tasks(database)
         self.versions, self.summaries = Versions(database), Summaries(database)
+        self.webhooks = Webhooks(database)
         self.access, self.copies = Access(database), Copies(database)
 
     def at(self, moment: Moment) -> PastLabels:

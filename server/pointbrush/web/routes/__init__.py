@@ -22,10 +22,11 @@ from pointbrush.web.routes import (
     tasks,
     taxonomy,
     tracking,
+    webhooks,
 )
 
 RESOURCES = (
     meta, sequences, imports, frames, labels, boxes, taxonomy, edits, events, objects,
     annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
-    snapshots, agreement,
+    snapshots, agreement, webhooks,
 )  # fmt: skip

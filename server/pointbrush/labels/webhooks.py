@@ -1,0 +1,296 @@
+"""Webhooks of projects, and the outbox of events that are told to them: durable, each with an id.
+
+Steps of tasks enter the outbox in the transaction that makes them.  Edits of labels are in the
+journal and jobs in their table: ``gather`` makes events of what is new there, once, by a cursor
+and by ids that follow from what they are about.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+import uuid
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from sqlalchemy import Connection, Row, and_, delete, func, select, update
+
+from pointbrush.errors import NotFoundError
+from pointbrush.labels.database import Database
+from pointbrush.labels.project_tables import (
+    projects,
+    webhook_cursors,
+    webhook_events,
+    webhooks,
+)
+from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, edits, jobs, sequences
+from pointbrush.labels.statements import insert
+
+Topic = Literal["task", "labels", "job"]
+TOPICS: tuple[Topic, ...] = get_args(Topic)
+"""Steps of tasks; edits of labels, folded; jobs that have ended."""
+LEASE_SECONDS = 60.0
+"""Time in which a server that has taken an event must tell how it went."""
+KEPT_SECONDS = 8 * 86_400.0
+"""Time for which events are kept; those of jobs are looked for in a shorter one."""
+JOBS_SECONDS = 7 * 86_400.0
+FIRST_WAIT, LONGEST_WAIT = 5.0, 3600.0
+"""Seconds until an event is sent again, doubled each time."""
+MOST_ATTEMPTS = 30
+"""After so many, a day later, an event is given up; it stays in the list."""
+_ENDED = ("done", "failed", "cancelled")
+
+
+@dataclass(frozen=True, slots=True)
+class Webhook:
+    """An address that is told events of ``topics`` of a project, signed with ``secret``."""
+
+    id: str
+    project: str
+    url: str
+    topics: tuple[Topic, ...]
+    secret: str
+    created: float
+
+
+@dataclass(frozen=True, slots=True)
+class Delivery:
+    """An event on its way to ``url``; ``delivered``: seconds since the epoch, or None."""
+
+    id: str
+    webhook: str
+    url: str
+    secret: str
+    topic: Topic
+    body: str
+    created: float
+    attempts: int
+    delivered: float | None
+    error: str
+
+
+class Webhooks:
+    """The webhooks of one database and their outbox; thread-safe."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def add(self, project: str, url: str, topics: Sequence[Topic]) -> Webhook:
+        """Add a webhook, which is told what happens from now on; raises NotFoundError."""
+        with self._database.write() as connection:
+            there = select(projects.c.id).where(projects.c.id == project)
+            if connection.execute(there).first() is None:
+                raise NotFoundError(f"project: expected a known id, got {project!r}")
+            made = Webhook(
+                secrets.token_hex(8),
+                project,
+                url,
+                tuple(topics),
+                secrets.token_urlsafe(32),
+                self._database.now(connection),
+            )
+            row = {name: getattr(made, name) for name in Webhook.__dataclass_fields__}
+            new = insert(webhooks, sqlite=self._database.sqlite)
+            connection.execute(new.values(row | {"topics": json.dumps(made.topics)}))
+        return made
+
+    def all(self, project: str | None = None) -> list[Webhook]:
+        """Return those of a project, or of all, the oldest first."""
+        chosen = select(webhooks).order_by(webhooks.c.created)
+        if project is not None:
+            chosen = chosen.where(webhooks.c.project == project)
+        with self._database.read() as connection:
+            return [_webhook(row) for row in connection.execute(chosen)]
+
+    def remove(self, project: str, webhook: str) -> None:
+        """Remove one with what is on its way; raises NotFoundError."""
+        with self._database.write() as connection:
+            here = and_(webhooks.c.id == webhook, webhooks.c.project == project)
+            if connection.execute(select(webhooks.c.id).where(here)).first() is None:
+                raise NotFoundError(f"webhook: expected one of {project!r}, got {webhook!r}")
+            forget_webhooks(connection, here)
+
+    def deliveries(self, project: str, webhook: str, limit: int = 100) -> list[Delivery]:
+        """Return the events of a webhook, the newest first."""
+        chosen = _events().where(webhooks.c.project == project, webhooks.c.id == webhook)
+        with self._database.read() as connection:
+            rows = connection.execute(chosen.order_by(webhook_events.c.created.desc()).limit(limit))
+            return [_delivery(row) for row in rows]
+
+    # ── events that come in ──────────────────────────────────────────────────────────────
+
+    def gather(self) -> None:
+        """Make events of edits and jobs that are new since the last call, by any server."""
+        wanted = [each for each in self.all() if {"labels", "job"} & set(each.topics)]
+        for webhook in wanted:
+            with self._database.write() as connection:
+                # Who gathers for a webhook keeps other servers from it.
+                row = select(webhooks.c.id).where(webhooks.c.id == webhook.id).with_for_update()
+                if connection.execute(row).first() is None:
+                    continue
+                now = self._database.now(connection)
+                if "labels" in webhook.topics:
+                    self._gather_edits(connection, webhook, now)
+                if "job" in webhook.topics:
+                    self._gather_jobs(connection, webhook, now)
+
+    def _gather_edits(self, connection: Connection, webhook: Webhook, now: float) -> None:
+        for number, name, before, revision in _moved_on(connection, webhook):
+            new = and_(edits.c.sequence == number, edits.c.revision > before)
+            rows = connection.execute(
+                select(edits.c.revision, edits.c.author, edits.c.points, edits.c.frames).where(
+                    new, edits.c.revision <= revision, edits.c.time >= webhook.created
+                )
+            ).all()
+            frames = {frame for row in rows for frame in json.loads(row.frames)}
+            body = {
+                "sequence": name,
+                "from": min((row.revision for row in rows), default=revision) - 1,
+                "to": revision,
+                "edits": len(rows),
+                "points": sum(row.points for row in rows),
+                "frames": sorted(frames),
+                "people": sorted({row.author for row in rows}),
+            }
+            key = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{webhook.id} {number} {revision}"))
+            if rows:
+                self._put(connection, webhook, key, "labels", body, now)
+            here = and_(
+                webhook_cursors.c.webhook == webhook.id, webhook_cursors.c.sequence == number
+            )
+            connection.execute(delete(webhook_cursors).where(here))
+            row = {"webhook": webhook.id, "sequence": number, "revision": revision}
+            connection.execute(insert(webhook_cursors, sqlite=self._database.sqlite).values(row))
+
+    def _gather_jobs(self, connection: Connection, webhook: Webhook, now: float) -> None:
+        since = max(webhook.created, now - JOBS_SECONDS)
+        chosen = (
+            select(jobs, PROJECT_OF.label("project"))
+            .join(sequences, and_(sequences.c.id == jobs.c.sequence, LIVE), isouter=True)
+            .where(jobs.c.state.in_(_ENDED), jobs.c.created >= since)
+        )
+        for row in connection.execute(chosen).all():
+            if row.project != webhook.project:
+                continue
+            body = {name: row._mapping[name] for name in ("id", "kind", "sequence", "state")}
+            key = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{webhook.id} {row.id}"))
+            self._put(connection, webhook, key, "job", body | {"error": row.error}, now)
+
+    def _put(
+        self,
+        connection: Connection,
+        webhook: Webhook,
+        key: str,
+        topic: Topic,
+        body: Mapping[str, Any],
+        now: float,
+    ) -> None:
+        row = _event_row(webhook.id, webhook.project, key, topic, body, now)
+        new = insert(webhook_events, sqlite=self._database.sqlite).values(row)
+        connection.execute(new.on_conflict_do_nothing())
+
+    # ── events that go out ───────────────────────────────────────────────────────────────
+
+    def take(self, limit: int = 20) -> list[Delivery]:
+        """Take events that are due: no other server tells them for ``LEASE_SECONDS``."""
+        with self._database.write() as connection:
+            now = self._database.now(connection)
+            events = webhook_events.c
+            due = and_(
+                events.delivered.is_(None), events.due <= now, events.attempts < MOST_ATTEMPTS
+            )
+            free = select(events.id).where(due).order_by(events.due).limit(limit)
+            ids = connection.execute(free.with_for_update(skip_locked=True)).scalars().all()
+            if not ids:
+                return []
+            lease = update(webhook_events).where(events.id.in_(ids))
+            connection.execute(lease.values(due=now + LEASE_SECONDS, attempts=events.attempts + 1))
+            return [
+                _delivery(row)
+                for row in connection.execute(
+                    _events().where(events.id.in_(ids)).order_by(events.created)
+                ).all()
+            ]
+
+    def told(self, delivery: Delivery, error: str = "") -> None:
+        """Note that an event was delivered, or what went wrong: it is sent again later."""
+        here = webhook_events.c.id == delivery.id
+        with self._database.write() as connection:
+            now = self._database.now(connection)
+            wait = min(FIRST_WAIT * 2 ** (delivery.attempts - 1), LONGEST_WAIT)
+            values = {"error": error, "due": now + wait} if error else {"delivered": now}
+            connection.execute(update(webhook_events).where(here).values(**values))
+            old = webhook_events.c.created < now - KEPT_SECONDS
+            connection.execute(delete(webhook_events).where(old))
+
+
+def announce(connection: Connection, project: str, body: Mapping[str, Any], now: float) -> None:
+    """Put a step of a task into the outbox, in the transaction that makes it."""
+    chosen = select(webhooks).where(webhooks.c.project == project)
+    for row in connection.execute(chosen).all():
+        if "task" in json.loads(row.topics):
+            key = str(uuid.uuid4())
+            event = _event_row(row.id, project, key, "task", body, now)
+            connection.execute(webhook_events.insert(), event)
+
+
+def forget_webhooks(connection: Connection, gone: Any) -> None:
+    """Remove the webhooks for which ``gone`` holds, with what is on its way to them."""
+    ids = select(webhooks.c.id).where(gone)
+    for table in (webhook_cursors, webhook_events):
+        connection.execute(delete(table).where(table.c.webhook.in_(ids)))
+    connection.execute(delete(webhooks).where(gone))
+
+
+def _moved_on(connection: Connection, webhook: Webhook) -> list[tuple[int, str, int, int]]:
+    """Number, id, told revision and revision of recordings that have new edits."""
+    at = and_(
+        webhook_cursors.c.webhook == webhook.id, webhook_cursors.c.sequence == sequences.c.number
+    )
+    chosen = (
+        select(
+            sequences.c.number,
+            sequences.c.id,
+            webhook_cursors.c.revision.label("told"),
+            sequences.c.revision,
+        )
+        .join(webhook_cursors, at, isouter=True)
+        .where(LIVE, WHOLE, webhook.project == PROJECT_OF)
+        .where(func.coalesce(webhook_cursors.c.revision, 0) < sequences.c.revision)
+    )
+    rows = connection.execute(chosen).all()
+    # A recording without a cursor: what was done before the webhook is left out by its time.
+    return [(row.number, row.id, row.told or 0, row.revision) for row in rows]
+
+
+def _event_row(
+    webhook: str, project: str, key: str, topic: Topic, body: Mapping[str, Any], now: float
+) -> dict[str, Any]:
+    told = {"id": key, "type": topic, "project": project, "time": now, topic: dict(body)}
+    return {
+        "id": key,
+        "webhook": webhook,
+        "topic": topic,
+        "body": json.dumps(told),
+        "created": now,
+        "due": now,
+        "attempts": 0,
+        "error": "",
+    }
+
+
+def _events() -> Any:
+    columns = [c for c in webhook_events.c if c.name != "due"]
+    return select(*columns, webhooks.c.url, webhooks.c.secret).join(
+        webhooks, webhooks.c.id == webhook_events.c.webhook
+    )
+
+
+def _webhook(row: Row[Any]) -> Webhook:
+    values = dict(row._mapping)
+    return Webhook(**values | {"topics": tuple(json.loads(values["topics"]))})
+
+
+def _delivery(row: Row[Any]) -> Delivery:
+    return Delivery(**row._mapping)

@@ -1,0 +1,75 @@
+"""Webhooks of a project: addresses that are told what happens in it."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import Path
+from pydantic import Field
+
+from pointbrush.labels.webhooks import Topic
+from pointbrush.web.auth import resource
+from pointbrush.web.context import ProjectId, Ws
+from pointbrush.web.problems import responses
+from pointbrush.web.schemas import Body, Out
+
+router = resource("webhooks")
+WebhookId = Annotated[str, Path(pattern="^[0-9a-f]{16}$", description="webhook id")]
+
+
+class WebhookBody(Body):
+    """An address to tell; ``topics`` null: all."""
+
+    url: Annotated[str, Field(min_length=1, max_length=2000, pattern=r"^https?://[!-~]+$")]
+    topics: Annotated[list[Topic], Field(min_length=1, max_length=3)] | None = None
+
+
+class WebhookOut(Out):
+    """An address that is told events of topics."""
+
+    id: str
+    url: str
+    topics: list[Topic]
+    created: datetime
+
+
+class NewWebhookOut(WebhookOut):
+    """The same with the secret that signs events, which is told this once."""
+
+    secret: str
+
+
+class DeliveryOut(Out):
+    """An event: when it was delivered, how often it was tried, what went wrong last."""
+
+    id: str
+    topic: Topic
+    created: datetime
+    attempts: int
+    delivered: datetime | None
+    error: str
+
+
+@router.get("/projects/{p}/webhooks", responses=responses(404))
+def list_webhooks(p: ProjectId, workspace: Ws) -> list[WebhookOut]:
+    """The webhooks of a project."""
+    return [WebhookOut.of(each) for each in workspace.hooks.all(p)]
+
+
+@router.post("/projects/{p}/webhooks", status_code=201, responses=responses(404, 413))
+def create_webhook(p: ProjectId, body: WebhookBody, workspace: Ws) -> NewWebhookOut:
+    """Tell an address what happens from now on: steps of tasks, edits by the minute, jobs."""
+    return NewWebhookOut.of(workspace.hooks.add(p, body.url, body.topics))
+
+
+@router.delete("/projects/{p}/webhooks/{w}", status_code=204, responses=responses(404))
+def delete_webhook(p: ProjectId, w: WebhookId, workspace: Ws) -> None:
+    """Remove a webhook, and what is on its way to it."""
+    workspace.hooks.remove(p, w)
+
+
+@router.get("/projects/{p}/webhooks/{w}/deliveries", responses=responses(404))
+def list_deliveries(p: ProjectId, w: WebhookId, workspace: Ws) -> list[DeliveryOut]:
+    """The latest events of a webhook, the newest first."""
+    return [DeliveryOut.of(each) for each in workspace.hooks.deliveries(p, w)]

@@ -1,0 +1,146 @@
+"""Events told to webhooks: signed, to public addresses, again and again until they are taken."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import hmac
+import ipaddress
+import logging
+import socket
+import threading
+import time
+
+import httpx
+
+from pointbrush.errors import BadInputError, ForbiddenError, PointbrushError, UnavailableError
+from pointbrush.labels.webhooks import TOPICS, Delivery, Topic, Webhook, Webhooks
+
+log = logging.getLogger(__name__)
+LOOK_SECONDS = 1.0
+"""Interval in which the outbox is looked at."""
+FOLD_SECONDS = 60.0
+"""Interval in which edits of labels become an event."""
+ANSWER_SECONDS = 10.0
+"""Longest wait for a receiver."""
+LONGEST_ERROR = 200
+
+
+class Hooks:
+    """The webhooks of a workspace, and the thread that tells them; thread-safe."""
+
+    def __init__(self, webhooks: Webhooks, *, private: bool) -> None:
+        """``private``: addresses of this machine and its networks may be told too."""
+        self._webhooks, self._private = webhooks, private
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="pointbrush-webhooks", daemon=True)
+
+    def add(self, project: str, url: str, topics: list[Topic] | None = None) -> Webhook:
+        """Add a webhook of a project, of all topics unless given.
+
+        Raises BadInputError for no address, ForbiddenError for one that is not public.
+        """
+        address_of(url, private=self._private)
+        return self._webhooks.add(project, url, topics or list(TOPICS))
+
+    def all(self, project: str) -> list[Webhook]:
+        """Return the webhooks of a project."""
+        return self._webhooks.all(project)
+
+    def remove(self, project: str, webhook: str) -> None:
+        """Remove one; raises NotFoundError."""
+        self._webhooks.remove(project, webhook)
+
+    def deliveries(self, project: str, webhook: str) -> list[Delivery]:
+        """Return the latest events of a webhook, the newest first."""
+        return self._webhooks.deliveries(project, webhook)
+
+    def open(self) -> None:
+        """Tell events from now on."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop; what is not told is told by the next server."""
+        self._stop.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def _run(self) -> None:
+        gathered = -FOLD_SECONDS
+        while not self._stop.wait(LOOK_SECONDS):
+            try:
+                if time.monotonic() - gathered >= FOLD_SECONDS:
+                    gathered = time.monotonic()
+                    self._webhooks.gather()
+                self.tell()
+            except UnavailableError as error:
+                log.warning("webhooks wait: %s", error)
+            except Exception:
+                log.exception("webhooks could not be told")
+
+    def tell(self) -> None:
+        """Tell the events that are due."""
+        for delivery in self._webhooks.take():
+            if self._stop.is_set():
+                return
+            self._webhooks.told(delivery, self._send(delivery))
+
+    def _send(self, delivery: Delivery) -> str:
+        """Send an event; returns what went wrong, or ""."""
+        try:
+            address = address_of(delivery.url, private=self._private)
+            url = httpx.URL(delivery.url)
+            answer = httpx.post(
+                url.copy_with(host=address),
+                content=delivery.body.encode(),
+                headers=headers_of(delivery, int(time.time())) | {"Host": url.netloc.decode()},
+                extensions={"sni_hostname": url.host},
+                timeout=ANSWER_SECONDS,
+                follow_redirects=False,  # they would lead past the check of the address
+                trust_env=False,
+            )
+        except (PointbrushError, httpx.HTTPError) as error:
+            return (str(error) or type(error).__name__)[:LONGEST_ERROR]
+        return "" if answer.is_success else f"answered {answer.status_code}"
+
+
+def headers_of(delivery: Delivery, now: int) -> dict[str, str]:
+    """Return the headers of an event, named as Standard Webhooks does; ``now``: epoch seconds.
+
+    The signature is of id, time and body, so that an old event cannot be sent again by others.
+    """
+    signed = f"{delivery.id}.{now}.{delivery.body}".encode()
+    digest = hmac.new(delivery.secret.encode(), signed, hashlib.sha256).digest()
+    return {
+        "Content-Type": "application/json",
+        "webhook-id": delivery.id,
+        "webhook-timestamp": str(now),
+        "webhook-signature": f"v1,{base64.b64encode(digest).decode()}",
+    }
+
+
+def address_of(url: str, *, private: bool) -> str:
+    """Return the address that a URL leads to now, to be connected to as it is.
+
+    Raises BadInputError for another scheme or an unknown host, ForbiddenError for an address of
+    this machine or a private network.
+    """
+    try:
+        parsed = httpx.URL(url)
+    except httpx.InvalidURL:
+        raise BadInputError(f"url: expected http(s)://host/…, got {url[:80]!r}") from None
+    if parsed.scheme not in ("http", "https") or not parsed.host:
+        raise BadInputError(f"url: expected http(s)://host/…, got {url[:80]!r}")
+    if parsed.userinfo:
+        raise BadInputError("url: expected none with a password: events are signed")
+    try:
+        found = socket.getaddrinfo(parsed.host, parsed.port or 443, type=socket.SOCK_STREAM)
+    except (OSError, UnicodeError):
+        raise BadInputError(f"url: expected a host that is known, got {parsed.host!r}") from None
+    addresses = [str(each[4][0]).partition("%")[0] for each in found]
+    if not private and not all(ipaddress.ip_address(each).is_global for each in addresses):
+        raise ForbiddenError(
+            f"url: expected a public address, {parsed.host!r} is of this machine or a private "
+            "network (see the option webhook_private)"
+        )
+    return addresses[0]

@@ -1,0 +1,154 @@
+"""Webhooks: signed, told until they are taken, of tasks, edits and jobs; never to this machine."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import hmac
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+from typing import Any
+
+import pytest
+from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+
+from pointbrush.client import Client
+from pointbrush.errors import BadInputError, ForbiddenError
+from pointbrush.labels import LabelStore, webhooks
+from pointbrush.labels.tasks import Stretch
+from pointbrush.work.projects import delivering
+from tests.serving import TOKEN, add_sequence, serving, settings_in
+from tests.waiting import eventually
+
+
+class Receiver:
+    """A receiver that fails ``failures`` times and then takes events."""
+
+    def __init__(self, failures: int) -> None:
+        self.failures, self.heard = failures, list[tuple[Any, bytes, int]]()
+
+    def answer(self, headers: Any, body: bytes) -> int:
+        status = 500 if len(self.heard) < self.failures else 204
+        self.heard.append((headers, body, status))
+        return status
+
+    def taken(self) -> list[dict[str, Any]]:
+        return [json.loads(body) for _, body, status in self.heard if status == 204]
+
+
+@contextmanager
+def receiving(failures: int = 0) -> Iterator[tuple[Receiver, str]]:
+    receiver = Receiver(failures)
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = self.rfile.read(int(self.headers["Content-Length"]))
+            self.send_response(receiver.answer(self.headers, body))
+            self.end_headers()
+
+        def log_message(self, *_: Any) -> None:
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Handler) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
+        thread.start()
+        try:
+            yield receiver, f"http://127.0.0.1:{server.server_port}/hook"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@pytest.fixture(autouse=True)
+def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(webhooks, "FIRST_WAIT", 0.01)
+    monkeypatch.setattr(delivering, "LOOK_SECONDS", 0.05)
+    monkeypatch.setattr(delivering, "FOLD_SECONDS", 0.3)
+
+
+def test_a_receiver_that_fails_is_told_again_and_each_event_is_signed(tmp_path: Path) -> None:
+    settings = settings_in(tmp_path, webhook_private=True)
+    add_sequence(settings, "wall", frames=2, points=300)
+    with (
+        receiving(failures=2) as (receiver, url),
+        serving(settings) as served,
+        Client(served.url, TOKEN) as client,
+    ):
+        project, wall = client.projects["default"], client["wall"]
+        wall.create_label("before")
+        made = project.add_webhook(url)
+        label = wall.create_label("brick").id
+        for frame in (0, 1):
+            wall.frames[frame].stroke(label=label, radius=0.2, samples=[[0, 0, 3]])
+        project.add_tasks()
+        project.next_task()
+        wall.track([label], 0, 1, method="icp", progress=False)
+
+        def told() -> dict[str, list[dict[str, Any]]]:
+            found: dict[str, list[dict[str, Any]]] = {}
+            for event in receiver.taken():
+                found.setdefault(event["type"], []).append(event[event["type"]])
+            return found
+
+        eventually(lambda: {"task", "labels", "job"} == told().keys() and len(told()["task"]) == 2)
+        eventually(lambda: sum(each["edits"] for each in told()["labels"]) == 4)
+        assert sorted(each["state"] for each in told()["task"]) == ["open", "taken"]
+        assert [each["kind"] for each in told()["job"]] == ["tracking"]
+        assert {frame for each in told()["labels"] for frame in each["frames"]} == {0, 1}
+        headers, body, _ = receiver.heard[0]
+        signed = f"{headers['webhook-id']}.{headers['webhook-timestamp']}.".encode() + body
+        digest = hmac.new(made["secret"].encode(), signed, hashlib.sha256).digest()
+        assert headers["webhook-signature"] == f"v1,{base64.b64encode(digest).decode()}"
+        failed = {headers["webhook-id"] for headers, _, status in receiver.heard if status == 500}
+        assert failed <= {event["id"] for event in receiver.taken()}
+        eventually(lambda: all(each["delivered"] for each in project.deliveries(made["id"])))
+        assert "secret" not in project.webhooks()[0]
+        project.delete_webhook(made["id"])
+        assert project.webhooks() == []
+
+
+@pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
+def test_an_event_is_one_servers_and_comes_again_when_that_has_died(
+    kind: str, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    postgres = kind == "postgresql"
+    url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
+    url = str(request.getfixturevalue("postgres_url")) if postgres else url
+    with closing(LabelStore(url)) as here, closing(LabelStore(url)) as there:
+        here.recordings.register("wall", [10])
+        here.team.webhooks.add("default", "https://example.org", ["task", "labels"])
+        here.team.tasks.add("default", "lead", [Stretch("wall", 0, 0)])
+        here.create_label("wall", "ada", name="brick")
+        for store in (here, there, here):
+            store.team.webhooks.gather()
+        monkeypatch.setattr(webhooks, "LEASE_SECONDS", 0.0)
+        (first, second) = here.team.webhooks.take()
+        assert {first.topic, second.topic} == {"task", "labels"}
+        monkeypatch.setattr(webhooks, "LEASE_SECONDS", 60.0)
+        again = there.team.webhooks.take()  # as the lease is over
+        assert {each.id for each in again} == {first.id, second.id}
+        assert here.team.webhooks.take() == []
+        for each in again:
+            there.team.webhooks.told(each)
+        assert here.team.webhooks.take() == []
+
+
+@pytest.mark.parametrize(
+    ("url", "error"),
+    [
+        ("http://127.0.0.1:9/", ForbiddenError),
+        ("http://[::1]/", ForbiddenError),
+        ("http://169.254.169.254/latest", ForbiddenError),
+        ("https://10.0.0.8/", ForbiddenError),
+        ("http://localhost/", ForbiddenError),
+        ("https://ada:secret@example.org/", BadInputError),
+        ("ftp://example.org/", BadInputError),
+    ],
+)
+def test_no_event_goes_to_this_machine_or_its_networks(url: str, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        delivering.address_of(url, private=False)
