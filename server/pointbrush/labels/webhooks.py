@@ -30,7 +30,7 @@ from pointbrush.labels.statements import insert
 Topic = Literal["task", "labels", "job"]
 TOPICS: tuple[Topic, ...] = get_args(Topic)
 """Steps of tasks; edits of labels, folded; jobs that have ended."""
-LEASE_SECONDS = 60.0
+LEASE_SECONDS = 30.0
 """Time in which a server that has taken an event must tell how it went."""
 KEPT_SECONDS = 8 * 86_400.0
 """Time for which events are kept; those of jobs are looked for in a shorter one."""
@@ -192,7 +192,7 @@ class Webhooks:
 
     # ── events that go out ───────────────────────────────────────────────────────────────
 
-    def take(self, limit: int = 20) -> list[Delivery]:
+    def take(self, limit: int = 2) -> list[Delivery]:
         """Take events that are due: no other server tells them for ``LEASE_SECONDS``."""
         with self._database.write() as connection:
             now = self._database.now(connection)

@@ -79,26 +79,25 @@ class Hooks:
                 log.exception("webhooks could not be told")
 
     def tell(self) -> None:
-        """Tell the events that are due."""
-        for delivery in self._webhooks.take():
-            if self._stop.is_set():
-                return
-            self._webhooks.told(delivery, self._send(delivery))
+        """Tell the events that are due, a few at a time: they are this server's for a while."""
+        while not self._stop.is_set() and (due := self._webhooks.take()):
+            for delivery in due:
+                self._webhooks.told(delivery, self._send(delivery))
 
     def _send(self, delivery: Delivery) -> str:
         """Send an event; returns what went wrong, or ""."""
         try:
             address = address_of(delivery.url, private=self._private)
             url = httpx.URL(delivery.url)
-            answer = httpx.post(
-                url.copy_with(host=address),
-                content=delivery.body.encode(),
-                headers=headers_of(delivery, int(time.time())) | {"Host": url.netloc.decode()},
-                extensions={"sni_hostname": url.host},
-                timeout=ANSWER_SECONDS,
-                follow_redirects=False,  # they would lead past the check of the address
-                trust_env=False,
-            )
+            headers = headers_of(delivery, int(time.time())) | {"Host": url.netloc.decode()}
+            # Redirects are not followed: they would lead past the check of the address.
+            with httpx.Client(timeout=ANSWER_SECONDS, trust_env=False) as http:
+                answer = http.post(
+                    url.copy_with(host=address),
+                    content=delivery.body.encode(),
+                    headers=headers,
+                    extensions={"sni_hostname": url.host},
+                )
         except (PointbrushError, httpx.HTTPError) as error:
             return (str(error) or type(error).__name__)[:LONGEST_ERROR]
         return "" if answer.is_success else f"answered {answer.status_code}"
