@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -28,6 +29,19 @@ def label_named(palette: Iterable[Entry], text: str) -> int:
 def listed(text: str) -> list[str]:
     """Return the parts of a text with commas."""
     return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def imported(given: argparse.Namespace) -> list[list[Path]]:
+    """Return the paths of each recording that `import` is to make; raises BadInputError."""
+    if not given.each:
+        return [given.paths]
+    from pointbrush.work.imports.requests import recordings_in  # loads more than `--help` needs
+
+    if given.name:
+        raise BadInputError(
+            "--name: expected none with --each: recordings are named by their files"
+        )
+    return [[path] for folder in given.paths for path in recordings_in(folder)]
 
 
 def required(name: str, value: str | None) -> str:

@@ -92,6 +92,10 @@ def parser() -> argparse.ArgumentParser:
         "paths", nargs="+", type=Path, metavar="PATH", help="files, folders, globs or archives"
     )
     import__.add_argument("--name", help="the recording's name")
+    import__.add_argument(
+        "--each", action="store_true", help="each file or folder in PATH is a recording"
+    )
+    import__.add_argument("--project", default="default", metavar="P", help="the project to join")
     import__.add_argument("--fps", type=_positive, help="frames per second")
     _choices(import__, Corrections)
     import__.add_argument(

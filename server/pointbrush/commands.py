@@ -57,20 +57,23 @@ def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG00
 
 
 def import_(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Import files as one recording and print its id, or what would be imported."""
+    """Import files as one recording, or each as one, and print ids or what would be imported."""
     from pointbrush.formats import Limits
     from pointbrush.formats.corrections import Corrections, parse_corrections
     from pointbrush.work.imports.previewing import preview
     from pointbrush.work.imports.requests import ImportRequest
 
     how = parse_corrections(chosen(Corrections, given))
+    recordings, limits = arguments.imported(given), Limits(settings.max_frame_points)
     if given.dry_run:
-        request = ImportRequest(tuple(given.paths), given.name, given.fps, how)
-        return printing.preview(asdict(preview(request, Limits(settings.max_frame_points))))
+        wanted = [ImportRequest(tuple(paths), given.name, given.fps, how) for paths in recordings]
+        return printing.together(
+            printing.preview(asdict(preview(request, limits))) for request in wanted
+        )
+    options = {"name": given.name, "fps": given.fps, "chosen": how, "project": given.project}
     with closing(Workspace(settings)) as workspace:
-        job = workspace.imports.begin(given.paths, name=given.name, fps=given.fps, chosen=how)
-        result = follow(workspace.jobs.get, job)
-        return printing.imported(result)
+        jobs = [workspace.imports.begin(paths, **options) for paths in recordings]
+        return printing.together(printing.imported(follow(workspace.jobs.get, job)) for job in jobs)
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:

@@ -192,6 +192,16 @@ def imported(result: Mapping[str, Any]) -> Answer:
     return Answer(result, [line], _warnings(result))
 
 
+def together(answers: Iterable[Answer]) -> Answer:
+    """Describe several results; one alone as it is."""
+    found = list(answers)
+    if len(found) == 1:
+        return found[0]
+    lines = [line for each in found for line in each.lines]
+    warnings = [warning for each in found for warning in each.warnings]
+    return Answer([each.value for each in found], lines, warnings)
+
+
 def _warnings(result: Mapping[str, Any]) -> list[str]:
     return [f"warning: {warning}" for warning in result.get("warnings", ())]
 

@@ -33,12 +33,16 @@ def _followed(client: Client, job: Job) -> dict[str, Any]:
 
 
 def import_(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Upload files, import them as one recording, and print its id or what would be imported."""
+    """Upload files, import them as one recording or each as one, and print what came of it."""
     options = chosen(Corrections, given) | {"name": given.name, "fps": given.fps}
+    options |= {"project": given.project}
     with client_of(settings) as client:
+        recordings = arguments.imported(given)
         if given.dry_run:
-            return printing.preview(client.preview(given.paths, **options))
-        return printing.imported(_followed(client, client.start_import(given.paths, **options)))
+            previews = (client.preview(paths, **options) for paths in recordings)
+            return printing.together(map(printing.preview, previews))
+        jobs = [client.start_import(paths, **options) for paths in recordings]
+        return printing.together(printing.imported(_followed(client, job)) for job in jobs)
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:

@@ -26,7 +26,9 @@ PLACE = [0.5, -0.25, 3.0]
 @pytest.fixture(scope="module")
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """Two recordings of 6 frames, ``day`` and ``night``."""
-    settings = settings_in(tmp_path_factory.mktemp("projects"))
+    folder = tmp_path_factory.mktemp("projects")
+    (folder / "inbox").mkdir()
+    settings = settings_in(folder, import_roots=str(folder / "inbox"))
     for name in ("day", "night"):
         add_sequence(settings, name, frames=6, points=500)
     with serving(settings) as running:
@@ -186,3 +188,25 @@ def test_recordings_are_found_by_name_class_label_state_and_person(
     assert cars["points"] == mine["points"] > 0
     assert cars["hours"] == mine["hours"] > 0
     project.put_task(1, state="open")
+
+
+def test_a_folder_of_recordings_comes_in_at_once(people: dict[str, Client], served: Served) -> None:
+    inbox = served.workspace.settings.roots[0]
+    for number in (2, 10):
+        (inbox / "drives" / f"drive {number}").mkdir(parents=True)
+        for frame in range(2):
+            text = "".join(f"{x} {frame} 0\n" for x in range(20))
+            (inbox / "drives" / f"drive {number}" / f"{frame}.xyz").write_text(text)
+    lead = people["lead"]
+    project = lead.projects["night"]
+    with pytest.raises(ForbiddenError):
+        people["ada"].projects["night"].import_each(inbox / "drives")
+    made = [lead.wait(job)["sequence"] for job in project.import_each(inbox / "drives", fps=5.0)]
+    assert made == ["drive-2", "drive-10"]
+    assert lead["drive-2"].manifest.project == "night"
+    assert [len(lead[each].frames) for each in made] == [2, 2]
+    with pytest.raises(NotFoundError):
+        people["guest"]["drive-2"]
+    lead.projects["default"].change(recordings=made)
+    for each in made:
+        lead[each].delete()

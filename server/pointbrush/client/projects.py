@@ -9,7 +9,8 @@ from datetime import datetime
 from typing import Any, Literal
 
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.values import Edit, Vector, read
+from pointbrush.client.uploads import AnyPath
+from pointbrush.client.values import Edit, Job, Vector, read
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +119,13 @@ class Project(Part[L]):
     def delete(self) -> Steps[None]:
         """Delete it; raises ConflictError while it has recordings."""
         yield from send(Request("DELETE", self._place))
+
+    @steps
+    def import_each(self, path: AnyPath, fps: float | None = None) -> Steps[list[Job]]:
+        """Import everything in a folder of the server, a recording each; returns the jobs."""
+        body: dict[str, Any] = {"path": str(path)} | ({} if fps is None else {"fps": fps})
+        answer = yield from send(Request("POST", f"{self._place}/imports", {"json": body}))
+        return [read(Job, entry) for entry in answer.json()]
 
     # ── the queue ────────────────────────────────────────────────────────────────────────
 

@@ -125,6 +125,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("PATCH", "/projects/{p}"): "manager",
     ("DELETE", "/projects/{p}"): "manager",
     ("POST", "/projects/{p}/tasks"): "manager",
+    ("POST", "/projects/{p}/imports"): "manager",
     ("POST", "/projects/{p}/snapshots"): "manager",
     ("GET", "/projects/{p}/webhooks"): "manager",
     ("POST", "/projects/{p}/webhooks"): "manager",

@@ -15,10 +15,11 @@ from pointbrush.formats.corrections import (
     parse_corrections,
 )
 from pointbrush.formats.names import DELIMITERS
+from pointbrush.labels.project_tables import FIRST
 from pointbrush.options import chosen
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
-from pointbrush.web.context import one_of
+from pointbrush.web.context import SEQUENCE_ID, one_of
 from pointbrush.web.schemas import Body, Name, Out, PaintId
 from pointbrush.work.imports.previewing import Preview
 from pointbrush.work.tracking.options import RunOptions
@@ -45,6 +46,7 @@ class ImportOptions(Body):
     poses: Text | None = None
     by_order: bool = False
     drop_invalid: bool = False
+    project: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)] = FIRST
     id: JobId | None = None
 
     @model_validator(mode="before")

@@ -12,17 +12,19 @@ from fastapi import Path as PathParameter
 from fastapi import Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
+from pydantic import Field
 from starlette.datastructures import UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
-from pointbrush.web.auth import Caller, Gate, resource
-from pointbrush.web.context import Ws
+from pointbrush.labels.project_tables import FIRST
+from pointbrush.web.auth import Caller, Gate, TheGate, resource
+from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import problem_of, responses
-from pointbrush.web.schemas import VISIBLE
-from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut
+from pointbrush.web.schemas import VISIBLE, Body
+from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut, Text
 from pointbrush.web.upload_files import (
     KeptUploads,
     Upload,
@@ -32,6 +34,7 @@ from pointbrush.web.upload_files import (
     relative_path,
     save,
 )
+from pointbrush.work.imports.requests import recordings_in
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
@@ -53,6 +56,7 @@ IMPORT_BODY = described(
         "format": {"type": "string", "enum": format_names()},
         "id": {"type": "string", "format": "uuid"},
         "poses": {"type": "string", "enum": ["auto", "none"]},
+        "project": {"type": "string", "enum": [FIRST]},
         **{word: {"type": "string", "enum": ["true", "false"]} for word in WORDS},
         **{name: {"type": "string", "enum": [example]} for name, example in TEXTS.items()},
     },
@@ -74,7 +78,8 @@ class Wanted:
         options = self.options
         name = options.name or (self.upload.name if self.upload else None)
         return {
-            "name": name, "fps": options.fps, "chosen": options.chosen, "roots": self.roots
+            "name": name, "fps": options.fps, "chosen": options.chosen, "roots": self.roots,
+            "project": options.project,
         }  # fmt: skip
 
 
@@ -113,6 +118,26 @@ async def import_sequence(
         raise
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return job
+
+
+class EachBody(Body):
+    """A folder of the server, in which each file or folder is a recording."""
+
+    path: Text
+    fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
+
+
+@router.post("/projects/{p}/imports", status_code=202, responses=responses(404, 413))
+def import_each(
+    p: ProjectId, body: EachBody, workspace: Ws, who: Caller, gate: TheGate, request: Request
+) -> list[JobOut]:
+    """Import everything in a folder under the allowed roots, a recording each, into a project."""
+    workspace.library.require_writable()
+    roots = workspace.import_roots(own=gate.is_own(request, who))
+    (folder,) = allowed(body.path, roots)
+    options: dict[str, Any] = {"fps": body.fps, "roots": roots, "project": p, "owner": who.author}
+    jobs = [workspace.imports.begin([each], **options) for each in recordings_in(folder)]
+    return [JobOut.of(job) for job in jobs]
 
 
 @router.post(

@@ -8,8 +8,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.timing import natural_key
 from pointbrush.job import ENDED, Job
+from pointbrush.labels.project_tables import FIRST
 
 UPLOAD = "upload"
 """Of a job's request: the folder of its uploaded files, or None."""
@@ -31,6 +34,8 @@ class ImportRequest:
     """Folders outside which nothing is read, if any."""
     upload: Path | None = None
     """Folder of files that were uploaded for it, which goes when the import has ended."""
+    project: str = FIRST
+    """Id of the project that the recording joins."""
 
     @property
     def source(self) -> str:
@@ -48,6 +53,7 @@ class ImportRequest:
             "chosen": asdict(self.chosen),
             "roots": [str(root) for root in self.roots],
             UPLOAD: str(self.upload) if self.upload else None,
+            "project": self.project,
         }
 
     @classmethod
@@ -61,7 +67,21 @@ class ImportRequest:
             Corrections(**chosen),
             tuple(map(Path, kept["roots"])),
             Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
+            kept.get("project", FIRST),
         )
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """Return the files and folders in a folder, each of which is to be a recording.
+
+    Raises NotFoundError, BadInputError where there is none in it.
+    """
+    if not folder.exists():
+        raise NotFoundError(f"path: expected a folder, {folder} does not exist")
+    inside = [path for path in folder.iterdir() if path.name[0] != "."] if folder.is_dir() else []
+    if not inside:
+        raise BadInputError(f"path: expected a folder of recordings, {folder} holds none")
+    return sorted(inside, key=natural_key)
 
 
 def drop_upload(upload: Path | None, job: Job) -> None:

@@ -21,6 +21,7 @@ from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
+from pointbrush.labels.project_tables import FIRST
 from pointbrush.lazy import once
 from pointbrush.names import require_visible
 from pointbrush.sequences import Manifest
@@ -96,9 +97,11 @@ class Imports:
 
         ``request``: fields of ``ImportRequest``.  ``owner``: who asks.  With the ``job_id`` of a
         job that they have begun before, that job is returned and nothing is begun; raises
-        ConflictError for another person's.
+        ConflictError for another person's, NotFoundError for an unknown project.
         """
         wanted = _request(paths, request)
+        if wanted.project != FIRST:
+            self._store.team.projects.get(wanted.project)
 
         def begin(job_id: str) -> Job:
             for path in wanted.paths:
@@ -216,7 +219,9 @@ class Imports:
             roots=request.roots,
             source=request.source,
         )
-        return self._submit(guard, work, self.source_labels.bring, job, request.upload)
+        return self._submit(
+            guard, work, self.source_labels.bring, job, request.upload, request.project
+        )
 
     def _begin_sample(self, frames: int, seed: int, kind: str, job: Job) -> Job:
         guard = self._reserve(kind)
@@ -239,6 +244,7 @@ class Imports:
         label: Callable[[Recording], None],
         job: Job,
         upload: Path | None = None,
+        project: str = FIRST,
     ) -> Job:
         sequence = guard.sequence
         warnings: list[str] = []
@@ -248,6 +254,8 @@ class Imports:
                 return {}
             recording = self._library.recording(sequence)
             self._store.recordings.register(sequence, recording.manifest.points, recording.identity)
+            if project != FIRST:
+                self._store.team.projects.put_in(project, sequence)
             try:
                 label(recording)
             except Exception as error:
