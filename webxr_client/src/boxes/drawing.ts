@@ -87,6 +87,7 @@ export class BoxWires {
       for (const chosen of [false, true]) {
         const some = boxes.filter((box) => box.dashed === dashed && box.chosen === chosen);
         if (some.length > 0) this.parts.push(wires(some, dashed, chosen));
+        if (some.length > 0 && chosen) this.parts.push(behind(wires(some, dashed, chosen)));
       }
     }
     const chosen = boxes.find((box) => box.chosen);
@@ -138,6 +139,16 @@ function wires(boxes: readonly Drawn[], dashed: boolean, chosen: boolean): LineS
   if (dashed) lines.computeLineDistances();
   lines.frustumCulled = false;
   lines.renderOrder = chosen ? 11 : 10;
+  return lines;
+}
+
+/** Opacity of the chosen box behind points. */
+const BEHIND = 0.3;
+
+/** Lines that are seen through all that is before them. */
+function behind(lines: LineSegments2): LineSegments2 {
+  lines.material.depthTest = false;
+  lines.material.opacity = BEHIND;
   return lines;
 }
 

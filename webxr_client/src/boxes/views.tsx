@@ -23,6 +23,10 @@ import {
 const NOTCH = 1.15;
 /** Pixels from the box to the knob that turns it. */
 const KNOB = 20;
+/** Labels' colours on light ground are darker by this. */
+const DARKER = 0.68;
+/** Fewer points than these are drawn larger. */
+const FEW = 6000;
 /** Points that belong to nothing, and those in the box with another label, by theme. */
 const GREYS: Readonly<Record<'dark' | 'light', readonly [Rgb, Rgb]>> = {
   dark: [
@@ -76,8 +80,8 @@ function View({ view, around, box, shape }: ViewProps) {
     const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
     const pixels = pen.createImageData(w, h);
     const fine = { width: w, height: h, perMetre: scale.perMetre * ratio };
-    const inks = { label: parseColor(color), other, foreign };
-    setInside(drawNear(pixels, around, shape, box.label, view, fine, inks, Math.round(2 * ratio)));
+    const inks = { label: inkOf(color), other, foreign };
+    setInside(drawNear(pixels, around, shape, box.label, view, fine, inks, dotOf(around)));
     pen.putImageData(pixels, 0, 0);
   }, [around, shape, box.label, view, width, height, scale.perMetre, color, other]);
   return (
@@ -93,6 +97,18 @@ function View({ view, around, box, shape }: ViewProps) {
       </figcaption>
     </figure>
   ); // prettier-ignore
+}
+
+/** A label's colour as points have it: legible on light ground, too. */
+function inkOf(color: string): Rgb {
+  const share = theme.value === 'light' ? DARKER : 1;
+  const [red, green, blue] = parseColor(color);
+  return [share * red, share * green, share * blue];
+}
+
+/** Pixels across a point: few are drawn larger. */
+function dotOf({ labels }: Near): number {
+  return Math.round((labels.length < FEW ? 3 : 2) * Math.min(2, devicePixelRatio));
 }
 
 /** Pixels of an element, as it is now. */
