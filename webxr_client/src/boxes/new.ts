@@ -1,6 +1,8 @@
 /** Boxes that are drawn from nothing: over the floor, or by one click in the size of their class. */
 import { signal } from '@preact/signals';
 import type { Matrix4 } from 'three';
+import { api } from '../net/rest';
+import type { Label } from '../protocol/messages';
 import { actions } from '../store/actions';
 import { boxes, type Triple } from '../store/boxes';
 import { activeLabel, state } from '../store/state';
@@ -11,7 +13,7 @@ import { lengthwise, shapeOf } from './volume';
 /** The next press on the recording draws a box. */
 export const drawing = signal(false);
 
-/** Length, width, height of a class, metres, by what its name has in it. */
+/** Length, width, height of classes that the taxonomy says nothing about, by what is in their names. */
 const SIZES: readonly (readonly [RegExp, Triple])[] = [
   [/bus/, [11, 2.9, 3.3]],
   [/truck|lorry/, [8, 2.6, 3.2]],
@@ -22,16 +24,23 @@ const SIZES: readonly (readonly [RegExp, Triple])[] = [
   [/car|vehicle/, [4.4, 1.85, 1.6]],
 ];
 
-/** Size that a click gives a label's box; null: its class has none. */
-export function sizeOf(label: { readonly category: string; readonly name: string }): Triple | null {
-  const words = `${label.category} ${label.name}`.toLowerCase();
-  return SIZES.find(([name]) => name.test(words))?.[1] ?? null;
+interface Class {
+  readonly name: string;
+  readonly size: Triple | null;
+}
+
+/** Size that a click gives a label's box: its class's in the taxonomy, or the usual one; else null. */
+async function sizeOf({ category, name }: Label): Promise<Triple | null> {
+  const words = `${category} ${name}`.toLowerCase();
+  const usual = SIZES.find(([part]) => part.test(words))?.[1] ?? null;
+  const { categories } = await api<{ categories: Class[] }>('GET', 'taxonomy');
+  return categories.find((one) => one.name === category)?.size ?? usual;
 }
 
 /** The volume of a click: on the ground that it was put on, of the size of the label's class. */
-function classSized(volume: Volume): Volume {
+async function classSized(volume: Volume): Promise<Volume> {
   const label = activeLabel.peek();
-  const size = label && sizeOf(label);
+  const size = label && (await sizeOf(label).catch(() => null));
   if (!size) return volume;
   const bottom = volume.center[1] - volume.size[1] / 2;
   const [x, , z] = volume.center;
@@ -47,7 +56,7 @@ export async function makeBox(volume: Volume, room: Matrix4, clicked: boolean): 
   drawing.value = false;
   const info = state.sequence.peek();
   if (!info) return;
-  const sized = clicked ? classSized(volume) : lengthwise(volume);
+  const sized = clicked ? await classSized(volume) : lengthwise(volume);
   const { frame } = state.shown.peek();
   const label = activeLabel.peek();
   const taken = [...boxes.peek().values()].some(
