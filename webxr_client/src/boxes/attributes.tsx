@@ -54,7 +54,7 @@ export function BoxAttributes({ box }: { box: ObjectBox }) {
       </label>
       <label class="row" data-tip="Part of the object outside of what the sensor sees, 0 to 1">
         <span>Truncated</span>
-        <input class="field number" type="number" min={0} max={1} step={0.05} value={String(here['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
+        <input class="field number" type="number" min={0} max={1} step={0.05} placeholder="0 – 1" value={String(here['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
       </label>
       {[PARKED, ...defined.value.filter(({ name }) => name !== 'parked')].map((kind) => (
         <Attribute key={kind.name} kind={kind} value={here[kind.name]} change={(value) => set(box, kind.scope, kind.name, value)} />

@@ -1,7 +1,7 @@
 /** Changes of boxes: each is one edit of the server's, and shows before it has answered. */
 import { batch, signal } from '@preact/signals';
 import { Matrix4 } from 'three';
-import { attempt, jobOf, noteJob, sequencePath } from '../engine/recordings';
+import { attempt, sequencePath } from '../engine/recordings';
 import { api } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import { actions } from '../store/actions';
@@ -149,6 +149,9 @@ export function leaveBox(): boolean {
 
 // ── work of the server ─────────────────────────────────────────────────────────────────────────
 
+/** Labels that were skipped are told up to so many. */
+const MOST_TOLD = 3;
+
 /** Labels that are fitted: one label, those of its category, all; `frames` like "3:10". */
 export interface Fit {
   readonly labels: readonly number[] | null;
@@ -156,12 +159,50 @@ export interface Fit {
   readonly frames: string | null;
 }
 
+/** Labels that were fitted, and reasons why others were not. */
+interface Fitted {
+  readonly fitted: readonly number[];
+  readonly skipped: Readonly<Record<string, string>>;
+}
+
 /** Fit boxes to labelled points; drawn poses stay. */
 export function fitBoxes({ labels, category, frames }: Fit): Promise<void> {
   return attempt('No box was fitted', async () => {
     const body = { labels, category, frames, redraw: false };
-    const job = jobOf(await api<Omit<Job, 'type' | 'frame'>>('POST', path('fit'), body));
-    if (!state.jobs.peek().some(({ id }) => id === job.id)) noteJob(job);
+    const { id } = await api<{ id: string }>('POST', path('fit'), body);
+    ended(
+      (job) => job.id === id,
+      (job) => {
+        if (job.state === 'done') void attempt('The boxes were not told', () => tellFit(id));
+      },
+    );
+  });
+}
+
+async function tellFit(id: string): Promise<void> {
+  const { result } = await api<{ result: Fitted }>('GET', `jobs/${id}`);
+  const names = new Map(state.palette.peek().map((label) => [String(label.id), label.name]));
+  const skipped = Object.entries(result.skipped).map(
+    ([label, why]) => `${names.get(label) ?? label}: ${why}`,
+  );
+  const count = result.fitted.length;
+  const title = count === 1 ? 'A box is fitted' : `${count === 0 ? 'No' : count} boxes are fitted`;
+  notify(count > 0 ? 'success' : 'info', title, skipped.slice(0, MOST_TOLD).join(' · '));
+}
+
+/** Run `done` with a job of the open recording once it has ended; nothing once that is closed. */
+function ended(which: (job: Job) => boolean, done: (job: Job) => void): void {
+  const sequence = state.sequence.peek()?.id;
+  let over = false;
+  const stop = follow(() => {
+    const job = state.jobs.value.find(which);
+    const gone = state.sequence.value?.id !== sequence;
+    if (over || (!gone && (!job || isActive(job)))) return;
+    over = true;
+    queueMicrotask(() => {
+      stop();
+      if (!gone && job) done(job);
+    });
   });
 }
 
@@ -215,16 +256,12 @@ function afterTracking(ways: readonly number[], run: (to: number) => void, done:
     return;
   }
   const known = new Set(state.jobs.peek().map(({ id }) => id));
-  const sequence = state.sequence.peek()?.id;
-  const stop = follow(() => {
-    const job = state.jobs.value.find(({ id, kind }) => kind === 'tracking' && !known.has(id));
-    const gone = state.sequence.value?.id !== sequence;
-    if (!gone && (!job || isActive(job))) return;
-    queueMicrotask(() => {
-      stop();
-      if (!gone && job?.state === 'done') afterTracking(rest, run, done);
-    });
-  });
+  ended(
+    ({ id, kind }) => kind === 'tracking' && !known.has(id),
+    (job) => {
+      if (job.state === 'done') afterTracking(rest, run, done);
+    },
+  );
   run(to);
 }
 

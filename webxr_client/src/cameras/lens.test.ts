@@ -54,6 +54,15 @@ describe('a lens', () => {
     expect(lens.project(1, 1.5, 0)).toBe(false);
   });
 
+  it('draws lines, without what is not in the picture', () => {
+    const lens = Lens.of(picture(), [0, 0, 0])!;
+    const [begin, ...rest] = lens.lines([4, -1, 0, 4, 1, 0]).split('L');
+    expect(begin).toMatch(/^M/);
+    expect(rest.length).toBeGreaterThan(1);
+    expect(lens.lines([4, 0, 0, 4, 90, 0])).not.toContain('NaN');
+    expect(lens.lines([-4, 0, 0, -4, 1, 0])).toBe('');
+  });
+
   it('is not known without calibration, or with one of another kind', () => {
     expect(Lens.of(picture({ K: null }), [0, 0, 0])).toBeNull();
     expect(Lens.of(picture({ model: 'magic', distortion: [1] }), [0, 0, 0])).toBeNull();

@@ -264,12 +264,12 @@ export class Painter {
   private press(hand: Pointer, first: boolean): void {
     if (first) this.pointing = !isStroke(peek(state.tool));
     this.way = this.pointing ? wayOf('sphere') : roomWay();
+    this.noteFrame();
     if (this.pointing) {
       if (first) this.pointAt(hand);
       return;
     }
     if (first && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
-    this.noteFrame();
     if (this.way.samples === 'drawn') {
       this.air.begin(this.way, this.tip);
       return;
