@@ -4,7 +4,7 @@ import { outlines } from '../cameras/state';
 import type { Engine } from '../engine/engine';
 import { boxes, chosenBox, FOLLOWS, picked, type ObjectBox, type Triple } from '../store/boxes';
 import { state } from '../store/state';
-import { follow, peek, watch } from '../store/watch';
+import { peek, watch } from '../store/watch';
 import { commitDraft, draft, shownIn } from './changes';
 import { BoxWires, linesOf, type Drawn } from './drawing';
 import { near, pointsNear, zoom } from './near';
@@ -36,9 +36,6 @@ export class ObjectBoxes {
       if (!now) return;
       const same = now.frame === state.frame.peek() && now.id === chosenBox.peek()?.id;
       if (!same || state.tool.peek() !== 'boxes') commitDraft();
-    });
-    follow(() => {
-      if (state.tool.value !== 'boxes') near.value = null;
     });
     viewer.ticks.add((now) => this.update(now));
   }
@@ -85,12 +82,16 @@ export class ObjectBoxes {
     });
   }
 
+  /** Whether there are views of the chosen box at the side. */
+  private readonly views = (): boolean =>
+    peek(state.tool) === 'boxes' && peek(state.xr).session !== 'running';
+
   /** Collect the points around the chosen box once something about them changed. */
   private look(now: number): void {
-    if (peek(state.tool) !== 'boxes' || now - this.looked < LOOK_MS) return;
+    if (now - this.looked < LOOK_MS) return;
     this.looked = now;
     const frame = this.engine.frame();
-    const box = peek(chosenBox);
+    const box = this.views() ? peek(chosenBox) : null;
     const shape = frame && box && this.anchorOf(box, frame.index);
     const seen = [frame, frame?.version, shape && JSON.stringify(shape), peek(zoom)];
     if (seen.every((one, i) => one === this.seen[i])) return;

@@ -137,7 +137,9 @@ function select(id: number): void {
   const active = state.activeLabel.peek();
   if (active !== id) last = active;
   state.activeLabel.value = id;
-  if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
+  const tool = state.tool.peek();
+  // A label's box is chosen with it.
+  if (!isStroke(tool) && tool !== 'boxes') state.tool.value = 'paint';
 }
 
 async function history(): Promise<void> {
