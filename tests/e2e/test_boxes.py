@@ -145,3 +145,23 @@ def test_the_camera_shows_the_box(open_desk: Callable[..., Desk], server: LiveSe
     line = desk.page.locator(".camera-outlines > path.chosen")
     line.wait_for(state="attached")
     assert line.get_attribute("d")
+
+
+def test_four_clicks_lead_from_an_object_to_its_exported_boxes(
+    open_desk: Callable[..., Desk], server: LiveServer
+) -> None:
+    server.request("POST", "sequences/street/labels", json={"name": "Car", "category": "car"})
+    desk = open_desk(width=1720, height=900)
+    desk.press("j")
+    desk.page.mouse.move(*desk.place(centre(0)))
+    desk.until("pb.state.object.value?.ready")
+    desk.page.mouse.click(*desk.place(centre(0)))
+    desk.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
+    for role, name in (("radio", "Boxes"), ("button", "Track and fit")):
+        desk.page.get_by_role(role, name=name).click()  # type: ignore[arg-type]
+    eventually(lambda: len(server.request("GET", "sequences/street/boxes").json()["boxes"]) == 1)
+    assert len(box_of(server)["poses"]) == FRAMES
+    desk.page.get_by_role("button", name="Export").click()
+    with desk.page.expect_download() as download:
+        desk.page.locator(".export-format", has_text="KITTI tracking").click()
+    assert download.value.suggested_filename.endswith(".zip")

@@ -1,7 +1,6 @@
-import { Matrix4, Vector3 } from 'three';
+import { Matrix4, Ray, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
-import { dragged } from '../tools/volume';
-import { Ray } from 'three';
+import { dragged, placeOf } from '../tools/volume';
 import { placeOn, turned, type Shape } from './shape';
 import { distanceTo, lengthwise, shapeOf, volumeOf } from './volume';
 
@@ -29,7 +28,9 @@ describe('a box in the room', () => {
       near(back.size, shape.size);
       near(placeOn(back, [1, 1, 1]), placeOn(shape, [1, 1, 1]));
     }
-    expect(volumeOf(CAR, ROOM, SHIFT).tilt).toBeUndefined();
+    const upright = volumeOf(CAR, ROOM, SHIFT);
+    expect(upright.tilt).toBeUndefined();
+    near(placeOf(upright, { axis: 1, side: 1 }).toArray(), [10, -0.25, -5]);
   });
 
   it('is longer once its front is dragged, and its back stays', () => {

@@ -10,7 +10,7 @@ import type { Shape } from './shape';
  * From a volume's axes (x, y up, z) to those of a box (x forward, y left, z up): a quarter turn
  * about x.
  */
-const AXES = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -Math.PI / 2);
+const AXES = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), Math.PI / 2);
 /** Tilts below this are none, radians. */
 const UPRIGHT = 1e-4;
 

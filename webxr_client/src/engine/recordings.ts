@@ -112,7 +112,7 @@ function download(href: string): void {
 
 /**
  * An export format as the server offers it; `cannot_hold`: what is lost in it; `splits`: its frames
- * are for training or for validation.
+ * are for training or for validation; `whole_boxes`: it has the boxes of the labels.
  */
 export interface ExportFormat {
   readonly format: string;
@@ -120,6 +120,7 @@ export interface ExportFormat {
   readonly content: string;
   readonly cannot_hold: readonly string[];
   readonly splits: boolean;
+  readonly whole_boxes: boolean;
 }
 
 /** The formats that the server offers, once they were asked for. */

@@ -3,6 +3,7 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../store/actions';
 import { exportFormats, type ExportFormat } from '../engine/recordings';
+import { boxes } from '../store/boxes';
 import { state } from '../store/state';
 import { Button } from './parts/controls';
 import { frameRange, ordered } from '../store/range';
@@ -45,7 +46,7 @@ function ExportMenu() {
     <>
       <h2>Export {frames ? `frames ${range![0]} – ${range![1]}` : `all ${all} frames`}</h2>
       <Range all={all} range={frames ? range : null} />
-      <Formats formats={exportFormats.value.filter((each) => !each.splits)} start={start} />
+      <Formats formats={plainFormats()} start={start} />
       <label class="row">
         <span>Validation</span>
         <select
@@ -104,6 +105,13 @@ function Range({ all, range }: RangeProps) {
       )}
     </div>
   );
+}
+
+/** Formats without a split; whole boxes go first where the recording has boxes. */
+function plainFormats(): readonly ExportFormat[] {
+  const formats = exportFormats.value.filter((each) => !each.splits);
+  if (boxes.value.size === 0) return formats;
+  return formats.toSorted((a, b) => Number(b.whole_boxes) - Number(a.whole_boxes));
 }
 
 interface FormatsProps {

@@ -208,7 +208,8 @@ async def respond(
 class ExportOut(BaseModel):
     """An export format: what its files contain, and what of points and labels they cannot hold.
 
-    ``splits``: its frames are split for training and validation.
+    ``splits``: its frames are split for training and validation.  ``whole_boxes``: it has the boxes
+    of the labels, not those that end where points end.
     """
 
     format: str
@@ -216,6 +217,7 @@ class ExportOut(BaseModel):
     content: str
     cannot_hold: list[str]
     splits: bool
+    whole_boxes: bool
 
 
 @router.get("/exports")
@@ -228,6 +230,7 @@ def list_exports() -> list[ExportOut]:
             content=each.content,
             cannot_hold=list(each.cannot_hold),
             splits=each.splits,
+            whole_boxes=each.whole_boxes,
         )
         for each in EXPORTS.values()
     ]
