@@ -106,7 +106,7 @@ def test_a_copy_stands_on_the_ground_and_what_is_between_two_drawn_ones_is_fille
     desk = open_desk(width=1720, height=900)
     desk.press("Shift+B")
     desk.until(f"{CHOSEN} === 1")
-    desk.page.get_by_role("button", name="Next frame").click()
+    desk.page.get_by_role("button", name="Copy to next").click()
     eventually(lambda: "1" in box_of(server)["poses"])
     # The sensor drove on by 0.8 m: the car stands where it stood.
     assert box_of(server)["poses"]["1"]["centre"] == pytest.approx(centre(1), abs=1e-4)

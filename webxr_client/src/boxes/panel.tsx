@@ -155,7 +155,7 @@ function Chosen({ box }: { box: ObjectBox }) {
       {here ? <BoxViews /> : <NotHere box={box} />}
       <div class="box-actions">
         <FitButton />
-        <Button label="Next frame" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame: with the track, or standing on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
+        <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame: with the track, or standing on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
         <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn ones" disabled={no} onClick={() => void interpolate()} />
         <Button label="Box from points" kind="outlined" keys="Shift F" tip="Fit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
         <Button label="Points from box" kind="outlined" keys="Shift P" tip="Give the points inside, in this frame, the box’s label" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
