@@ -157,6 +157,8 @@ export interface Fit {
   readonly labels: readonly number[] | null;
   readonly category: string | null;
   readonly frames: string | null;
+  /** Also poses that were drawn. */
+  readonly redraw?: boolean;
 }
 
 /** Labels that were fitted, and reasons why others were not. */
@@ -165,10 +167,10 @@ interface Fitted {
   readonly skipped: Readonly<Record<string, string>>;
 }
 
-/** Fit boxes to labelled points; drawn poses stay. */
-export function fitBoxes({ labels, category, frames }: Fit): Promise<void> {
+/** Fit boxes to labelled points; drawn poses stay, unless they are to be fitted too. */
+export function fitBoxes({ labels, category, frames, redraw = false }: Fit): Promise<void> {
   return attempt('No box was fitted', async () => {
-    const body = { labels, category, frames, redraw: false };
+    const body = { labels, category, frames, redraw };
     const { id } = await api<{ id: string }>('POST', path('fit'), body);
     ended(
       (job) => job.id === id,
@@ -210,7 +212,7 @@ function ended(which: (job: Job) => boolean, done: (job: Job) => void): void {
 export function boxFromPoints(): Promise<void> {
   const { frame } = state.shown.peek();
   const labels = [state.activeLabel.peek()];
-  return fitBoxes({ labels, category: null, frames: `${frame}:${frame + 1}` });
+  return fitBoxes({ labels, category: null, frames: `${frame}:${frame + 1}`, redraw: true });
 }
 
 /** Give the points in the chosen box its label, in the frame on screen or in all of the box's. */
