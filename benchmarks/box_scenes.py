@@ -107,7 +107,9 @@ def annotated(
     keys = sorted({(box.key or f"{k}-{i}") for k, (_, boxes) in enumerate(frames)
                    for i, box in enumerate(boxes) if box.name in wanted})  # fmt: skip
     number = {key: n for n, key in enumerate(keys, 1)}
-    scans, truths, kinds = [], {}, {}
+    scans: list[Scan] = []
+    truths: dict[int, dict[int, Truth]] = {}
+    kinds: dict[int, str] = {}
     for k, (scan, boxes) in enumerate(frames):
         label = np.zeros(len(scan.xyz), np.int64)
         for i, box in enumerate(boxes):
@@ -127,9 +129,15 @@ def annotated(
 
 def _moves(scans: list[Scan], truths: dict[int, Truth]) -> bool | None:
     """Tell whether a true box goes somewhere, where poses are known."""
-    if any(scan.pose is None for scan in scans) or len(truths) < 2:
+    poses = [scan.pose for scan in scans]
+    if len(truths) < 2:
         return None
-    places = [(scans[k].pose @ truth.T)[:3, 3] for k, truth in truths.items()]
+    places = []
+    for k, truth in truths.items():
+        pose = poses[k]
+        if pose is None:
+            return None
+        places.append((pose @ truth.T)[:3, 3])
     return bool(np.linalg.norm(places[-1] - places[0]) > 0.5)
 
 

@@ -103,7 +103,7 @@ def fit_moving(
         ]
         size, _ = likely_size(sides, prior, options)
         places = np.array([world_centre(each, size, options)[:2] for each in sides])
-        slack = np.array([each.slack(size, options.bin_size)[:2] for each in sides])
+        slack = np.array([each.slack(size)[:2] for each in sides])
         noise = options.side_noise + slack / 2
         path = smooth_path(places, noise, yaws, times, options.acceleration)
     heights = np.array([each.low[2] for each in sides]) + size[2] / 2
@@ -147,7 +147,6 @@ def _directions(
     """Find the direction (k,) in each frame, by the path where it moves, and by outlines."""
     velocity = speeds(path, times)
     speed = np.linalg.norm(velocity, axis=1)
-    span = float(np.linalg.norm(path[-1] - path[0]))
     if not start.moves or (speed < (options.walking if prior.person else SLOW)).all():
         return _by_outlines(views, yaws, times, options)
     along = np.arctan2(velocity[:, 1], velocity[:, 0])
@@ -160,16 +159,18 @@ def _directions(
     turning = np.gradient(np.unwrap(along), times) if len(along) > 1 else np.zeros(len(along))
     slip = np.arctan(np.clip(AXLE * size[0] * turning / np.maximum(speed, SLOW), -0.5, 0.5))
     guess = along - slip
-    # A short path says less: its ends are known to a side's noise.
-    path_noise = np.clip(2 * options.side_noise / max(span, 0.1), np.radians(1), np.radians(20))
-    outline_noise = np.radians(options.lshape_noise)
+    # A slow or a turning path says less: its places are known to a side's noise.
+    far = np.clip(speed * min(options.path_seconds, float(times[-1] - times[0])), 0.1, None)
+    path_noise = 2 * options.side_noise / far + np.abs(turning) * options.path_lag
+    path_noise = np.clip(path_noise, np.radians(1), np.radians(25))
     found, noise = np.empty(len(views)), np.empty(len(views))
-    within = max(float(OUTLINE_WITHIN), 2 * float(path_noise))
     for k, view in enumerate(views):
         part = shell(view.xyz, start.ground[k], options)
+        within = max(float(OUTLINE_WITHIN), 1.5 * float(path_noise[k]))
         outline = outline_yaw(part, float(guess[k]), within, options)
-        weak = outline_noise * (1 if len(part) > 60 else 3)
-        a, b = 1 / path_noise**2, 1 / weak**2
+        ratio = np.clip(np.sqrt(options.lshape_points / len(part)), 1 / 3, 3)
+        weak = np.radians(options.lshape_noise) * ratio
+        a, b = 1 / path_noise[k] ** 2, 1 / weak**2
         found[k] = guess[k] + float(wrapped(outline - guess[k], np.pi / 2)) * b / (a + b)
         noise[k] = 1 / np.sqrt(a + b)
     return smooth_angles(found, noise, times, np.radians(options.yaw_drift))

@@ -28,11 +28,17 @@ class FitOptions:
     band: tuple[float, float] = (0.22, 0.5)
     """Shares of the height between which a body is solid: rays that pass there say it is free."""
     inner: float = 0.6
-    """Share of a side, at its middle, that rays must pass beside: corners are round."""
+    """Share of a side, at its middle, beside which rays say that it ends."""
+    outer: float = 0.9
+    """The same share where a box reaches past its round corners, …"""
+    corner: float = 0.3
+    """… so many metres from its end."""
     bin_size: float = 0.05
     """Metres; steps in which free space beside a side is looked for."""
     ray_cost: float = 0.5
     """Nats that a ray through a box costs: some go through windows and under the body."""
+    rays_spare: int = 2
+    """Rays through one step that count for nothing: they may be stray."""
     rays_most: int = 30
     """Rays through one step that count, at most."""
     frames_most: float = 4.0
@@ -63,12 +69,18 @@ class FitOptions:
     """… and the ratio to which this must shrink the cells that its points fill."""
     sharp_cell: float = 0.2
     """Metres; width of these cells."""
-    acceleration: float = 2.5
+    acceleration: float = 4.0
     """Metres a second squared; standard deviation of a path's bend."""
     side_noise: float = 0.06
     """Metres; standard deviation of a side that was seen."""
     lshape_noise: float = 3.0
-    """Degrees; standard deviation of a direction by the sides of one frame."""
+    """Degrees; standard deviation of a direction by the sides of one frame …"""
+    lshape_points: int = 60
+    """… that has so many points; more say more, down to a third of it."""
+    path_seconds: float = 0.4
+    """Time over which a path tells a direction …"""
+    path_lag: float = 0.15
+    """… and by which it tells that of what turns late or early, seconds."""
     yaw_drift: float = 25.0
     """Degrees a second by which the direction drifts from that of the path."""
     walking: float = 0.3

@@ -16,9 +16,9 @@ from pointbrush.fitting.sides import Sides, find_sides, likely_size
 from pointbrush.fitting.yaw import outline_yaws, turn
 
 Floats = NDArray[np.float64]
-CABIN = 0.75
+CABIN = 0.87
 """Share of the height above which a vehicle is its cabin or its load, behind its middle."""
-CABIN_POINTS = 15
+CABIN_POINTS = 10
 """Points there from which on they tell the front."""
 CABIN_OFF = 0.02
 """Share of the length by which their middle must be off that of the vehicle."""
@@ -84,7 +84,7 @@ def shell(xyz: Floats, ground: float | None, options: FitOptions) -> Floats:
     part = xyz[
         (xyz[:, 2] > low + options.clearance) & (xyz[:, 2] < low + max(0.65 * (high - low), 0.6))
     ]
-    return part if len(part) >= 10 else xyz
+    return part if len(part) >= max(10, 0.3 * len(xyz)) else xyz
 
 
 def world_centre(sides: Sides, size: Floats, options: FitOptions) -> Floats:

@@ -28,62 +28,57 @@ OPEN = 4.0
 """Standard deviations above the mean of a class to which an open side may reach."""
 FACING = 0.5
 """Cosine between a side's direction and the sensor's from which on the sensor faces it."""
-AXES = ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, 1.0))
-"""Sides that free space is looked for beside, as axis and sign; the bottom is the ground's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sides:
     """Sides along x, y, z of a box's direction, level coordinates turned by ``yaw``.
 
-    ``low`` and ``high`` (3,) metres: where points end; ``below`` and ``above`` (3, n) nats: what it
-    costs to grow by 0, 1, … bins beyond them, into space that rays pass through.
+    ``low`` and ``high`` (3,) metres: where points end.  For each axis: ``costs`` (n,) nats of
+    growing by 0, 1, … bins beyond them, where that costs least, and the ``shares`` (n,) of it that
+    go beyond ``high``.
     """
 
     yaw: float
     low: Floats
     high: Floats
-    below: Floats
-    above: Floats
+    costs: tuple[Floats, ...]
+    shares: tuple[Floats, ...]
 
     @property
     def seen(self) -> Floats:
         """Sizes (3,) that were seen."""
         return np.asarray(self.high - self.low)
 
-    def growth(self, axis: int) -> tuple[Floats, Floats]:
-        """Find for growth by 0, 1, … bins the least cost (n,), and the share of it above (n,)."""
-        n = self.above.shape[1]
-        total = np.arange(n)
-        up = np.arange(n)[:, None]
-        down = total - up
-        cost = np.where(
-            down >= 0, self.above[axis][:, None] + self.below[axis][np.maximum(down, 0)], np.inf
-        )
-        best = cost.min(axis=0)
-        # Where several ways to grow cost the same, the middle of them.
-        tied = cost <= best + TIED
-        share = (tied * up).sum(axis=0) / tied.sum(axis=0) / np.maximum(total, 1)
-        return best, np.where(total > 0, share, 0.5)
-
     def middle(self, size: Floats, step: float) -> Floats:
         """Place a box of a size (3,): its centre (3,), grown where that costs least."""
         over = size - self.seen
         share = np.full(3, 0.5)
-        for axis in range(3):
-            shares = self.growth(axis)[1]
-            bins = int(np.clip(round(over[axis] / step), 0, len(shares) - 1))
-            share[axis] = shares[bins] if over[axis] > 0 else 0.5
+        for axis, shares in enumerate(self.shares):
+            if over[axis] > 0:
+                share[axis] = shares[min(round(over[axis] / step), len(shares) - 1)]
         share[2] = 1.0
         return np.asarray((self.low + self.high) / 2 + over * (share - 0.5))
 
-    def slack(self, size: Floats, step: float) -> Floats:
-        """Metres (3,) along which a box of a size may be moved at hardly any cost."""
+    def slack(self, size: Floats) -> Floats:
+        """Metres (3,) along which a box of a size may lie elsewhere, about."""
         over = np.maximum(size - self.seen, 0)
-        down, up = (
-            np.minimum(over, (cost < 1).sum(axis=1) * step) for cost in (self.below, self.above)
-        )
-        return np.asarray(np.clip(down + up - over, 0, over))
+        two_ways = [float(np.abs(shares - 0.5).max(initial=0) < 0.4) for shares in self.shares]
+        return np.asarray(over * two_ways)
+
+
+def grown(below: Floats, above: Floats) -> tuple[Floats, Floats]:
+    """Combine the costs (n,) of growing to either side by 0, 1, … bins: the least cost (n,), and
+    the share that goes above; the middle of the ways that cost the same."""
+    total = np.arange(len(above))
+    up = total[:, None]
+    down = total - up
+    cost = np.where(down >= 0, above[:, None] + below[np.maximum(down, 0)], np.inf)
+    best = cost.min(axis=0)
+    tied = cost <= best + TIED
+    share = (tied * up).sum(axis=0) / tied.sum(axis=0) / np.maximum(total, 1)
+    share[0] = 0.5
+    return best, share
 
 
 def likely_size(
@@ -98,12 +93,12 @@ def likely_size(
     size, total = seen.copy(), float(np.log(prior.spread).sum() - np.log(prior.weight))
     for axis in range(3):
         mean, spread = prior.mean[axis], prior.spread[axis]
-        sizes = seen[axis] + step * np.arange(parts[0].above.shape[1])
+        sizes = seen[axis] + step * np.arange(max(len(part.costs[axis]) for part in parts))
         sizes = np.append(sizes, mean) if mean > seen[axis] else sizes
         cost = 0.5 * ((sizes - mean) / spread) ** 2
         for part in parts:
-            bins = np.arange(part.above.shape[1]) * step
-            cost = cost + weight * np.interp(sizes - part.seen[axis], bins, part.growth(axis)[0])
+            bins = np.arange(len(part.costs[axis])) * step
+            cost = cost + weight * np.interp(sizes - part.seen[axis], bins, part.costs[axis])
         best = int(cost.argmin())
         size[axis], total = sizes[best], total + float(cost[best])
     return size, total
@@ -138,37 +133,62 @@ def find_sides(
     body = points[points[:, 2] > floor + options.clearance]
     body = body if len(body) >= options.least_points else points
     toward = np.zeros(3)
-    if len(ends):
+    if len(ends) and not prior.person:
         toward = (eyes @ R).mean(axis=0) - np.median(points, axis=0)
         toward[:2] /= max(float(np.linalg.norm(toward[:2])), 1e-9)
         toward[2] = 0
     low = np.array([-edge(-body[:, a], toward[a] < -FACING, options) for a in range(3)])
     high = np.array([edge(body[:, a], toward[a] > FACING, options) for a in range(3)])
     low[2] = floor
-    n = int(np.ceil(max(mean + OPEN * spread) / options.bin_size))
-    below, above = np.zeros((3, n)), np.zeros((3, n))
-    below[2] = CERTAIN
-    below[2, 0] = 0
-    if len(ends):
-        from_, to = eyes @ R, ends @ R
-        grown_low, grown_high = _grown(low, high, from_.mean(axis=0), mean)
-        for axis, sign in AXES:
-            a, b = _window(grown_low, grown_high, floor, float(mean[2]), options)
-            start = float(high[axis] if sign > 0 else low[axis])
-            passing = count_passing(from_, to, axis, sign, start, options.bin_size, n - 1, a, b)
-            rays = np.maximum.accumulate(np.minimum(passing, options.rays_most))
-            (above if sign > 0 else below)[axis, 1:] = options.ray_cost * rays
-    return Sides(yaw, low, high, below, above)
+    reach = np.maximum(mean + OPEN * spread - (high - low), 0)
+    counts = np.ceil(reach / options.bin_size).astype(int) + 1
+    from_, to = eyes @ R, ends @ R
+    wide = _grown(low, high, from_.mean(axis=0) if len(ends) else None, mean)
+    costs, shares = [], []
+    for axis in range(3):
+        below, above = (
+            _into_free(from_, to, axis, sign, low if sign < 0 else high, int(counts[axis]), *wide,
+                       floor, float(mean[2]), options)
+            for sign in (-1.0, 1.0)
+        )  # fmt: skip
+        if axis == 2:  # the bottom is the ground's
+            below = np.where(np.arange(counts[2]) > 0, CERTAIN, 0.0)
+        cost, share = grown(below, above)
+        costs.append(cost)
+        shares.append(share)
+    return Sides(yaw, low, high, tuple(costs), tuple(shares))
 
 
-def _grown(low: Floats, high: Floats, eye: Floats, mean: Floats) -> tuple[Floats, Floats]:
+def _into_free(
+    eyes: Floats, ends: Floats, axis: int, sign: float, side: Floats, count: int, low: Floats,
+    high: Floats, floor: float, height: float, options: FitOptions,
+) -> Floats:  # fmt: skip
+    """Compute the costs (count,) of growing beyond a side by 0, 1, … bins, nats, by the rays that
+    pass there: by those through the middle of what it grows, and those near its corners."""
+    cost = np.zeros(count)
+    if not len(ends) or count < 2:
+        return cost
+    rounded = round(options.corner / options.bin_size)
+    for inner, shift in ((options.inner, 0), (options.outer, rounded)):
+        a, b = _window(low, high, floor, height, inner, options)
+        passing = count_passing(
+            eyes, ends, axis, sign, float(side[axis]), options.bin_size, count - 1, a, b
+        )
+        rays = np.clip(passing - options.rays_spare, 0, options.rays_most)
+        rays = np.maximum.accumulate(rays)
+        nats = options.ray_cost * rays[: max(count - 1 - shift, 0)]
+        cost[count - len(nats) :] = np.maximum(cost[count - len(nats) :], nats)
+    return cost
+
+
+def _grown(low: Floats, high: Floats, eye: Floats | None, mean: Floats) -> tuple[Floats, Floats]:
     """Grow what was seen away from the eye to the mean size of the class."""
     lower, higher = low.copy(), high.copy()
     for axis in range(2):
         more = max(float(mean[axis] - (high - low)[axis]), 0.0)
-        if eye[axis] > high[axis]:
+        if eye is not None and eye[axis] > high[axis]:
             lower[axis] -= more
-        elif eye[axis] < low[axis]:
+        elif eye is not None and eye[axis] < low[axis]:
             higher[axis] += more
         else:
             lower[axis] -= more / 2
@@ -178,10 +198,10 @@ def _grown(low: Floats, high: Floats, eye: Floats, mean: Floats) -> tuple[Floats
 
 
 def _window(
-    low: Floats, high: Floats, floor: float, height: float, options: FitOptions
+    low: Floats, high: Floats, floor: float, height: float, inner: float, options: FitOptions
 ) -> tuple[Floats, Floats]:
     """Bounds (3,), (3,) of the space beside sides that rays must pass through."""
-    middle, half = (low + high) / 2, (high - low) / 2 * options.inner
+    middle, half = (low + high) / 2, (high - low) / 2 * inner
     a, b = middle - half, middle + half
     a[2], b[2] = floor + options.band[0] * height, floor + options.band[1] * height
     return a, b

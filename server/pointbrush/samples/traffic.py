@@ -25,11 +25,11 @@ from pointbrush.samples.street import cyclist, pedestrian, vehicle
 
 AXLE = 0.28
 """Share of a vehicle's length from its middle back to the axle that does not steer."""
-CLEAR_M = 6.5
+CLEAR_M = 4.5
 """Metres between the middles of what turns, walks or rides and all else, at least."""
 CLEAR_SECONDS = (0.0, 1.0, 2.0, 3.0)
 """Seconds after the start at which they are so far apart."""
-TRIES = 30
+TRIES = 100
 """Places that are tried for each of those who turn, walk or ride."""
 BOX_AXES = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])
 """``R_box_object``: axes x left, y up, z ahead → axes x ahead, y left, z up."""
