@@ -19,6 +19,7 @@ from pointbrush.formats.boxes.scene import (
     BoxTrack,
     Scene,
     SceneFrame,
+    View,
     by_frame,
     label_of,
     tracked,
@@ -140,3 +141,29 @@ def test_boxes_come_back(format: str) -> None:
             require_same(format, made, back(format, frames_of(made), Path(folder)))
 
     run()
+
+
+def test_kitti_tells_the_picture_of_a_box() -> None:
+    """Readme of KITTI's object devkit: truncated is the share that leaves the picture, alpha the
+    angle as it is seen, from the side of the camera's ray."""
+    ahead = np.eye(4)
+    ahead[:3, :3] = [[0, -1, 0], [0, 0, -1], [1, 0, 0]]
+    view = View(np.array([[100.0, 0, 200], [0, 100, 50], [0, 0, 1]]), ahead, 400, 100)
+    poses = {
+        0: BoxPose(np.array([10.0, 0, 0]), quaternion_of(np.eye(3))),
+        1: BoxPose(np.array([10.0, -18.0, 0]), quaternion_of(np.eye(3))),
+        2: BoxPose(np.array([-10.0, 0, 0]), quaternion_of(np.eye(3))),
+    }
+    made = [OrientedBox(1, 1, np.full(3, 2.0), poses)]
+    wrote = dict(BOX_WRITERS["kitti-object"].write(frames_of(made, view=view), Scene("s", COLORS)))
+    told = [wrote[f"label_2/{k:06d}.txt"].decode().split()[1:8] for k in range(3)]
+    front, aside, behind = (list(map(float, each)) for each in told)
+    near = 100 / 9  # pixels of a metre at the near face
+    assert front == pytest.approx(
+        [0, 0, -np.pi / 2, *(200 - near, 50 - near), *(200 + near, 50 + near)], abs=1e-4
+    )
+    left, right = 200 + 100 * 17 / 11, 200 + 100 * 19 / 9
+    assert aside[0] == pytest.approx((right - 399) / (right - left), abs=1e-4)
+    assert aside[3:] == pytest.approx([left, 50 - near, 399, 50 + near], abs=1e-4)
+    assert aside[2] == pytest.approx(-np.pi / 2 - np.arctan2(18, 10), abs=1e-4)
+    assert behind[3:] == [-1, -1, -1, -1]

@@ -215,6 +215,9 @@ def test_the_review(served: Served, tmp_path: Path) -> None:
         assert [line["state"] for line in wall.review.history(2)] == ["accepted", "rejected"]
         assert [each.settled for each in wall.review.checks()] == [True]
         assert wall.review.agreement("wall").same is None
+        boxes = wall.review.agreement("wall", boxes=True).boxes
+        assert boxes is not None
+        assert boxes.classes == ()
         assert wall.review.difference("wall", 0).startswith(b"\x89PNG")
         page = wall.review.report(tmp_path / "wall.html").read_text()
         assert page.startswith("<!doctype html>")
