@@ -23,9 +23,9 @@ from tests.torture.authors import quiet
 from tests.torture.framework import Arena, Tally, scenario
 
 PEOPLE = 4
-FRAMES = 12
+FRAMES = 6
 """Frames of a recording, each of which is a task."""
-FAILS = 0.3
+FAILS = 0.1
 """Share of events that the receiver refuses."""
 DELIVERED_SECONDS = 120.0
 """Longest wait for events that a killed server had taken."""

@@ -13,7 +13,7 @@ from pydantic import Field, FiniteFloat
 
 from pointbrush.classify.options import MOST_BYTES, MOST_CLASSES, NAME_LENGTH
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
-from pointbrush.web.auth import Caller, resource
+from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body, Out, PaintId
@@ -110,8 +110,11 @@ def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
 
 
 @router.post("/classifiers", status_code=201, responses=responses(404))
-def create_classifier(body: ClassifierBody, workspace: Ws) -> ClassifierOut:
+def create_classifier(
+    body: ClassifierBody, workspace: Ws, who: Caller, gate: TheGate
+) -> ClassifierOut:
     """Make a classifier; what is painted in ``recordings`` teaches it at once, and later too."""
+    gate.require_seen(who, *body.recordings)
     made = workspace.classifiers.create(
         body.name, body.recordings, body.classes, body.model, body.imported
     )
@@ -159,8 +162,11 @@ def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
 
 
 @router.post("/classifiers/{id}/teach", responses=responses(404))
-def teach_classifier(id: ClassifierPath, body: TeachBody, workspace: Ws) -> ClassifierOut:
+def teach_classifier(
+    id: ClassifierPath, body: TeachBody, workspace: Ws, who: Caller, gate: TheGate
+) -> ClassifierOut:
     """Teach what is painted now, also in further recordings, and write it down."""
+    gate.require_seen(who, *body.recordings)
     return ClassifierOut.of(workspace.classifiers.teach(id, body.recordings))
 
 
@@ -232,6 +238,8 @@ def stored_bytes(found: Prediction) -> bytes:
 def get_doubt(
     seq: SequenceId,
     workspace: Ws,
+    who: Caller,
+    gate: TheGate,
     classifier: Annotated[str, Query(pattern=ID, max_length=64)],
     frame: Annotated[FrameIndex | None, Query()] = None,
     all: Annotated[bool, Query(alias="workspace", description="other recordings too")] = False,
@@ -245,7 +253,7 @@ def get_doubt(
     found = workspace.classifiers.doubt(
         classifier, seq, frame=frame, workspace=all, near=near, most=most
     )
-    return [PlaceOut.of(each) for each in found]
+    return [PlaceOut.of(each) for each in found if gate.may_see(who, each.sequence)]
 
 
 @router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))
