@@ -45,15 +45,18 @@ def example_frame(recording: Recording, frame: int, members: Numbers | None = No
             return None
         return np.ascontiguousarray(column if members is None else column[members])
 
-    sensor, level = sensor_of(stored, recording.manifest), level_rotation(recording.manifest)
+    level = level_rotation(recording.manifest)
+    # A kind that is only guessed may be wrong: land from the air passes for a turn of a lidar.
+    known = stored.viewpoint is not None or stored.pose is not None
+    sensor = sensor_of(stored, recording.manifest) if known else None
     xyz = np.asarray(stored.coordinates[slice(None) if members is None else members], np.float64)
     return ExampleFrame(
         np.ascontiguousarray(xyz @ level.T),
         part(stored.rgb),  # type: ignore[arg-type]
         part(stored.intensity),  # type: ignore[arg-type]
         _returns(recording, stored, members),
-        None if sensor.place is None else level @ sensor.place,
-        sensor.kind,
+        None if sensor is None or sensor.place is None else level @ sensor.place,
+        "room" if sensor is None else sensor.kind,
     )
 
 
