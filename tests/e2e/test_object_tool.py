@@ -211,6 +211,9 @@ def test_frames_of_no_point_of_one_and_of_five_million(browser: Browser, tmp_pat
         desk.press("j")
         desk.until("pb.shown().total > 4000000 && pb.shown().drawn > 10000")
         hover(desk, [0.0, 1.0, 0.0], "pb.state.object.value?.levels > 0")
+        # The smallest part comes first while the frame is not prepared.
+        for _ in range(6):
+            desk.press("+")
         desk.page.mouse.down()
         desk.page.mouse.up()
         desk.until("pb.state.object.value?.taken")

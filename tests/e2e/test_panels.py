@@ -271,6 +271,7 @@ def by_keys_alone(window: Desk, server: LiveServer) -> None:
         page.keyboard.type(words)
         window.press("Enter")
 
+    window.ask("pb.setDrawing(true)")
     window.until("pb.shown().total > 0 && pb.shown().drawn === pb.shown().total")
     window.press("n")
     page.keyboard.type("thing")

@@ -244,6 +244,7 @@ class ViewerSession(Viewer):
                     role=self.role,
                     version=__version__,
                     credits=CREDITS,
+                    account=self.author,
                 )
             )
         )

@@ -4,8 +4,14 @@ import { state } from '../store/state';
 import { commandsNow } from './command-search';
 import { isFree, keyTable, printed } from './shortcuts';
 
-function login(author: string): void {
-  state.me.value = { viewer: 'v', author, role: 'annotator', serverVersion: '' };
+function login(account: string): void {
+  state.me.value = {
+    viewer: 'v',
+    author: 'Someone',
+    account,
+    role: 'annotator',
+    serverVersion: '',
+  };
 }
 
 const said = (key: string): string | undefined => keyTable.value.get(key)?.what;

@@ -98,7 +98,13 @@ describe('the end of a run', () => {
   });
 
   it('is not told where somebody else’s ended in another recording', () => {
-    state.me.value = { viewer: 'v', author: 'ada', role: 'annotator', serverVersion: '' };
+    state.me.value = {
+      viewer: 'v',
+      author: 'Ada',
+      account: 'ada',
+      role: 'annotator',
+      serverVersion: '',
+    };
     inbox.receive({ t: 'message', message: { ...job, owner: 'bob', sequence: 'street' } });
     expect(state.notices.value).toEqual([]);
     // Nor may one stop it, or is it in the way of a run of one's own.

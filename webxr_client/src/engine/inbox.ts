@@ -125,8 +125,8 @@ export class Inbox {
     (this.takes[message.type] as Take<PlainMessage> | undefined)?.(message);
   }
 
-  private welcome({ viewer, author, role, version }: Welcome): void {
-    state.me.value = { viewer, author, role, serverVersion: version };
+  private welcome({ viewer, author, account, role, version }: Welcome): void {
+    state.me.value = { viewer, author, account, role, serverVersion: version };
     this.deps.objects.restart();
     this.deps.regions.leave();
     this.deps.following.clear();

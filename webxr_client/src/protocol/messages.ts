@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '845c3c1feac3';
+export const SCHEMA_HASH = '1869303d7a8d';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -527,6 +527,7 @@ export interface Welcome {
   role: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
   version: string;
   credits: number;
+  account: string;
 }
 
 /** A feature that was asked for; ``granted`` is null where the browser does not tell. */

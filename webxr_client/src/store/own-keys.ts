@@ -8,7 +8,7 @@ import { follow } from './watch';
 type OwnKeys = Readonly<Record<string, string>>;
 
 const place: ReadonlySignal<string> = computed(
-  () => `pointbrush.keys.${state.me.value?.author ?? ''}`,
+  () => `pointbrush.keys.${state.me.value?.account ?? ''}`,
 );
 const chosen = signal<OwnKeys>({});
 export const ownKeys: ReadonlySignal<OwnKeys> = chosen;

@@ -156,7 +156,7 @@ function isOf({ sequence }: Job, open: SequenceInfo | null): boolean {
 /** Whether this person began a job; everything counts as theirs until the server has told who they are. */
 export function isMine({ owner }: Pick<Job, 'owner'>): boolean {
   const me = state.me.value;
-  return me === null || owner === '' || owner === me.author;
+  return me === null || owner === '' || owner === me.account;
 }
 
 /** Whether this person may stop a job: their own, or as a manager anybody's. */

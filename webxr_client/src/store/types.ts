@@ -19,7 +19,9 @@ export interface Connection {
 
 export interface Me {
   readonly viewer: string;
+  /** The name shown, and the account that edits and jobs are by. */
   readonly author: string;
+  readonly account: string;
   readonly role: Welcome['role'];
   readonly serverVersion: string;
 }

@@ -38,6 +38,8 @@ class Welcome(Message):
     version: str
     credits: int
     """Frame messages that the server may send before the first credit comes back."""
+    account: str = ""
+    """The account that edits and jobs are by; ``author`` is the name shown for it."""
 
 
 class SequenceInfo(Message):

@@ -46,7 +46,7 @@ function Offer({ object: { level, levels, points, taken, completes } }: { object
 /** The levels as a row of marks that grow, the shown one lit. */
 function Steps({ level, levels }: { level: number; levels: number }) {
   return (
-    <span class="object-levels" aria-label={`Level ${level + 1} of ${levels}`}>
+    <span class="object-levels" role="img" aria-label={`Level ${level + 1} of ${levels}`}>
       {Array.from({ length: levels }, (_, i) => (
         <span key={i} class={i === level ? 'mark on' : 'mark'} style={{ '--step': i }} />
       ))}
