@@ -40,13 +40,17 @@ from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing
 from pointbrush.work.objects import Objects
-from pointbrush.work.projects import Agreeing, Hooks, Projects, Queue, Versions
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:
     from pointbrush.work.boxes.front import Fitting
     from pointbrush.work.classifiers.front import ClassifierFront
+    from pointbrush.work.projects.agreeing import Agreeing
+    from pointbrush.work.projects.delivering import Hooks
+    from pointbrush.work.projects.queue import Queue
+    from pointbrush.work.projects.service import Projects
+    from pointbrush.work.projects.versions import Versions
     from pointbrush.work.reviewing import Reviewing
     from pointbrush.work.tracking.runs import Runs
 
@@ -113,10 +117,6 @@ class Workspace:
         self.copying = Copying(self.labels, self.recording)
         self.splitting = Splitting(self.labels, self.recording)
         self.boxes = BoxPainting(self.labels, self.recording)
-        self.hooks = Hooks(self.labels.team.webhooks, private=settings.webhook_private)
-        self.agreeing = Agreeing(self.labels, self.library)
-        self.queue = Queue(self.labels, self.recording, self.agreeing.copy)
-        self.projects, self.versions = Projects(self.labels, publish), Versions(self.labels)
         self.deletion.tidy()
         if not self.read_only:
             self.library.store.clear_remains(self.labels.guards.importing)
@@ -132,7 +132,8 @@ class Workspace:
 
     def close(self) -> None:
         """Cancel jobs or leave them to the next server, end worker processes and the database."""
-        self.hooks.close()
+        if Workspace.hooks.made(self):
+            self.hooks.close()
         self._objects.close()
         self.imports.close()
         self.runner.close()
@@ -189,6 +190,41 @@ class Workspace:
         return Fitting(
             self.labels, self.library, self.runner, self.jobs, self.settings.database_url
         )
+
+    @once
+    def projects(self) -> Projects:
+        """Projects: recordings with roles and classes."""
+        from pointbrush.work.projects.service import Projects
+
+        return Projects(self.labels, self._listeners.tell)
+
+    @once
+    def versions(self) -> Versions:
+        """Named versions of the labels of projects."""
+        from pointbrush.work.projects.versions import Versions
+
+        return Versions(self.labels)
+
+    @once
+    def agreeing(self) -> Agreeing:
+        """Copies that several people label, compared and merged."""
+        from pointbrush.work.projects.agreeing import Agreeing
+
+        return Agreeing(self.labels, self.library)
+
+    @once
+    def queue(self) -> Queue:
+        """Tasks of projects."""
+        from pointbrush.work.projects.queue import Queue
+
+        return Queue(self.labels, self.recording, self.agreeing.copy)
+
+    @once
+    def hooks(self) -> Hooks:
+        """Webhooks of projects."""
+        from pointbrush.work.projects.delivering import Hooks
+
+        return Hooks(self.labels.team.webhooks, private=self.settings.webhook_private)
 
     @once
     def reviewing(self) -> Reviewing:

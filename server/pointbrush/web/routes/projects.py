@@ -15,7 +15,7 @@ from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import VISIBLE, Body, Name, Out
-from pointbrush.work.projects import Overview
+from pointbrush.work.projects.service import Overview
 
 router = resource("projects")
 Account = Annotated[str, Field(min_length=1, max_length=128, pattern=f"^{VISIBLE}+$")]

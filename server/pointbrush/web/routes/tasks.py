@@ -17,8 +17,9 @@ from pointbrush.web.problems import responses
 from pointbrush.web.roles import DECIDE
 from pointbrush.web.routes.review import Note, Person
 from pointbrush.web.schemas import Body, Out
-from pointbrush.work.projects import NewTasks, Wish
+from pointbrush.work.projects.queue import NewTasks
 from pointbrush.work.projects.rules import Person as Asker
+from pointbrush.work.projects.rules import Wish
 
 router = resource("tasks")
 TaskNumber = Annotated[int, Path(ge=1, lt=2**31, description="number of the task")]

@@ -24,6 +24,8 @@ FOLD_SECONDS = 60.0
 ANSWER_SECONDS = 10.0
 """Longest wait for a receiver."""
 LONGEST_ERROR = 200
+END_SECONDS = 2.0
+"""Longest wait for a receiver when the server ends."""
 
 
 class Hooks:
@@ -63,7 +65,7 @@ class Hooks:
         """Stop; what is not told is told by the next server."""
         self._stop.set()
         if self._thread.ident is not None:
-            self._thread.join()
+            self._thread.join(END_SECONDS)
 
     def _run(self) -> None:
         gathered = -FOLD_SECONDS
@@ -76,6 +78,8 @@ class Hooks:
             except UnavailableError as error:
                 log.warning("webhooks wait: %s", error)
             except Exception:
+                if self._stop.is_set():  # the workspace was closed meanwhile
+                    return
                 log.exception("webhooks could not be told")
 
     def tell(self) -> None:

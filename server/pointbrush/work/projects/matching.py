@@ -14,7 +14,6 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 Pairs = Mapping[tuple[int, int], int]
 """Points of each pair of labels, of the first and of the second annotation."""
@@ -74,6 +73,8 @@ def matches(pairs: Pairs, options: MatchOptions | None = None) -> list[Match]:
             union = sizes[0][mine] + sizes[1][theirs] - points
             iou[rows.index(mine), columns.index(theirs)] = points / union
     iou[iou < options.least] = 0.0
+    from scipy.optimize import linear_sum_assignment  # a server starts without
+
     chosen = zip(*linear_sum_assignment(iou, maximize=True), strict=True)
     return [Match(rows[i], columns[j], float(iou[i, j])) for i, j in chosen if iou[i, j] > 0]
 
