@@ -113,6 +113,7 @@ def test_a_copy_stands_on_the_ground_and_what_is_between_two_drawn_ones_is_fille
     ends = {str(frame): {"centre": centre(frame), "quaternion": [0, 0, 0, 1]} for frame in (0, 4)}
     change = {"poses": {**ends, "1": None}}
     server.request("PATCH", f"sequences/street/boxes/{number}", json=change)
+    desk.page.get_by_text("Not in this frame").wait_for()
     desk.page.keyboard.press("Shift+L")
     eventually(lambda: len(box_of(server)["poses"]) == FRAMES)
     box = box_of(server)
