@@ -12,14 +12,16 @@ import scenes
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import solid
 from pointbrush.tracking.model.registration import Registration
-from pointbrush.tracking.model.track import OtherMovers, begin
+from pointbrush.tracking.model.track import Bending, OtherMovers, SeenAlone, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise, measure_noise
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.association import Associations
+from pointbrush.tracking.steps.association import Associations, LabelledPoints
+from pointbrush.tracking.steps.claim import claim
 from pointbrush.tracking.steps.grow import grow, own_points
+from pointbrush.tracking.steps.settle import hides
 
 OPTIONS = TrackerOptions()
 
@@ -172,6 +174,69 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
     assert flight.given.isolated == isolated
 
 
+@pytest.mark.parametrize("pliant", [True, False])
+def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> None:
+    flight = Flight(upper=True)
+    if pliant:
+        flight.track.bending = Bending(strain=2 * OPTIONS.track.soft_strain)
+        flight.track.size = 2.0 * OPTIONS.track.dense_points
+    missed = np.setdiff1d(flight.mine, flight.painted)
+    flight.track.other_movers = rivals_of(flight, flight.first, missed, beside=False)
+    flight.grown()
+    assert flight.given.isolated != pliant
+
+
+def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
+    for seen_alone, isolated in ((0, True), (OPTIONS.growth.known_frames, False)):
+        flight = Flight(upper=True)
+        flight.track.size = float((flight.view.frame.truth == 1).sum())
+        flight.track.unit = 0.006  # over 20 steps to its other end
+        flight.track.seen_alone = SeenAlone(seen_alone, OPTIONS.confidence.usual_cost)
+        flight.grown()
+        assert flight.given.isolated == isolated
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("seen_alone", [0, OPTIONS.growth.known_frames])
+def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_alone: int) -> None:
+    flight = Flight(upper=True)
+    track, view = flight.track, flight.view
+    truth = view.frame.truth == 1
+    own = flight.core.indices
+    flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
+    track.size, track.seen_alone = (
+        0.2 * float(truth.sum()),
+        SeenAlone(seen_alone, OPTIONS.confidence.usual_cost),
+    )
+    if held:  # a hand hardly turns: it was there in the last frame too
+        missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
+        xyz = view.xyz[missed].astype(np.float64)
+        track.other_movers = OtherMovers(xyz, view.colour(missed), track.weight)
+    flight.grown()
+    assert not flight.given.isolated
+    assert flight.given.growth_refused == (seen_alone == 0 and not held)
+    track.last = replace(track.last, growth_refused=flight.given.growth_refused)
+    flight.grown()
+    assert flight.given.isolated == flight.given.growth_refused
+
+
+@pytest.mark.parametrize("frames", [0, OPTIONS.growth.known_frames])
+@pytest.mark.parametrize("moved", [False, True])
+def test_a_new_side_that_ended_all_round_for_long_is_its_unless_it_is_on_its_way(
+    frames: int, moved: bool
+) -> None:
+    flight = Flight(upper=True)
+    track, truth = flight.track, flight.view.frame.truth == 1
+    track.size = float(truth.sum())
+    track.last = replace(track.last, frames_alone=frames)
+    missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
+    xyz = flight.view.xyz[missed].astype(np.float64)
+    track.other_movers = OtherMovers(xyz, flight.view.colour(missed), track.weight)
+    track.motion.poses[-1][0, 3] += moved * 2 * track.model.radius
+    flight.grown()
+    assert flight.given.isolated == (frames > 0 and not moved)
+
+
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
     at = np.array([0.3, 1.2, 1.87])
     beside, wrist = at + [0.05, 0, 0], at + [0.07, 0, -0.2]
@@ -181,6 +246,36 @@ def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> No
         flight = Flight([grip, board])
         grown = flight.grown()
         assert (len(grown) < 10) == hand
+
+
+def test_another_side_of_a_thing_in_colours_of_its_own_does_not_hide_it() -> None:
+    rng = np.random.default_rng(3)
+    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
+    parts = club(1, np.array([0.0, 1.4, 1.9]), np.eye(3))
+    parts[1].label = 2
+    hand = scenes.Part(3, (210, 160, 130), np.array([0.3, 1.4, 1.9]), np.array([0.4, 1.4, 1.9]))
+    hand.ra = hand.rb = 0.05
+    frame = camera.shoot([*parts, hand], rng)
+    view = View(0, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)
+    painted, turned, skin = (np.flatnonzero(frame.truth == label) for label in (1, 2, 3))
+    none = OtherMovers.none()
+    track = begin(view, 1, painted, 0.004, none)
+    both = begin(view, 1, np.concatenate([painted, turned]), 0.004, none).model
+
+    def taken_for_another(points: np.ndarray, isolated: bool = False) -> bool:
+        xyz, colour = view.xyz[points].astype(float), view.colour(points)
+        found = claim(view, points, xyz, colour, track.weight, 0.1)
+        box = (xyz.min(0), xyz.max(0))
+        place = Registration(np.eye(4), xyz, box, points, points, points, cost=0.3)
+        return hides(track, view, place, LabelledPoints(found, isolated=isolated), 0.0)
+
+    assert taken_for_another(turned)
+    assert taken_for_another(skin)
+    assert not taken_for_another(turned, isolated=True)  # alone in the air
+    track.model = both
+    both.hits[:] = OPTIONS.surface.sure_hits
+    assert not taken_for_another(turned)
+    assert taken_for_another(skin)
 
 
 def test_noise_of_depth_that_comes_in_steps_is_a_step() -> None:

@@ -22,7 +22,7 @@ from pointbrush.tracking.compute.columns import (
     spans,
     toned,
 )
-from pointbrush.tracking.compute.grid import bounds
+from pointbrush.tracking.compute.grid import bounds, within
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options.steps import RegistrationOptions
 
@@ -131,6 +131,15 @@ class Target:
     xyz: F64
     colour: F32
     weight: float
+
+    def around(self, xyz: F64, margin: float, options: RegistrationOptions) -> Target:
+        """Cut the target to the box around ``xyz`` (M, 3) and ``margin`` metres beside it; all of
+        it where that is most."""
+        lo, hi = bounds(xyz)
+        part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
+        if len(part) > options.uncut_share * len(self.xyz) or not len(part):
+            return self
+        return Target(self.xyz[part], self.colour[part], self.weight)
 
     @cached_property
     def columns(self) -> Columns:

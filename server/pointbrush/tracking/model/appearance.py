@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from pointbrush.compiled import compiled
+from pointbrush.tracking.compute.grid import numbered
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.options.tracks import AppearanceOptions
 
@@ -75,6 +76,17 @@ class ColourHistogram:
     def unlike(self, colour: F32) -> bool:
         """Whether the colours (M, 3) are much rarer here than its own usually are."""
         return self.likeness(colour) < self.usual - self.options.rarer_log
+
+    def rather(self, colour: F32) -> Mask:
+        """Mark the colours (M, 3) far commoner in the histogram than among themselves."""
+        options = self.options
+        at = _at(colour)
+        cell = _flat(at // options.coarse_bins)
+        number = numbered(cell)
+        return np.asarray(
+            self.common[_flat(at)]
+            > options.rather_ratio * np.bincount(number)[number] / len(colour)
+        )
 
     def only(self, colour: F32) -> Mask:
         """Mark the colours (M, 3) that this histogram alone has."""

@@ -37,3 +37,5 @@ class Registration:
     """(H,) what each of them cost."""
     alternatives_failed: bool = False
     """It was looked for elsewhere too, in this frame or before, and that was no better."""
+    faint: I64 = field(default_factory=no_points)
+    """Points of ``near`` that are hardly before the background."""

@@ -220,6 +220,8 @@ class BackgroundOptions(Options):
     seldom_share: float = 0.25  # share of the frames that must show the scene
     often_share: float = 0.5  # share of the frames that must show what lies off the continued scene
     min_showing_frames: float = 2.0  # fewest frames that do: one alone may show anything
+    # Noise deviations from which a point may be of what touches the background.
+    faint_sigmas: float = 0.5
     # Noise deviations by which an object must have gone to leave a pixel.
     departed_sigmas: float = 2.0
     # Share of an object's points from which what stands there is no foot of it.

@@ -68,6 +68,8 @@ class JumpOptions(Options):
 class StrainOptions(Options):
     """Whether an object bends."""
 
+    signed: ClassVar[frozenset[str]] = frozenset({"outline_offsets_px"})
+
     min_known_points: int = 100  # known points that have to be in sight
     min_off_share: float = 0.005  # share of them off their place to ask for strain
     stiff_frames: PositiveInt = 4  # frames between two questions of a stiff object
@@ -80,6 +82,8 @@ class StrainOptions(Options):
     on_units: float = 1.0  # units at which it is on it
     far_units: float = 3.0  # units within which that is looked for
     unexplained_units: float = 2.0  # units from the model from which it does not explain a point
+    # Pixels, each way, from which an outline is beside a point.
+    outline_offsets_px: tuple[int, int, int] = (-2, 0, 2)
     share_rate: float = 0.15  # weight of a frame in the running mean of how much bends
     strain_rate: float = 0.2  # weight of a frame in the running mean of strain
 
@@ -114,6 +118,7 @@ class AppearanceOptions(Options):
 
     signed: ClassVar[frozenset[str]] = frozenset({"strange_share"})
     rather_ratio: float = 10.0  # times as common among painted colours that is rather the track's
+    coarse_bins: PositiveInt = 3  # bins, each way, of the cells of a histogram of few colours
     common_share: float = 0.02  # share of colours from which they are common
     # Mean log ratio by which colours may be rarer than its own and still like them.
     rarer_log: float = 2.0

@@ -5,7 +5,7 @@ The unlabelled points of earlier frames, aligned by their poses, in their stored
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,14 +28,14 @@ class PointBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        return self._seen_in(view, indices), np.zeros(len(indices), np.bool_)
+        return self._seen_in(self.past, view, indices), np.zeros(len(indices), np.bool_)
 
-    def _seen_in(self, view: View, indices: I64) -> Mask:
-        """Mark the points (M,) that some of the past frames have, unlabelled."""
+    def _seen_in(self, past: Sequence[tuple[View, Mask]], view: View, indices: I64) -> Mask:
+        """Mark the points (M,) that some of the ``past`` frames have, unlabelled."""
         world = view.xyz[indices]
         still = np.zeros(len(indices), np.bool_)
         reach = self.reach(world)
-        for earlier, labelled in self.past:
+        for earlier, labelled in past:
             rest = np.flatnonzero(~still)
             T = earlier.T_world_frame
             at: F64 = world[rest].astype(np.float64)
@@ -63,6 +63,10 @@ class PointBackground:
         """See ``Background``; what a sensor on the move sees does not stay."""
         return np.zeros(len(indices), np.bool_)
 
+    def revealed(self, _view: View, indices: I64) -> Mask:
+        """See ``Background``; without a depth image nothing is known to lie behind."""
+        return np.zeros(len(indices), np.bool_)
+
     def scenery(self, _view: View, indices: I64, _frames: int) -> Mask:
         """See ``Background``; without a depth image there is no more to know."""
         return np.zeros(len(indices), np.bool_)
@@ -71,9 +75,20 @@ class PointBackground:
         """See ``Background``; without a depth image nothing is known to lie behind."""
         return np.zeros(len(indices), np.bool_)
 
+    def faint(self, view: View, indices: I64) -> Mask:
+        """See ``Background``: of what a lidar sees a run may have missed what a person has not
+        left unlabelled."""
+        if not view.scans:
+            return np.zeros(len(indices), np.bool_)
+        return ~self._seen_in(self.past[:1], view, indices)
+
     def drawn_on(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; without a depth image no scene is drawn on."""
         return np.zeros(len(indices), np.bool_)
+
+    def uncovered(self, _view: View) -> tuple[I64, I64]:
+        """See ``Background``; without a depth image nothing is known to have hidden a point."""
+        return np.empty(0, np.int64), np.empty(0, np.int64)
 
     def again(self, _view: View, indices: I64) -> I64:
         """See ``Background``; without a depth image no place is held."""

@@ -46,13 +46,22 @@ def _explained(track: Track, view: View, fit: Registration, points: I64, reach: 
     if view.roams:  # What stands still is known, and no one holds what is seen from the road.
         return np.zeros(len(points), np.bool_)
     xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
-    return track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
+    explained = track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
+    if track.soft and len(track.other_movers.xyz):  # Each part of it has a motion of its own.
+        before = transform(track.motion.poses[-1], track.model.xyz)
+        bent = track.other_movers.along(
+            before, fit.world, track.options.context.along_units * track.unit
+        )
+        explained |= bent.explain(xyz, colour, reach)
+    return explained
 
 
 def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
     """Mark the points where an unlabelled mover was in the last frame, or would be by ``step``."""
-    reach = np.full(len(points), track.options.context.stayed_units * track.unit)
-    xyz = view.xyz[points].astype(np.float64)
+    reach, xyz = (
+        np.full(len(points), track.options.context.stayed_units * track.unit),
+        view.xyz[points].astype(np.float64),
+    )
     return track.other_movers.explain(xyz, view.colour(points), reach, step)
 
 
@@ -95,12 +104,12 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
     """Let the points (M,) be known as all that is unlabelled in a ``box`` about an object; what it
     missed of itself is not.
 
-    What has colours that it alone has is that.
+    What has colours that it alone has, or that are far commoner in it than among them, is that.
     """
     some = indices[:: max(1, -(-len(indices) // track.options.context.max_points))]
     colour = view.colour(some)
     if track.has_colour_key and len(some):
-        others = ~track.distinct(colour)
+        others = ~(track.appearance.rather(colour) | track.distinct(colour))
         some, colour = some[others], colour[others]
     track.other_movers = OtherMovers(view.xyz[some].astype(np.float64), colour, track.weight, box)
 

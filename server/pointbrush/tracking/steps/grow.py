@@ -7,8 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration, no_points
+from pointbrush.tracking.model.surface import carved
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Association, Associations, LabelledPoints
@@ -16,6 +18,9 @@ from pointbrush.tracking.steps.claim import claim, cut_off, flying, outline, tog
 from pointbrush.tracking.steps.connectivity import Limits, blob, connected
 from pointbrush.tracking.steps.context import contested, step_of, unexplained, was_there
 from pointbrush.tracking.steps.pieces import lost_pieces
+
+LABELS = 2**16
+"""Labels that there can be."""
 
 
 def own_points(track: Track, view: View, fit: Registration) -> Association:
@@ -32,6 +37,9 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
     if view.roams:
         moving |= view.low
     not_its |= ~moving[near.indices] & (near.cost > options.claim.still_reaches * track.reach)
+    not_its |= _hardly(view, fit)[near.indices] & (
+        (near.cost > track.reach) | (track.model.hits[near.nearest] < options.surface.sure_hits)
+    )
     beyond = track.reach if track.large else track.unit
     unlike = near.cost > track.reach + (options.claim.reaches_coloured - 1) * beyond
     unlike &= near.gap > options.claim.shaded_reaches * track.reach
@@ -40,7 +48,19 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
     found = near.pick(
         ~not_its & ~unlike & (near.gap < track.reach + (options.claim.reaches - 1) * beyond)
     )
+    # A pose is never exact: what lies on well confirmed surface is not asked.
+    firm = (track.model.hits[found.nearest] >= options.surface.sure_hits) & (
+        found.gap < options.claim.firm_reaches * track.reach
+    )
+    found = found.pick(firm | ~_carved(track, view, fit, found.indices))
     return Association(fit, found, neutral)
+
+
+def _hardly(view: View, fit: Registration) -> Mask:
+    """(N,) points that hardly stand out against the background."""
+    hardly = np.zeros(len(view.xyz), np.bool_)
+    hardly[fit.faint] = True
+    return hardly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,19 +76,25 @@ def grow(tracks: Mapping[int, Track], associations: Associations) -> Grown:
 
     Of all but large objects.  Claims lose their flying pixels, which are other movers of nothing.
     """
-    view = associations.view
+    view, background = associations.view, associations.background
     taken = ~associations.unclaimed()
+    uncovered = background.uncovered(view)
     labelled = {n: LabelledPoints.of(view, one) for n, one in associations.found.items()}
     grown: list[int] = []
     for label, association in associations.found.items():
         track, few = tracks[label], view.options.claim.min_claim_points
         if len(association.claim.indices) >= few and not track.large:
-            found = _with_new(track, associations, labelled[label], taken)
+            found = _with_new(track, associations, labelled[label], uncovered, taken)
             taken[found.grown] = True
             labelled[label] = _solid(track, view, found)
             grown.append(label)
     for label in grown:
         labelled[label] = _outlined(tracks[label], associations, labelled[label], taken)
+    for label in grown:
+        if not tracks[label].has_colour_key:
+            found, rest = labelled[label], associations.found[label].registration.moving
+            border = _border(view, found.points, rest[~taken[rest]], tracks[label].unit)
+            labelled[label] = replace(found, border=border)
     return Grown(labelled, taken)
 
 
@@ -76,11 +102,12 @@ def _with_new(
     track: Track,
     associations: Associations,
     found: LabelledPoints,
+    uncovered: tuple[I64, I64],
     taken: Mask,
 ) -> LabelledPoints:
-    """New surface beside a claim: a closed component, or what adjoins and missed pieces.
+    """New surface beside a claim: a closed component, or what adjoins and what was ``uncovered``.
 
-    ``taken`` (N,) points that some track has.
+    ``uncovered``: see ``Background``; ``taken`` (N,) points that some track has.
     """
     view, background = associations.view, associations.background
     fit, core = associations.found[track.label].registration, found.claim.indices
@@ -93,12 +120,30 @@ def _with_new(
             found,
             neutral=np.concatenate([found.neutral, component.neutral]),
             isolated=component.isolated,
+            growth_refused=component.growth_refused,
+            alone=component.alone,
         )
     if new is not None:
         return replace(found, grown=new)
     new = _adjoin(track, view, fit, core, rest)
-    missed = lost_pieces(track, view, fit, core, taken, background)
-    return replace(found, grown=together(new, missed), missed=missed)
+    shown, hider = uncovered
+    mine = (hider != track.label) & ~taken[shown]
+    known = together(
+        _shown(track, view, core, shown[mine], hider[mine]),
+        lost_pieces(track, view, fit, core, taken, background),
+    )
+    return replace(found, grown=together(new, known), uncovered=known)
+
+
+def _border(view: View, own: I64, rest: I64, unit: float) -> float:
+    """Share of an object's points ``own`` (M,) that touch some of the ``rest`` (N,)."""
+    options = view.options.claim
+    some = view.xyz[own[:: max(1, len(own) // options.border_points)]]
+    return (
+        float(close_to(some, view.xyz[rest], options.touching_units * unit).mean())
+        if len(some)
+        else 0.0
+    )
 
 
 def _solid(track: Track, view: View, found: LabelledPoints) -> LabelledPoints:
@@ -138,7 +183,7 @@ def _outlined(
         return found
     own = found.points
     rest = fit.around[~taken[fit.around]]
-    rest = rest[~background.static(view, rest)[0]]
+    rest = rest[~background.static(view, rest)[0] | background.faint(view, rest)]
     flies, rim = outline(view, own, rest, track.unit)
     missed = rest[rim]
     if track.painted.with_flying:
@@ -148,6 +193,12 @@ def _outlined(
         taken[own[flies]] = False
     taken[missed] = True
     return found
+
+
+def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
+    if not track.stiff or fit.cost > track.options.claim.sharp_cost:
+        return np.zeros(len(points), np.bool_)
+    return carved(track.carving_views, view, fit.pose, points, track.unit)
 
 
 def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -> I64:
@@ -169,9 +220,27 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
         front = np.concatenate([core, rest[joined]])
         more = np.flatnonzero(own & ~joined)
         at, beside = (view.xyz[points].astype(np.float64) for points in (front, rest[more]))
-        on = connected(at, beside, options.coloured_units * track.unit, options.own_colour_steps)
+        on = connected(at, beside, options.coloured_units * track.unit, options.uncovered_steps)
         joined[more[on]] = True
     return rest[joined]
+
+
+def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
+    """Collect the points of an object at rest that others have uncovered: connected with it, alike
+    in colour.
+
+    It has to be a good part of all that the other, its ``hider``, uncovered: beside an object in
+    a hand that is mostly what holds it, and whom.
+    """
+    options = track.options
+    if track.bends or not track.motion.rests(track.unit):
+        return shown[:0]
+    front, rest = (_place_and_colour(view, points, track.weight) for points in (core, shown))
+    joined = connected(
+        front, rest, options.growth.step_units * track.unit, options.claim.uncovered_steps
+    )
+    own, every = (np.bincount(h, minlength=LABELS) for h in (hider[joined], hider))
+    return np.asarray(shown[joined & (own > options.claim.uncovered_share * every)[hider]])
 
 
 def _place_and_colour(view: View, indices: I64, weight: float) -> F64:
@@ -189,6 +258,8 @@ class ClosedComponent:
 
     points: I64 | None
     isolated: bool = False
+    growth_refused: bool = False
+    alone: bool = False
     neutral: I64 = field(default_factory=no_points)
 
 
@@ -205,22 +276,31 @@ def closed_component(
     other[core] = False
     more = options.new_share_moving_scanner if view.roams else options.new_share
     most = int(
-        max(
-            more * len(core) + options.new_points,
-            options.new_size_share * track.size - len(core),
-        )
+        max(more * len(core) + options.new_points, options.new_size_share * track.size - len(core))
     )
     new = blob(view, core, *_searched(track, view, fit, other, most))
     if new is None or not len(new):
         return ClosedComponent(new, isolated=new is not None)
-    before = was_there(track, view, new)
-    # Painted in part, it has many times the points that are known.
-    along = len(new) <= most or (
-        was_there(track, view, new, step_of(track, fit)).mean() >= options.along_share
-    )
-    if along and not (taken[new].any() or _may_be_a_hand(track, view, core, new, before)):
-        return ClosedComponent(new, isolated=True)
-    return ClosedComponent(None, neutral=new[~before] if along else new[:0])
+    step = step_of(track, fit)
+    # What bends beyond doubt is held by a person, who goes along with it.
+    before = was_there(track, view, new, step if track.surely_soft else None)
+    # Painted end on, it has many times the points that are known.
+    along = len(new) <= most or was_there(track, view, new, step).mean() >= options.along_share
+    others = taken[new].any()
+    its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
+    refused = alone = False
+    if view.lens is not None and not (its or others):
+        # A hand goes on behind something else than the object.
+        whole = not cut_off(view, new, track.unit, ~view.marked(np.concatenate([core, new])))
+        refused = whole and _ends_all_round(track, view, core, new, before)
+        its = refused and track.last.growth_refused
+        # What turns in its place shows new sides.
+        alone = whole and along and not track.away
+        its |= alone and track.last.frames_alone >= options.known_frames
+    if its:
+        return ClosedComponent(new, isolated=True, growth_refused=refused)
+    neutral = new[~before] if along else new[:0]
+    return ClosedComponent(None, growth_refused=refused, alone=alone, neutral=neutral)
 
 
 def _searched(
@@ -240,20 +320,44 @@ def _searched(
         around = view.box(lo, hi)
     near = around[other[around]]
     flies = view.lens is not None and not (track.motion.fresh or slow)
+    known = track.seen_alone.frames >= options.known_frames
+    steps = options.max_steps if known else options.max_steps_unknown
     reach = options.step_units * track.unit
-    most = len(near) if flies else most
-    return near, Limits(reach, options.max_steps, most, lo + reach, hi - reach)
+    return near, Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
 
 
-def _may_be_a_hand(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
+def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
+    """Whether new surface that makes an object on the move much longer ends all round, while the
+    object was not yet seen alone: then it may have been painted end on.
+
+    A part that was missed was there, unlabelled, in the last frame (``before`` (M,)), and would
+    be taken for a hand from then on.  A hand was there for the most part.
+    """
+    options = track.options.growth
+    if track.seen_alone.frames >= options.known_frames or track.motion.slow(track.unit):
+        return False
+    if _share_there(track, view, new, before) >= options.was_there_share_missed:
+        return False
+    whole = _length(view, np.concatenate([core, new]))
+    return whole > options.end_on_ratio * _length(view, core)
+
+
+def _length(view: View, points: I64) -> float:
+    """Standard deviation (m) of ``points`` (M,) along the way in which they are longest."""
+    return float(np.sqrt(np.linalg.norm(np.cov(view.xyz[points].T), 2)))
+
+
+def _may_be_a_hand(
+    track: Track, view: View, fit: Registration, core: I64, new: I64, before: Mask
+) -> bool:
     """Whether new surface may be what throws or catches an object: that was there, unlabelled, in
     the last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for;
     of what has no colours to be known by, only what lies there tells.
 
     A sensor that moves sees new sides all the time, and what it missed once it may see again.
 
-    What goes on behind something nearer, and has colours that the object never showed, may be a
-    hand though its arm is hidden.
+    What goes on behind something nearer, and has not the colours that the object was painted with,
+    may be a hand though its arm is hidden: it has gone along, or has just come.
     """
     options = track.options.growth
     if view.roams:
@@ -266,6 +370,10 @@ def _may_be_a_hand(track: Track, view: View, core: I64, new: I64, before: Mask) 
         and track.strange(colour).mean() > options.strange_colours_share
     ):
         return True
+    if track.appearance.share(colour) < options.painted_colours_share or track.appearance.unlike(
+        colour
+    ):
+        before = was_there(track, view, new, step_of(track, fit))
     return _share_there(track, view, new, before) >= options.was_there_share_cut
 
 

@@ -28,8 +28,8 @@ class Search:
     ``box``.
 
     ``near`` are those that it may have, ``moving`` those before the background that were not
-    there in the last frame either.  The model is fitted to the ``left`` target, all that moves
-    where that is None.
+    there in the last frame either, ``faint`` those of ``near`` that are hardly before it.  The
+    model is fitted to the ``left`` target, all that moves where that is None.
     """
 
     track: Track
@@ -39,6 +39,7 @@ class Search:
     around: I64
     near: I64
     moving: I64
+    faint: I64
     left: Target | None = None
 
     @property
@@ -110,15 +111,16 @@ def crop(
     around = view.box(lo, hi)
     around = around[free[around]]
     near = moving = around
+    faint = around[:0]
     if len(around):
-        near, moving = _before_background(track, view, background, around)
+        near, moving, faint = _before_background(track, view, background, around)
         if view.roams and not track.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if track.carrier is not None:
-        near, moving = (_unworn(track, view, points) for points in (near, moving))
+        near, moving, faint = (_unworn(track, view, points) for points in (near, moving, faint))
     if len(moving) < options.min_moving_points:
         return None
-    search = Search(track, view, hypotheses, (lo, hi), around, near, moving)
+    search = Search(track, view, hypotheses, (lo, hi), around, near, moving, faint)
     _ = search.costs  # which those who share the points out ask for
     return search
 
@@ -146,10 +148,12 @@ def _search_margin(track: Track) -> float:
 
 def _before_background(
     track: Track, view: View, background: Background, around: I64
-) -> tuple[I64, I64]:
-    """Of the points ``around`` (P,) those ``near`` and ``moving``: see ``Search``."""
+) -> tuple[I64, I64, I64]:
+    """Of the points ``around`` (P,) those ``near``, ``moving`` and ``faint``: see ``Search``."""
     options = track.options.search
     far, still = background.static(view, around)
+    if track.stands:  # What was missed of it stands as still as it does.
+        far &= ~background.faint(view, around)
     if track.large:
         speed = track.motion.speed
         stay = (
@@ -159,9 +163,15 @@ def _before_background(
         )
         rest = np.flatnonzero(~far)
         far[rest] = background.scenery(view, around[rest], stay)
-    # Only what is slow can be where something else was.
-    own = ~far if track.motion.slow(track.unit) else ~(far | still)
-    return around[own], around[~(far | still)]
+    # Only what is slow can be where something else was; what has just been revealed was not
+    # seen there before, and may be the object.
+    slow = track.motion.slow(track.unit)
+    own = ~far if slow else ~(far | still)
+    hardly = np.zeros(len(around), np.bool_)
+    if slow and not track.large:
+        own = own | background.revealed(view, around)
+        hardly = far & background.faint(view, around)
+    return around[own | hardly], around[~(far | still)], around[hardly]
 
 
 def _distinct(track: Track, hypotheses: F64) -> F64:
@@ -183,7 +193,7 @@ def search_among(track: Track, view: View, points: I64) -> Search:
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
     hypotheses = track.motion.predictions
-    return Search(track, view, hypotheses, box, points, points, points)
+    return Search(track, view, hypotheses, box, points, points, points, points[:0])
 
 
 def target_of(view: View, indices: I64, weight: float, most: int | None = None) -> Target:

@@ -8,14 +8,15 @@ import numpy as np
 
 from pointbrush.tracking.compute.grid import bounds, within
 from pointbrush.tracking.compute.rigid import transform, transform_each
-from pointbrush.tracking.interface import F64, I64, State, TrackOptions, TrackState
+from pointbrush.tracking.interface import F32, F64, I64, State, TrackOptions, TrackState
+from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import Evidence, likelihood
 from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import remember
-from pointbrush.tracking.model.track import LastObservation, Track
+from pointbrush.tracking.model.track import LastObservation, SeenAlone, Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Association, LabelledPoints
-from pointbrush.tracking.steps.claim import Claim, together
+from pointbrush.tracking.steps.claim import together
 from pointbrush.tracking.steps.context import unexplained
 from pointbrush.tracking.steps.update import Observation, learn, note_strain
 from pointbrush.tracking.steps.verdict import Verdict, judge
@@ -51,7 +52,7 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         appearance=track.appearance.likeness(view.colour(some)) - track.appearance.usual
         if track.body
         else 0.0,
-        usual=track.usual_cost,
+        usual=track.seen_alone.cost,
         points=count,
         pixels=view.lens is not None,
         scans=track.scanned,
@@ -61,6 +62,7 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         tall=_height(track, view, fit, points),
         bend=track.bending.share,
         coarse=track.unit / max(track.model.radius, track.unit),
+        border=given.border,
     )
 
 
@@ -108,7 +110,7 @@ def settle(
         return Outcome(_unseen(track, None, verdict, asked), no_points())
     fit, claim = found.registration, given.claim
     verdict = judge(track, view, fit.pose, fit.world, claim)
-    if not _seen(track, view, fit, verdict) or _worn(track, view, claim):
+    if not _seen(track, view, fit, verdict) or hides(track, view, fit, given, verdict.inliers):
         return Outcome(_unseen(track, fit.pose, verdict, asked), no_points())
     track.frames_unseen = 0
     if track.scanned and view.eye is not None:
@@ -118,7 +120,10 @@ def settle(
     points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)
     _trust(track, observation, features, _strays(track, view, found), confidence_cap)
-    track.last = LastObservation(len(points), fit.alternatives_failed, features)
+    frames_alone = track.last.frames_alone + 1 if given.alone else 0
+    track.last = LastObservation(
+        len(points), fit.alternatives_failed, given.growth_refused, frames_alone, features
+    )
     _move(track, found, verdict)
     if fit.cost < options.motion_cost:
         note_strain(track, observation)
@@ -154,8 +159,9 @@ def _trust(
     options, isolated = track.options, observation.given.isolated
     here = likelihood(features, track.body, options=options.confidence)
     if isolated and observation.fit.cost < options.update.teach_cost:
-        more = features.cost - track.usual_cost
-        track.usual_cost += options.update.usual_cost_rate * more
+        cost = track.seen_alone.cost
+        cost += options.update.usual_cost_rate * (features.cost - cost)
+        track.seen_alone = SeenAlone(track.seen_alone.frames + 1, cost)
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
     track.astray = (track.astray and not isolated) or (
         strays and (not isolated or bool(observation.view.people))
@@ -225,14 +231,36 @@ def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool
     return verdict.found and (track.frames_unseen == 0 or track.large or clear)
 
 
-def _worn(track: Track, view: View, found: Claim) -> bool:
-    """Test whether few of the points that a carried object claims have clearly its colours, and no
-    clothes'."""
-    if track.carrier is None:
+def hides(
+    track: Track, view: View, fit: Registration, given: LabelledPoints, inliers: float
+) -> bool:
+    """Whether what was found hides a small object, and is not the object: it fits badly, and has
+    hardly the colours that were painted, nor those of the known surface, another side's too.
+
+    What is alone in the air hides nothing.
+    """
+    options = track.options
+    if track.carrier is not None and _worn(track, view.colour(given.claim.indices)):
+        return True
+    clear = fit.cost < options.update.motion_cost and inliers > options.update.reappear_share
+    fits = fit.cost < options.update.teach_cost or clear
+    if not track.has_colour_key or fits or given.isolated:
         return False
+    colour = view.colour(given.claim.indices)
+    if not track.appearance.unlike(colour):
+        return False
+    known = ColourHistogram.of(
+        track.model.colour[track.model.hits >= options.surface.sure_hits], track.options.appearance
+    )
+    return known.likeness(colour) < known.usual - options.update.hiding_log_colour
+
+
+def _worn(track: Track, colour: F32) -> bool:
+    """Test whether few of the colours (M, 3) are clearly a carried object's, not clothes'."""
     options = track.options.body
-    over = track.over_clothes(view.colour(found.indices))
-    return bool(np.count_nonzero(over > options.distinct_log) < options.carried_share * len(over))
+    over = track.over_clothes(colour)
+    clear = np.count_nonzero(over > options.distinct_log)
+    return bool(clear < options.carried_share * len(colour))
 
 
 def _lesson(track: Track, observation: Observation) -> LabelledPoints:
