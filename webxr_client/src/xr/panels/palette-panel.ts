@@ -34,8 +34,8 @@ const TABS = [
   ['comfort', 'Comfort'],
 ] as const;
 
-/** Room beside a tab's text, in letters. */
-const TAB_PADDING = 2;
+/** Tabs beside one another, so that their names are whole. */
+const TABS_A_LINE = 3;
 
 /** The tab that a page is reached from. */
 function tabOf(page: Page): Tab {
@@ -170,16 +170,13 @@ export class PalettePanel extends Panel {
   }
 
   private drawTabs(ui: Ui, x: number, inner: number): void {
-    const letters = TABS.reduce((sum, [, text]) => sum + text.length + TAB_PADDING, 0);
-    let left = x;
-    for (const [tab, text] of TABS) {
-      const w = (inner * (text.length + TAB_PADDING)) / letters;
+    const wide = inner / TABS_A_LINE;
+    TABS.forEach(([tab, text], i) => {
+      const [column, line] = [i % TABS_A_LINE, Math.floor(i / TABS_A_LINE)];
       const on = tabOf(this.page) === tab;
-      ui.button(left, ui.em * 0.5, w - ui.em * 0.2, ui.em * 2.2, { text, on }, () =>
-        this.show(tab),
-      );
-      left += w;
-    }
+      const [left, top] = [x + column * wide, ui.em * (0.2 + 1.5 * line)];
+      ui.button(left, top, wide - ui.em * 0.2, ui.em * 1.4, { text, on }, () => this.show(tab));
+    });
   }
 
   private show(page: Page): void {
