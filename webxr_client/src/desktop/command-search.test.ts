@@ -40,6 +40,7 @@ describe('the command palette', () => {
         labels: 0,
         labels_used: 0,
         identity: null,
+        project: 'default',
       };
     });
     const texts = commandsNow().map(({ what }) => what);

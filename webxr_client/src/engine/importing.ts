@@ -13,6 +13,7 @@ import {
   type ImportPreview,
   type LabelsFound,
 } from '../store/state';
+import { FIRST, importInto } from './projects';
 import {
   attempt,
   commonName,
@@ -130,8 +131,10 @@ function look(): Promise<void> {
 }
 
 function begin(draft: Pick<ImportDraft, 'files' | 'path' | 'sequence' | 'options'>): Promise<void> {
+  const project = importInto.peek();
   state.importing.value = {
     ...draft,
+    options: project === FIRST ? draft.options : { project, ...draft.options },
     upload: null,
     found: null,
     labels: null,

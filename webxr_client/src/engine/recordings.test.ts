@@ -79,6 +79,7 @@ describe('a recording that is deleted here', () => {
       labels: 0,
       labels_used: 0,
       identity: null,
+      project: 'default',
     };
     state.sequences.value = [wall];
   });

@@ -70,6 +70,7 @@ async function refreshSequences(): Promise<void> {
     labels: row.labels,
     labels_used: row.labels_used,
     identity: row.identity,
+    project: row.project,
     points: row.points.reduce((most, count) => Math.max(most, count), 0),
   }));
 }

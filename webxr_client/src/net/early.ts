@@ -17,6 +17,7 @@ export interface SequenceOut {
   readonly labels: number;
   readonly labels_used: number;
   readonly identity: string | null;
+  readonly project: string;
 }
 
 export class Early {

@@ -64,6 +64,8 @@ export interface SequenceSummary {
   readonly labels_used: number;
   /** Of its import: pictures kept of another one are not shown. */
   readonly identity: string | null;
+  /** Id of its project. */
+  readonly project: string;
 }
 
 /** A deleted recording that can still be brought back. */
@@ -333,6 +335,8 @@ export interface ImportOptions {
   /** Files beside the frames are theirs in their order, whatever their names are. */
   readonly by_order?: boolean;
   readonly drop_invalid?: boolean;
+  /** Id of the project that the recording joins. */
+  readonly project?: string;
 }
 
 /** Files on their way in: chosen here (and sent, `upload`), or a path of the server's machine. */

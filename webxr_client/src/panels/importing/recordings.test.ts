@@ -4,6 +4,7 @@ import { matching } from './recordings';
 const row = (id: string, name: string) => ({
   id, name, frames: 1, fps: 1, points: 1, damaged: null, labels_missing: null, created: null,
   labelled: 0, labels: 0, labels_used: 0, identity: null,
+  project: 'default',
 }); // prettier-ignore
 
 test('recordings are found by words of their names and ids, in any order', () => {

@@ -1,15 +1,13 @@
-/** Recordings on the start page: picture, date, length, progress, a search; rename and delete. */
-import { signal } from '@preact/signals';
-import { useState } from 'preact/hooks';
+/** A recording in a list: picture, date, length, progress; rename and delete. */
+import { signal, useSignal } from '@preact/signals';
+import { moveRecording, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { apiUrl } from '../../net/rest';
 import { canEdit, canManage, type SequenceSummary } from '../../store/state';
 import { Button, NameField } from '../parts/controls';
+import { PopoverButton } from '../parts/popover';
 import { clock, day, plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
-
-/** So many recordings are told apart at a glance. */
-const SEARCHED_FROM = 4;
 
 /** Return the recordings whose names have all words, in any order. */
 export function matching(
@@ -23,37 +21,7 @@ export function matching(
   });
 }
 
-export function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
-  const [text, setText] = useState('');
-  const found = matching(sequences, text);
-  return (
-    <>
-      <header class="recordings-header">
-        <h1>Recordings</h1>
-        {sequences.length >= SEARCHED_FROM && (
-          <input
-            class="field"
-            type="search"
-            aria-label="Search the recordings"
-            placeholder={`Search ${plural(sequences.length, 'recording')}`}
-            value={text}
-            onInput={(event) => setText(event.currentTarget.value)}
-          />
-        )}
-      </header>
-      {found.length === 0 && <p class="soft">No recording is called so</p>}
-      <ul class="recordings">
-        {found.map((row) => (
-          <li key={row.id} class="recording-line">
-            {renamingRecording.value === row.id ? <RecordingName row={row} /> : <Row row={row} />}
-          </li>
-        ))}
-      </ul>
-    </>
-  );
-}
-
-function Row({ row }: { row: SequenceSummary }) {
+export function Row({ row }: { row: SequenceSummary }) {
   const sound = row.damaged === null;
   const path = `sequences/${encodeURIComponent(row.id)}/frames/0/thumbnail`;
   return (
@@ -87,8 +55,39 @@ function Row({ row }: { row: SequenceSummary }) {
           onClick={() => void actions.importSourceLabels(row.id)}
         />
       )}
+      <MoveTo row={row} />
       <RecordingTools row={row} />
     </>
+  );
+}
+
+/** Puts it into another project, where there are several. */
+function MoveTo({ row }: { row: SequenceSummary }) {
+  const open = useSignal(false);
+  const others = projects.value.filter(({ id }) => id !== row.project);
+  if (others.length === 0 || !canManage.value) return null;
+  return (
+    <PopoverButton
+      open={open}
+      icon="folder"
+      tip={`Move ${row.name} to another project`}
+      label="Move to"
+      small
+    >
+      {others.map(({ id, name }) => (
+        <button
+          key={id}
+          type="button"
+          class="menu-item"
+          onClick={() => {
+            open.value = false;
+            void moveRecording(row.id, id);
+          }}
+        >
+          {name}
+        </button>
+      ))}
+    </PopoverButton>
   );
 }
 

@@ -1,12 +1,13 @@
 /** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
 import { useEffect, useState } from 'preact/hooks';
+import { importEach, importInto, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { canManage, state } from '../../store/state';
-import { Button } from '../parts/controls';
+import { Button, Check } from '../parts/controls';
 import { day, plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { pickFiles } from './files';
-import { Recordings } from './recordings';
+import { Recordings } from './home';
 
 export function Welcome() {
   const { state: connection, detail } = state.connection.value;
@@ -112,9 +113,12 @@ function Deleted() {
 
 function ImportBox() {
   const [path, setPath] = useState('');
+  const [each, setEach] = useState(false);
   const submit = (event: Event): void => {
     event.preventDefault();
-    if (path.trim()) void actions.importPath(path.trim());
+    if (!path.trim()) return;
+    if (each) void importEach(path.trim(), importInto.peek());
+    else void actions.importPath(path.trim());
   };
   return (
     <section class="import-box" aria-label="Import">
@@ -144,9 +148,33 @@ function ImportBox() {
           Import
         </button>
       </form>
+      <div class="import-into">
+        <Check label="Each file or folder in it is a recording" checked={each} onChange={setEach} />
+        {projects.value.length > 1 && <Into />}
+      </div>
       <p class="soft">
         In a terminal: <code>pointbrush import PATH…</code>
       </p>
     </section>
+  );
+}
+
+/** The project that recordings come into, by files and by path. */
+function Into() {
+  return (
+    <label class="soft">
+      Into project
+      <select
+        class="field"
+        value={importInto.value}
+        onChange={(event) => (importInto.value = event.currentTarget.value)}
+      >
+        {projects.value.map(({ id, name }) => (
+          <option key={id} value={id}>
+            {name}
+          </option>
+        ))}
+      </select>
+    </label>
   );
 }
