@@ -104,6 +104,29 @@ class Settings:
     token_file: str = option(
         "", "file that holds the admin token, in place of `token`", where=SERVERS, group=ACCESS
     )
+    oidc_issuer: str = option(
+        "",
+        "https address of an OpenID Connect provider that people may sign in with",
+        where=SERVERS,
+        group=ACCESS,
+    )
+    oidc_client_id: str = option("", "this server's id there", where=SERVERS, group=ACCESS)
+    oidc_client_secret_file: str = option(
+        "",
+        "file that holds its secret; empty for a client without one",
+        where=SERVERS,
+        group=ACCESS,
+    )
+    oidc_role: str = option(
+        "annotator", "role of who signs in for the first time", where=SERVERS, group=ACCESS
+    )
+    oidc_roles_claim: str = option(
+        "",
+        "claim of the ID token with the role at each sign-in (realm_access.roles), in place of "
+        "`oidc_role`",
+        where=SERVERS,
+        group=ACCESS,
+    )
     log_format: str = option(
         "text",
         "what the log is: text, or json, a line for each request, edit and job",
@@ -285,6 +308,12 @@ class Settings:
         if not token:
             raise BadInputError(f"token_file: expected a token, {self.token_file} is empty")
         return token
+
+    @property
+    def oidc_client_secret(self) -> str:
+        """The secret at the provider, or ""; raises BadInputError for a file that is not there."""
+        file = self.oidc_client_secret_file
+        return _secret("oidc_client_secret_file", file) if file else ""
 
     @property
     def roots(self) -> list[Path]:

@@ -17,6 +17,8 @@ import hmac
 import secrets
 import threading
 import time
+from collections.abc import Container, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,6 +29,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.schema import accounts, sign_ins, tokens
 from pointbrush.labels.statements import Statement, driver_of, upsert
+from pointbrush.labels.statements import insert as insert_new
 from pointbrush.names import require_visible
 from pointbrush.roles import ROLES, Role
 
@@ -35,6 +38,8 @@ OWNER = "owner"
 """The account of scripts that send the server's own token."""
 RESERVED = frozenset({OWNER, "command line", "import"})
 """Names that are accounts of pointbrush's own; no token has one."""
+ELSEWHERE = "elsewhere:"
+"""Begins what stands for a digest where there is no secret: none of a secret has such letters."""
 MARK = ":"
 """In the id of accounts whose name is in the table: no token made now is called so."""
 
@@ -162,6 +167,34 @@ class Tokens:
 
         return write_once(self._database, make, find)
 
+    def of_person(self, subject: str, names: Iterable[str], role: Role) -> Token:
+        """Return the token that stands for a person who signs in elsewhere, made the first time.
+
+        It has no secret.  ``subject`` tells the person from all others; their account is the first
+        of ``names`` that a token may have and none has had.
+        """
+        digest = f"{ELSEWHERE}{digest_of(subject)}"[: len(digest_of(""))]
+        number = secrets.token_hex(4)
+        row = {"id": number, "role": role, "digest": digest, "created": time.time()}
+        here = select(tokens).where(tokens.c.digest == digest)
+        with self._database.read() as connection:
+            found = connection.execute(here).one_or_none()
+        if found is not None:
+            return token_of(found)
+        new = insert_new(tokens, sqlite=self._database.sqlite).on_conflict_do_nothing()
+        with self._database.write() as connection:
+            taken = set(connection.execute(select(tokens.c.account)).scalars())
+            name = next(_free(names, number, taken))
+            connection.execute(new, row | {"name": name, "account": name})
+            return token_of(connection.execute(here).one())
+
+    def put_role(self, token_id: str, role: Role) -> Token:
+        """Change the role of a token, also of those who are signed in by it."""
+        here = tokens.c.id == token_id
+        with self._database.write() as connection:
+            connection.execute(update(tokens).where(here).values(role=role))
+            return token_of(connection.execute(select(tokens).where(here)).one())
+
     def list(self) -> list[Token]:
         """All tokens, oldest first, revoked and expired ones too."""
         with self._database.read() as connection:
@@ -202,6 +235,16 @@ def digest_of(secret: str) -> str:
 def token_of(row: Row[Any]) -> Token:
     """Build a token from its row."""
     return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked, row.account)
+
+
+def _free(names: Iterable[str], number: str, taken: Container[str]) -> Iterator[str]:
+    """Yield the names that a new account may have; one that holds ``number`` is the last."""
+    for name in names:
+        with suppress(BadInputError):
+            require_token_name(name)
+            if name not in taken:
+                yield name
+    yield f"person {number}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,7 @@ from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
-from pointbrush.web.routes import RESOURCES, meta, objects, trust
+from pointbrush.web.routes import RESOURCES, meta, objects, oidc, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.web.watching import Watching
@@ -38,7 +38,7 @@ log = logging.getLogger(__name__)
 
 ROUTERS = (
     *(resource.router for resource in RESOURCES), meta.sign_in_router, socket.router,
-    meta.open_router, trust.router, page.router,
+    meta.open_router, oidc.router, trust.router, page.router,
 )  # fmt: skip
 """In the order in which a path is looked for; the page's matches any."""
 

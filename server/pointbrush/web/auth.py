@@ -28,6 +28,7 @@ from pointbrush.web.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.context import known_query
 from pointbrush.web.cookies import Cookie
+from pointbrush.web.oidc import Person, Provider
 from pointbrush.web.roles import PREFIX, ROUTES, call_of
 from pointbrush.web.sessions import SESSION_DAYS, WebSessions
 from pointbrush.workspace import Workspace
@@ -63,6 +64,8 @@ class Gate:
         self.clients = Clients(settings.trusted_proxies)
         self.sessions = WebSessions(workspace.labels, token)
         self._browsers = BrowserAccounts(workspace.labels.signing_keys)
+        issuer = settings.oidc_issuer
+        self.provider = Provider(settings, workspace.labels.signing_keys) if issuer else None
         self._right: dict[str, None] = {}
         self._tries = settings.wrong_tokens_per_minute
         self._wrong = RateLimit(self._tries / 60, burst=self._tries)
@@ -115,6 +118,19 @@ class Gate:
         token = self._workspace.labels.tokens.check(secret)
         session = self.sessions.begin(principal.author, token, secret)
         return principal, [_session_cookie(connection, session)]
+
+    def sign_in_person(self, person: Person, role: Role, connection: HTTPConnection) -> Cookie:
+        """Begin a session for whom the provider knows; ``role``: of who has none yet.
+
+        Raises ForbiddenError for somebody whose token was revoked; ReadOnlyError.
+        """
+        tokens = self._workspace.labels.tokens
+        token = tokens.of_person(person.subject, person.names, person.role or role)
+        if not token.valid:
+            raise ForbiddenError("expected somebody whose access was not revoked")
+        if person.role not in (None, token.role):
+            token = tokens.put_role(token.id, person.role)
+        return _session_cookie(connection, self.sessions.begin(token.account, token, ""))
 
     def _account_of_browser(self, connection: HTTPConnection) -> str:
         """Return the account that a browser keeps, or a new one.

@@ -13,6 +13,9 @@ PREFIX = "/api/v1"
 
 OPEN = frozenset({
     ("POST", "/session"),
+    ("GET", "/oidc"),
+    ("GET", "/oidc/login"),
+    ("GET", "/oidc/callback"),
     ("GET", "/healthz"),
     ("GET", "/readyz"),
     ("GET", "/docs"),

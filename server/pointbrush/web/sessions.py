@@ -34,7 +34,10 @@ class WebSessions:
         self._kept: dict[str, _Kept] = {}
 
     def begin(self, account: str, token: Token | None, secret: str) -> str:
-        """Begin a session of a person's token, or of the server's own (None); return its id."""
+        """Begin a session of a person's token, or of the server's own (None); return its id.
+
+        Raises ReadOnlyError for a token without a ``secret`` where nothing can be written.
+        """
         expires = time.time() + SESSION_DAYS * 86_400
         if token is not None and token.expires is not None:
             expires = min(expires, token.expires)
@@ -43,6 +46,8 @@ class WebSessions:
         try:
             return self._store.sign_ins.add(account, number, owner, expires)
         except ReadOnlyError:
+            if not secret:
+                raise
             made = secrets.token_urlsafe(32)
             self._kept[digest_of(made)] = _Kept(SignIn(account, token, owner), secret, expires)
             while len(self._kept) > MOST_KEPT:

@@ -6,6 +6,7 @@ import { canManage, state } from '../../store/state';
 import { Button, Check } from '../parts/controls';
 import { day, plural } from '../../common/format';
 import { Icon } from '../../common/icons';
+import { api, apiUrl } from '../../net/rest';
 import { pickFiles } from './files';
 import { Recordings } from './home';
 
@@ -37,12 +38,30 @@ function Waiting({ text }: { text: string }) {
   );
 }
 
+/** Reasons why signing in with the provider came to nothing, as the server names them. */
+const FAILED: Readonly<Record<string, string>> = {
+  failed: 'Signing in did not succeed. Try again.',
+  forbidden: 'You are signed in there, but have no access here. Ask who leads the workspace.',
+};
+
 function Refused({ detail }: { detail: string }) {
+  const [provider, setProvider] = useState<string | null>(null);
+  useEffect(() => {
+    const none = (): void => undefined;
+    api<{ name: string | null }>('GET', 'oidc').then(({ name }) => setProvider(name), none);
+  }, []);
+  const failed = FAILED[new URL(location.href).searchParams.get('sign-in') ?? ''];
+  const missing = 'The token in the address is missing, expired or wrong.';
   return (
     <div class="center message" role="alert">
       <Icon name="lock" />
-      <h1>This link does not open the workspace</h1>
-      <p>{detail || 'The token in the address is missing, expired or wrong.'}</p>
+      <h1>{provider === null ? 'This link does not open the workspace' : 'Sign in'}</h1>
+      <p>{failed ?? (detail || missing)}</p>
+      {provider !== null && (
+        <a class="button primary" href={apiUrl('oidc/login')}>
+          Sign in with {provider}
+        </a>
+      )}
       <p class="soft">
         Use the address that <code>pointbrush serve</code> printed, or ask for a new one.
       </p>

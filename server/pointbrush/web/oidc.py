@@ -1,0 +1,317 @@
+"""Sign-in by OpenID Connect: the authorization code flow with PKCE, state and nonce.
+
+OpenID Connect Core 1.0, section 3.1; RFC 7636 (PKCE); RFC 9207 (issuer of an answer).  An ID token
+counts when a key of the provider has signed it by one of ``ALGORITHMS``, and issuer, audience,
+times and nonce are right.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import logging
+import secrets
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import quote, urlsplit
+
+import httpx
+from authlib.oauth2.rfc6749.parameters import prepare_grant_uri
+from authlib.oauth2.rfc7636 import create_s256_code_challenge
+from authlib.oidc.core import CodeIDToken
+from joserfc import jwt
+from joserfc.errors import InvalidKeyIdError, JoseError
+from joserfc.jwk import KeySet
+
+from pointbrush.errors import (
+    BadInputError,
+    ForbiddenError,
+    PointbrushError,
+    UnauthorizedError,
+    UnavailableError,
+)
+from pointbrush.labels.signing_keys import SigningKeys
+from pointbrush.roles import ROLES, Role
+from pointbrush.settings import Settings
+from pointbrush.web.clients import is_loopback
+
+ALGORITHMS = ("RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512")
+"""Of signatures that count: none without a key, and none by a key that the client has too."""
+PURPOSE = "oidc"
+SCOPE = "openid profile email"
+FLOW_SECONDS = 600
+"""For which a sign-in that was begun can be ended."""
+ANSWER_SECONDS = 10.0
+"""For which the provider is waited for."""
+LEEWAY_SECONDS = 60
+"""By which the provider's clock may be off."""
+KNOWN_SECONDS = 3600.0
+"""Age from which the provider's description and keys are read anew."""
+AGAIN_SECONDS = 30.0
+"""Shortest time between two tries to read them."""
+log = logging.getLogger(__name__)
+
+ENDPOINTS = ("authorization_endpoint", "token_endpoint", "jwks_uri")
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """A person whom the provider knows; ``role`` is None where no claim tells it.
+
+    ``subject`` tells them from all others, for good; ``names`` is how they may be called, the
+    best first.
+    """
+
+    subject: str
+    names: tuple[str, ...]
+    role: Role | None
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """Description of the provider and its keys, and when they were read."""
+
+    endpoints: Mapping[str, Any]
+    keys: KeySet
+    read: float
+
+
+class _Flow:
+    """Values of one sign-in, which follow from what its browser keeps and a secret key."""
+
+    def __init__(self, key: bytes, kept: str) -> None:
+        self._key, self.kept = key, kept
+        self.state = self._made("state")
+        self.nonce = self._made("nonce")
+        self.verifier = self._made("verifier")
+
+    def _made(self, what: str) -> str:
+        message = f"{what} {self.kept}".encode("utf-8", "surrogateescape")
+        return hmac.digest(self._key, message, "sha256").hex()
+
+    def answers(self, state: str) -> bool:
+        """Whether an answer with ``state`` is to this sign-in, and in time."""
+        right = hmac.compare_digest(state.encode("utf-8", "surrogateescape"), self.state.encode())
+        return right and time.time() < float(self.kept.rpartition(".")[2])
+
+
+class Provider:
+    """The provider that people sign in with; thread-safe."""
+
+    def __init__(self, settings: Settings, keys: SigningKeys) -> None:
+        """Raises BadInputError for settings that cannot be right; the provider is not asked yet."""
+        self._issuer, self._client = settings.oidc_issuer, settings.oidc_client_id
+        self._secret, self._claim = settings.oidc_client_secret, settings.oidc_roles_claim
+        if not self._client:
+            raise BadInputError("oidc_client_id: expected one with oidc_issuer, got none")
+        if settings.oidc_role not in ROLES:
+            raise BadInputError(
+                f"oidc_role: expected one of {', '.join(ROLES)}, got {settings.oidc_role!r}"
+            )
+        _require_private("oidc_issuer", self._issuer)
+        self.first_role: Role = settings.oidc_role
+        self.name = urlsplit(self._issuer).netloc
+        self._keys = keys
+        self._known: _Known | None = None
+        self._tried = -AGAIN_SECONDS
+        self._lock = threading.Lock()
+
+    def begin(self, redirect: str) -> tuple[str, str]:
+        """Begin a sign-in that comes back to ``redirect``.
+
+        Returns the address to send the browser to, and what it keeps meanwhile.  Raises
+        UnavailableError.
+        """
+        kept = f"{secrets.token_urlsafe(32)}.{int(time.time()) + FLOW_SECONDS}"
+        flow = _Flow(self._keys.get(PURPOSE), kept)
+        address = prepare_grant_uri(
+            self._look().endpoints["authorization_endpoint"],
+            self._client,
+            "code",
+            redirect_uri=redirect,
+            scope=SCOPE,
+            state=flow.state,
+            nonce=flow.nonce,
+            code_challenge=create_s256_code_challenge(flow.verifier),
+            code_challenge_method="S256",
+        )
+        return str(address), kept
+
+    def finish(self, kept: str, answer: Mapping[str, str], redirect: str) -> Person:
+        """Return the person of the provider's ``answer``, a query, to the sign-in that was kept.
+
+        Raises UnauthorizedError for an answer that is not to it, was refused or does not hold,
+        ForbiddenError for a person without a role, and UnavailableError.
+        """
+        flow = _Flow(self._keys.get(PURPOSE), kept)
+        if not flow.answers(answer.get("state", "")):
+            raise UnauthorizedError(
+                "state: expected that of a sign-in which this browser began within "
+                f"{FLOW_SECONDS // 60} minutes, got another"
+            )
+        if answer.get("iss", self._issuer) != self._issuer:
+            raise UnauthorizedError("iss: expected the provider's issuer, got another")
+        if "code" not in answer:
+            said = answer.get("error", "no code")[:60]
+            raise UnauthorizedError(f"sign-in: expected the provider's code, got {said!r}")
+        given = self._exchange(answer["code"], flow.verifier, redirect)
+        return self._person(self._claims(given, flow.nonce))
+
+    def _exchange(self, code: str, verifier: str, redirect: str) -> Mapping[str, Any]:
+        """Exchange a code for the provider's tokens."""
+        endpoints = self._look().endpoints
+        form = {
+            "grant_type": "authorization_code",
+            "code": code,
+            "redirect_uri": redirect,
+            "client_id": self._client,
+            "code_verifier": verifier,
+        }
+        ways = endpoints.get("token_endpoint_auth_methods_supported", ["client_secret_basic"])
+        auth = None
+        if self._secret and "client_secret_basic" in ways:
+            auth = httpx.BasicAuth(quote(self._client, safe=""), quote(self._secret, safe=""))
+        elif self._secret:
+            form["client_secret"] = self._secret
+        with _client(auth) as client, _asked():
+            answer = client.post(endpoints["token_endpoint"], data=form)
+            if 400 <= answer.status_code < 500:
+                raise UnauthorizedError(
+                    "code: expected one that the provider takes, got one that it refused",
+                    private=answer.text[:200],
+                )
+            return _object(answer)
+
+    def _claims(self, given: Mapping[str, Any], nonce: str) -> Mapping[str, Any]:
+        """Return the claims of the ID token among what was given for a code, once it holds."""
+        token = given.get("id_token")
+        try:
+            if not isinstance(token, str):
+                raise ValueError("no ID token")  # noqa: TRY004 – as all that is wrong with it
+            found = self._decoded(token)
+            claims = CodeIDToken(
+                found.claims,
+                found.header,
+                {"iss": {"value": self._issuer}, "aud": {"value": self._client}},
+                {"nonce": nonce, "client_id": self._client,
+                 "access_token": given.get("access_token")},
+            )  # fmt: skip
+            claims.validate(leeway=LEEWAY_SECONDS)
+            if not claims["sub"]:
+                raise ValueError("no subject")
+        except (JoseError, ValueError, TypeError) as error:
+            raise UnauthorizedError(
+                "ID token: expected a valid one for this sign-in, got another",
+                private=f"{type(error).__name__}: {error}",
+            ) from None
+        return dict(claims)
+
+    def _decoded(self, token: str) -> jwt.Token:
+        """Check the signature; a key that is not known may have come since they were read."""
+        try:
+            return jwt.decode(token, self._look().keys, algorithms=ALGORITHMS)
+        except InvalidKeyIdError:
+            return jwt.decode(token, self._look(AGAIN_SECONDS).keys, algorithms=ALGORITHMS)
+
+    def _person(self, claims: Mapping[str, Any]) -> Person:
+        subject = hashlib.sha256(f"{self._issuer}\0{claims['sub']}".encode()).hexdigest()
+        sure = ("email",) if claims.get("email_verified") is True else ()
+        told = (claims.get(name) for name in (*sure, "preferred_username", "sub"))
+        names = tuple(name for name in told if isinstance(name, str) and name)
+        return Person(subject, names, self._role(claims) if self._claim else None)
+
+    def _role(self, claims: Mapping[str, Any]) -> Role:
+        """Return the highest role that the claim has."""
+        told = _within(claims, self._claim)
+        given = told if isinstance(told, list) else [told]
+        found = [role for role in ROLES if role in given]
+        if not found:
+            raise ForbiddenError(
+                f"{self._claim}: expected one of the roles {', '.join(ROLES)} at the provider, "
+                "got none"
+            )
+        return found[-1]
+
+    def _look(self, oldest: float = KNOWN_SECONDS) -> _Known:
+        """Return the provider's description and keys, read anew once older than ``oldest`` s.
+
+        What is known stays where the provider is away.  Raises UnavailableError.
+        """
+        with self._lock:
+            now, known = time.monotonic(), self._known
+            if known is not None and now - known.read < oldest:
+                return known
+            if now - self._tried < AGAIN_SECONDS:
+                if known is None:
+                    raise UnavailableError("sign-in: expected the provider to answer, it did not")
+                return known
+            self._tried = now
+            try:
+                self._known = known = self._read(now)
+            except PointbrushError as error:
+                if known is None:
+                    raise
+                log.warning("%s", error.whole)
+            return known
+
+    def _read(self, now: float) -> _Known:
+        """Ask the provider for its description and keys."""
+        with _client() as client, _asked():
+            place = f"{self._issuer.rstrip('/')}/.well-known/openid-configuration"
+            described = _object(client.get(place).raise_for_status())
+            if described.get("issuer") != self._issuer:
+                raise ValueError(f"issuer {described.get('issuer')!r}")
+            for name in ENDPOINTS:
+                _require_private(name, described[name])
+            told = _object(client.get(described["jwks_uri"]).raise_for_status())
+            # Keys to encrypt with, or of kinds that do not count, are none to sign with.
+            usable = [key for key in told["keys"] if key.get("use", "sig") == "sig"]
+            kinds = [key for key in usable if key.get("kty") in ("RSA", "EC")]
+            return _Known(described, KeySet.import_key_set({"keys": kinds}), now)
+
+
+def _client(auth: httpx.BasicAuth | None = None) -> httpx.Client:
+    """Return a client that follows no redirect; each answer is waited for a while."""
+    return httpx.Client(auth=auth, timeout=ANSWER_SECONDS, follow_redirects=False)
+
+
+@contextmanager
+def _asked() -> Iterator[None]:
+    """Say of a provider that is away, or answers what it should not, that it is unavailable."""
+    try:
+        yield
+    except (httpx.HTTPError, JoseError, ValueError, KeyError, TypeError, AttributeError) as error:
+        if isinstance(error, PointbrushError):
+            raise
+        raise UnavailableError(
+            "sign-in: expected a right answer of the provider, got none",
+            private=f"{type(error).__name__}: {error}",
+        ) from None
+
+
+def _object(answer: httpx.Response) -> dict[str, Any]:
+    """Return the JSON object of an answer; raises ValueError for anything else."""
+    found = answer.json()
+    if not isinstance(found, dict):
+        raise ValueError("no JSON object")  # noqa: TRY004 – of the answer, not of our call
+    return found
+
+
+def _within(claims: Mapping[str, Any], path: str) -> Any:
+    """Return a claim by its name, or by names with dots from the outermost on."""
+    found: Any = claims
+    for name in (path,) if path in claims else path.split("."):
+        found = found.get(name) if isinstance(found, dict) else None
+    return found
+
+
+def _require_private(what: str, address: str) -> None:
+    """Raise BadInputError for an address on whose way others could read and change."""
+    parts = urlsplit(address)
+    local = parts.scheme == "http" and is_loopback(parts.hostname or "")
+    if not (parts.hostname and (parts.scheme == "https" or local)):
+        raise BadInputError(f"{what}: expected an https address, got {address[:100]!r}")

@@ -1,0 +1,97 @@
+"""Sign-in with an OpenID Connect provider: to it, and back with its answer."""
+
+from __future__ import annotations
+
+import logging
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel
+
+from pointbrush.errors import ForbiddenError, NotFoundError, PointbrushError
+from pointbrush.web.auth import Gate, cookie_name
+from pointbrush.web.cookies import set_cookie
+from pointbrush.web.oidc import FLOW_SECONDS, Provider
+from pointbrush.web.page import wants_html
+from pointbrush.web.roles import PREFIX
+
+log = logging.getLogger(__name__)
+PLACE = f"{PREFIX}/oidc"
+router = APIRouter(prefix=PLACE, include_in_schema=False)
+REFUSED = "/?sign-in={reason}"
+"""Address for a browser whose sign-in came to nothing; the page says so."""
+
+
+class ProviderOut(BaseModel):
+    """Name of the provider, or None where there is none."""
+
+    name: str | None
+
+
+def _provider(request: Request) -> Provider:
+    gate: Gate = request.app.state.gate
+    if gate.provider is None:
+        raise NotFoundError("sign-in: expected a provider (the option oidc_issuer), there is none")
+    return gate.provider
+
+
+def _kept(request: Request) -> str:
+    """Name of the cookie of a sign-in under way."""
+    return cookie_name(request).replace("session", "oidc")
+
+
+def _back(request: Request) -> str:
+    """Address that the provider sends browsers back to, by the name that this one uses."""
+    return f"{request.url.scheme}://{request.headers['host']}{PLACE}/callback"
+
+
+@router.get("")
+def provider(request: Request) -> ProviderOut:
+    """Tell the page whom people can sign in with."""
+    gate: Gate = request.app.state.gate
+    return ProviderOut(name=None if gate.provider is None else gate.provider.name)
+
+
+@router.get("/login")
+def login(request: Request) -> Response:
+    """Send the browser to the provider."""
+    try:
+        address, kept = _provider(request).begin(_back(request))
+    except PointbrushError as error:
+        return _refused(request, error)
+    response = RedirectResponse(address, status_code=303)
+    # Lax: the browser comes back from another site, and is to bring it.
+    response.set_cookie(
+        _kept(request), kept, max_age=FLOW_SECONDS, path=PLACE, httponly=True, samesite="lax",
+        secure=request.url.is_secure,
+    )  # fmt: skip
+    return response
+
+
+@router.get("/callback")
+def callback(request: Request) -> Response:
+    """Take the provider's answer, begin a session, and go to the page."""
+    gate: Gate = request.app.state.gate
+    try:
+        known = _provider(request)
+        kept = request.cookies.get(_kept(request), "")
+        person = known.finish(kept, dict(request.query_params), _back(request))
+        session = gate.sign_in_person(person, known.first_role, request)
+    except PointbrushError as error:
+        response = _refused(request, error)
+    else:
+        response = RedirectResponse("/", status_code=303)
+        set_cookie(request, response, session)
+    response.delete_cookie(
+        _kept(request), path=PLACE, httponly=True, samesite="lax", secure=request.url.is_secure
+    )
+    return response
+
+
+def _refused(request: Request, error: PointbrushError) -> Response:
+    """Send a browser to the page, which says so, and answer others as any call."""
+    if not wants_html(request):
+        raise error
+    log.warning("sign-in: %s", error.whole)
+    reason = "forbidden" if isinstance(error, ForbiddenError) else "failed"
+    return RedirectResponse(REFUSED.format(reason=reason), status_code=303)
