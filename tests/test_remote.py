@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -60,6 +62,22 @@ def test_the_whole_way_on_a_server(
     assert len(list((tmp_path / "out").rglob("*.label"))) == 3
     run("export", "drift", "--format", "npz", "--out", tmp_path / "out.zip", "--frames", "0:1")
     assert (tmp_path / "out.zip").read_bytes().startswith(b"PK")
+    with Client(served.url, TOKEN) as client:
+        client.projects["default"].snapshot("As imported")
+        client["drift"].frames[1].clear([label.id for label in client["drift"].labels()])
+    was = ("export", "drift", "--format", "npz", "--frames", "1:2", "--out")
+    run(*was, tmp_path / "now.zip")
+    run(*was, tmp_path / "then", "--snapshot", "As imported")
+    run(*was, tmp_path / "then.zip", "--snapshot", "as-imported")
+    then = dict(np.load(next((tmp_path / "then").rglob("*.npz"))))
+    assert then["label"].any()
+    with (
+        zipfile.ZipFile(tmp_path / "now.zip") as now,
+        zipfile.ZipFile(tmp_path / "then.zip") as old,
+    ):
+        name = next(each for each in now.namelist() if each.endswith(".npz"))
+        assert not np.load(io.BytesIO(now.read(name)))["label"].any()
+        assert np.array_equal(np.load(io.BytesIO(old.read(name)))["label"], then["label"])
     training = ("export", "drift", "--format", "pointcept", "--out", tmp_path / "training")
     run(*training, "--val", "2:3")
     assert len(list((tmp_path / "training" / "val").iterdir())) == 1

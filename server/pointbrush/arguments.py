@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Protocol
 
 from pointbrush.errors import BadInputError
 from pointbrush.printing import Entry
@@ -24,6 +25,35 @@ def label_named(palette: Iterable[Entry], text: str) -> int:
         if text in (label.name, str(label.id)):
             return label.id
     raise BadInputError(f"--labels: expected names or ids of the palette, got {text!r}")
+
+
+class Named(Protocol):
+    """A snapshot, here or of a server."""
+
+    @property
+    def id(self) -> str:
+        """Its id."""
+
+    @property
+    def name(self) -> str:
+        """The name that it was given, perhaps as others were."""
+
+    @property
+    def recordings(self) -> Mapping[str, int]:
+        """Its recordings, by id."""
+
+
+def snapshot_named(known: Iterable[Named], text: str, sequence: str) -> str:
+    """Return the id of a snapshot of a recording by its id or name; raises BadInputError."""
+    there = [each for each in known if sequence in each.recordings]
+    found = [each.id for each in there if each.id == text]
+    found = found or [each.id for each in there if each.name == text]
+    if len(found) == 1:
+        return found[0]
+    ids = ", ".join(found or [each.id for each in there]) or "there is none"
+    raise BadInputError(
+        f"--snapshot: expected the name or id of one with {sequence!r} in it ({ids}), got {text!r}"
+    )
 
 
 def listed(text: str) -> list[str]:

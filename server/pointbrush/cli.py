@@ -173,6 +173,7 @@ def parser() -> argparse.ArgumentParser:
     export_.add_argument("--format", required=True, help="see docs/formats.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
+    export_.add_argument("--snapshot", metavar="NAME", help="labels as they were then")
     export_.add_argument(
         "--above", type=_share, default=0.0,
         help="leave out predicted labels of a confidence, 0 to 1, below it",

@@ -171,8 +171,12 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
         workspace.recording(given.sequence)
         from pointbrush.formats import EXPORTS  # takes its time to import
 
+        snapshot = given.snapshot
+        if snapshot:
+            known = workspace.versions.all(workspace.listing.entry(given.sequence).project)
+            snapshot = arguments.snapshot_named(known, snapshot, given.sequence)
         workspace.export(
-            given.sequence, given.format, given.out, given.frames, given.val, given.above
+            given.sequence, given.format, given.out, given.frames, given.val, given.above, snapshot
         )
         return printing.exported(given.sequence, given.out, EXPORTS[given.format])
 

@@ -6,12 +6,13 @@ import argparse
 import shutil
 import tempfile
 import zipfile
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pointbrush import arguments, printing
-from pointbrush.client import PATIENCE, Classifier, Client, Job, Recording
+from pointbrush.client import PATIENCE, Classifier, Client, Job
 from pointbrush.errors import BadInputError
 from pointbrush.following import follow
 from pointbrush.formats.corrections import Corrections
@@ -138,18 +139,22 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
         recording = client[given.sequence]
         out.parent.mkdir(parents=True, exist_ok=True)
         known = {entry.format: entry for entry in client.export_formats()}
+        snapshot = given.snapshot
+        if snapshot:
+            versions = client.projects[recording.manifest.project].snapshots()
+            snapshot = arguments.snapshot_named(versions, snapshot, recording.id)
+        asked = (given.frames, given.val, given.above, snapshot)
         if zipped:
-            recording.export(given.format, out, given.frames, given.val, given.above)
+            recording.export(given.format, out, *asked)
         else:
-            _export_folder(recording, given, out)
+            _unpack(out, lambda target: recording.export(given.format, target, *asked))
         return printing.exported(given.sequence, out, known[given.format])
 
 
-def _export_folder(recording: Recording, given: argparse.Namespace, out: Path) -> None:
+def _unpack(out: Path, export: Callable[[Path], Path]) -> None:
     """Unpack an export beside ``out`` and move it there whole."""
     with tempfile.TemporaryDirectory(prefix=f".{out.name}-", dir=out.parent) as name:
-        target = Path(name) / "export.zip"
-        archive = recording.export(given.format, target, given.frames, given.val, given.above)
+        archive = export(Path(name) / "export.zip")
         folder = Path(name) / "unpacked"
         with zipfile.ZipFile(archive) as packed:
             packed.extractall(folder)
