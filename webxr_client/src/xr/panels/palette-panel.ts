@@ -78,7 +78,7 @@ export class PalettePanel extends Panel {
     super(
       {
         width: 0.31,
-        height: 0.379,
+        height: 0.391,
         pixelsPerMetre: 3135,
         em: SIZES.palette.em,
         // To the right, where no hints of a left hand are.
@@ -138,7 +138,7 @@ export class PalettePanel extends Panel {
     const pad = em * 0.6;
     const inner = width - 2 * pad;
     this.drawTabs(ui, pad, inner);
-    this.drawPage(ui, pad, em * 3.2, inner);
+    this.drawPage(ui, pad, em * 4.1, inner);
     this.drawHistory(ui, pad, inner);
     this.placeGlow(pad, inner);
   }
@@ -174,8 +174,8 @@ export class PalettePanel extends Panel {
     TABS.forEach(([tab, text], i) => {
       const [column, line] = [i % TABS_A_LINE, Math.floor(i / TABS_A_LINE)];
       const on = tabOf(this.page) === tab;
-      const [left, top] = [x + column * wide, ui.em * (0.2 + 1.5 * line)];
-      ui.button(left, top, wide - ui.em * 0.2, ui.em * 1.4, { text, on }, () => this.show(tab));
+      const [left, top] = [x + column * wide, ui.em * (0.3 + 1.8 * line)];
+      ui.button(left, top, wide - ui.em * 0.2, ui.em * 1.7, { text, on }, () => this.show(tab));
     });
   }
 
