@@ -15,6 +15,7 @@ import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { Flight } from './reviewing/flight';
 import { mountReview, ReviewButton } from './reviewing/panel';
+import { mountTeam, TeamButton } from './team/panel';
 import { notify, state } from './store/state';
 import { installTheme } from './store/theme';
 import { follow } from './store/watch';
@@ -44,12 +45,13 @@ export function startPage(early: Early): void {
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.
   void pictured(early).then(async () => {
     mountPanels({
-      buttons: [ExampleButton, ReviewButton],
+      buttons: [ExampleButton, ReviewButton, TeamButton],
       bars: [ExampleBar],
       dialogs: [Help, CommandPalette],
     });
     new Predicting(engine);
     mountReview();
+    mountTeam();
     mountBoxes();
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');

@@ -5,6 +5,7 @@
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
 import { judgeHere, stepFindings } from '../reviewing/store';
+import { nextTask, openTeam } from '../team/store';
 import { exportOpen } from '../panels/export-menu';
 import { historyOpen } from '../panels/history-menu';
 import { commandsOpen, helpOpen } from '../panels/parts/popover';
@@ -119,6 +120,8 @@ const MORE: readonly KeyBinding[] = [
   key('ctrl+backspace', 'Ctrl Backspace', 'Review', 'Reject this frame', () =>
     judgeHere('rejected'),
   ),
+  key('shift+n', 'Shift N', 'Review', 'Hand in my task, and begin the next', () => nextTask()),
+  plain('Review', 'Tasks of the project', () => openTeam('tasks')),
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
     actions.nextUnlabelled(-1),

@@ -5,7 +5,7 @@ import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
 import type { Place } from './model';
-import { marked, pointing } from './store';
+import { looking, marked, pointing } from './store';
 
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */
 const NEAR_SHARE = 0.2;
@@ -14,6 +14,8 @@ const [NEAREST, FARTHEST] = [0.8, 10];
 const LEAST_DOWN = 0.25;
 /** Metres within which a click meets a point. */
 const REACH = 0.1;
+/** Of the middle of the picture, where nobody has pointed. */
+const MIDDLE_REACH = 1;
 
 export class Flight {
   private readonly mark: HTMLElement;
@@ -27,6 +29,7 @@ export class Flight {
     this.mark.className = 'review-mark';
     this.mark.hidden = true;
     canvas.after(this.mark);
+    looking.at = () => this.middle();
     engine.viewer.ticks.add(() => this.draw());
     follow(() => {
       const place = marked.value;
@@ -66,12 +69,24 @@ export class Flight {
     event.stopImmediatePropagation();
     event.preventDefault();
     this.aim.place(event);
-    const hit = this.aim.hit(REACH);
-    if (!hit) return;
+    const place = this.met(REACH);
+    if (!place) return;
+    pointing.value = null;
+    take(place);
+  }
+
+  /** The point that is aimed at, within metres of the ray. */
+  private met(reach: number): Place | null {
+    const hit = this.aim.hit(reach);
+    if (!hit) return null;
     const [a, b, c] = state.sequence.peek()?.shift ?? [0, 0, 0];
     const [x, y, z] = hit.position;
-    pointing.value = null;
-    take([x + a, y + b, z + c]);
+    return [x + a, y + b, z + c];
+  }
+
+  private middle(): Place | null {
+    this.aim.placeInMiddle();
+    return this.met(REACH) ?? this.met(MIDDLE_REACH);
   }
 
   private draw(): void {

@@ -8,7 +8,6 @@ import {
   framesOf,
   type LabelProgress,
   notesOf,
-  type Place,
   progressOf,
   type ReviewState,
   type Standing,
@@ -16,6 +15,7 @@ import {
   STATE_WORDS,
   STATES,
 } from './model';
+import { Pin } from './pin';
 import { draft, judge, overview, pointing, visit } from './store';
 
 const VERBS: Readonly<Record<ReviewState, string>> = {
@@ -128,26 +128,6 @@ function Judge() {
       </label>
       <Pin place={place} onPin={(at) => set({ place: at })} />
     </form>
-  );
-}
-
-function Pin({ place, onPin }: { place: Place | null; onPin: (place: Place | null) => void }) {
-  const waits = pointing.value !== null;
-  const point = (): void => {
-    pointing.value = waits ? null : onPin;
-  };
-  return (
-    <div class="review-pin">
-      <Button
-        icon="target"
-        label={waits ? 'Click on the place…' : place ? 'Pinned: pin elsewhere' : 'Pin to a place'}
-        kind="outlined"
-        small
-        pressed={waits}
-        onClick={point}
-      />
-      {place && <Button icon="close" tip="Take the pin away" small onClick={() => onPin(null)} />}
-    </div>
   );
 }
 

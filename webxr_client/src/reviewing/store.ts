@@ -33,6 +33,9 @@ export const marked = signal<Place | null>(null);
 /** Receiver of the place that the next click points at; null when nobody points. */
 export const pointing = signal<((place: Place) => void) | null>(null);
 
+/** Tells the point in the middle of the picture, source coordinates; `Flight` fills it in. */
+export const looking: { at: () => Place | null } = { at: () => null };
+
 export const waiting = computed(() => unsettled(checks.value?.findings ?? []));
 
 /** Others decide too, and nobody tells of it. */

@@ -176,6 +176,9 @@ export interface Actions {
   loadExportFormats(): Promise<void>;
   exportSequence(format: string, frames?: string, val?: string): Promise<void>;
 
+  /** Begin the next task of a project, or go on with one's own. */
+  nextTask(project: string): Promise<void>;
+
   // connection and messages
   reconnect(): void;
   dismissNotice(id: number): void;

@@ -21,6 +21,7 @@ import { attempt } from '../../engine/recordings';
 import { plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { api } from '../../net/rest';
+import { actions } from '../../store/actions';
 import { canManage, type SequenceSummary } from '../../store/state';
 import { Button, NameField } from '../parts/controls';
 import { PopoverButton } from '../parts/popover';
@@ -172,6 +173,15 @@ function ProjectGroup({ group: { project, rows }, alone, opened }: GroupProps) {
           <span class="soft number">{plural(rows.length, 'recording')}</span>
         </button>
         <Progress tasks={tasks} rows={rows} />
+        {tasksOf(tasks) > 0 && project.role !== 'viewer' && (
+          <Button
+            label="Next task"
+            kind="outlined"
+            small
+            tip={`Begin, or go on with, your next task of ${project.name}`}
+            onClick={() => void actions.nextTask(project.id)}
+          />
+        )}
         <FiguresButton project={project.id} />
       </div>
       {shown && <Rows rows={rows} />}

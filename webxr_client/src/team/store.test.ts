@@ -1,0 +1,97 @@
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { type Project, projects } from '../engine/projects';
+import type { SequenceInfo } from '../protocol/messages';
+import { looking, marked } from '../reviewing/store';
+import { bindActions } from '../store/actions';
+import { state, type Me, type SequenceSummary } from '../store/state';
+import { begin, followTeam, mine, nextTask, sendBack, type Task, tasks } from './store';
+
+const task = (number: number, more: Partial<Task> = {}): Task => ({
+  number, sequence: 'room', first: 0, last: 4, state: 'taken', assignee: 'ada', reviewer: '',
+  note: '', frame: null, place: null, ...more,
+}); // prettier-ignore
+const night = { id: 'night', name: 'Night', role: 'annotator', recordings: ['room'] };
+let calls: [string, unknown][] = [];
+let next: Task | null = null;
+const seek = vi.fn();
+const openSequence = vi.fn();
+let stop = (): void => undefined;
+
+beforeEach(() => {
+  calls = [];
+  vi.stubGlobal('document', { baseURI: 'http://host/', hidden: false });
+  vi.stubGlobal('fetch', (url: string, { method, body }: RequestInit) => {
+    const path = url.replace('http://host/api/v1/', '');
+    const sent: unknown = body ? JSON.parse(body as string) : undefined;
+    if (method !== 'GET') calls.push([`${method} ${path}`, sent]);
+    const number = Number(path.split('/').at(-1));
+    const told =
+      method === 'PATCH' ? { ...task(number), ...(sent as object) }
+      : method === 'POST' ? next
+      : path === 'projects' ? [night] : tasks.peek(); // prettier-ignore
+    return Promise.resolve(Response.json(told));
+  });
+  bindActions({ refreshSequences: () => Promise.resolve(), seek, openSequence });
+  projects.value = [night as unknown as Project];
+  state.me.value = { account: 'ada' } as Me;
+  state.sequences.value = [
+    { id: 'room', name: 'Room', project: 'night' } as SequenceSummary,
+    { id: 'hall', name: 'Hall', project: 'night' } as SequenceSummary,
+  ];
+  state.sequence.value = { id: 'room', frames: 9 } as SequenceInfo;
+  stop = followTeam();
+});
+afterEach(() => {
+  stop();
+  vi.unstubAllGlobals();
+  vi.clearAllMocks();
+});
+
+test('one key hands in the task of the open recording and begins the next', async () => {
+  tasks.value = [task(1), task(2, { state: 'open', assignee: '' })];
+  next = task(2, { first: 5, last: 8 });
+  await nextTask();
+  expect(calls).toEqual([
+    ['PATCH projects/night/tasks/1', { state: 'done' }],
+    ['POST projects/night/tasks/next', { work: 'label' }],
+  ]);
+  expect(seek).toHaveBeenCalledWith(5);
+});
+
+test('a task whose recording is not open is gone to, and not handed in', async () => {
+  tasks.value = [task(1, { sequence: 'hall' })];
+  next = tasks.value[0]!;
+  await nextTask();
+  expect(calls.map(([call]) => call)).toEqual(['POST projects/night/tasks/next']);
+  expect(openSequence).toHaveBeenCalledWith('hall');
+});
+
+test('what was returned is flown to once its recording is open', async () => {
+  next = task(3, { sequence: 'hall', note: 'a handle', frame: 2, place: [1, 2, 3] });
+  await begin('night');
+  expect(marked.value).not.toEqual([1, 2, 3]);
+  state.sequence.value = { id: 'hall', frames: 9 } as SequenceInfo;
+  await Promise.resolve();
+  expect(seek).toHaveBeenCalledWith(2);
+  expect(marked.value).toEqual([1, 2, 3]);
+});
+
+test('own tasks are those begun, then those returned; others are not', () => {
+  tasks.value = [
+    task(1, { state: 'returned' }),
+    task(2),
+    task(3, { assignee: 'bob' }),
+    task(4, { state: 'accepted' }),
+  ];
+  expect(mine.value.map(({ number }) => number)).toEqual([2, 1]);
+});
+
+test('a task is sent back with the middle of the picture, in one of its frames only', async () => {
+  looking.at = () => [4, 5, 6];
+  state.frame.value = 3;
+  await sendBack(task(1), 'the roof', null);
+  expect(calls[0]![1]).toEqual({ state: 'returned', note: 'the roof', frame: 3, place: [4, 5, 6] });
+  state.frame.value = 7;
+  await sendBack(task(1), 'the roof', null);
+  expect(calls[1]![1]).toEqual({ state: 'returned', note: 'the roof' });
+});
