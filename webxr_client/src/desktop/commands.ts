@@ -122,6 +122,7 @@ const MORE: readonly KeyBinding[] = [
   ),
   key('shift+n', 'Shift N', 'Review', 'Hand in my task, and begin the next', () => nextTask()),
   plain('Review', 'Tasks of the project', () => openTeam('tasks')),
+  plain('Review', 'Versions of the labels', () => openTeam('versions')),
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
     actions.nextUnlabelled(-1),

@@ -127,12 +127,13 @@ export interface ExportFormat {
 /** The formats that the server offers, once they were asked for. */
 export const exportFormats = signal<readonly ExportFormat[]>([]);
 
-async function exportSequence(format: string, frames = '', val = ''): Promise<void> {
+async function exportSequence(format: string, frames = '', val = '', snapshot = ''): Promise<void> {
   const info = state.sequence.peek();
   if (!info) return;
   const query = new URLSearchParams({ format });
   if (frames) query.set('frames', frames);
   if (val) query.set('val', val);
+  if (snapshot) query.set('snapshot', snapshot);
   // A download that finds no server, or is refused, tells nobody: ask first.
   await api('GET', sequencePath(info.id));
   download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
@@ -194,8 +195,8 @@ export const recordingActions: RecordingActions = {
     attempt('The export formats did not load', async () => {
       exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
     }),
-  exportSequence: (format, frames, val) =>
-    attempt('The export did not start', () => exportSequence(format, frames, val)),
+  exportSequence: (format, frames, val, snapshot) =>
+    attempt('The export did not start', () => exportSequence(format, frames, val, snapshot)),
   cancelJob: (id, keep = false) =>
     attempt('The job could not be stopped', async () => {
       const query = keep ? '?keep=true' : '';

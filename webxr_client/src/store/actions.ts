@@ -172,9 +172,10 @@ export interface Actions {
   retargetImport(sequence: string | null): Promise<void>;
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
-  /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none". */
+  /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none";
+   * `snapshot`: id of the version of the labels. */
   loadExportFormats(): Promise<void>;
-  exportSequence(format: string, frames?: string, val?: string): Promise<void>;
+  exportSequence(format: string, frames?: string, val?: string, snapshot?: string): Promise<void>;
 
   /** Begin the next task of a project, or go on with one's own. */
   nextTask(project: string): Promise<void>;

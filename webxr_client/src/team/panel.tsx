@@ -4,8 +4,14 @@ import { Button } from '../panels/parts/controls';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
-import { begin, followTeam, openTeam, project, teamOpen } from './store';
+import { begin, followTeam, openTeam, project, teamOpen, teamTab, type TeamTab } from './store';
 import { Tasks } from './tasks';
+import { Versions } from './versions';
+
+const TABS: readonly (readonly [TeamTab, string])[] = [
+  ['tasks', 'Tasks'],
+  ['versions', 'Versions'],
+];
 
 const close = (): void => {
   teamOpen.value = false;
@@ -20,9 +26,17 @@ function TeamPanel() {
         <h2>{project.value?.name ?? 'Tasks'}</h2>
         <Button icon="close" tip="Close the tasks" small onClick={close} />
       </header>
-      <div class="review-body">
-        <Tasks />
+      <div class="review-tabs" role="group" aria-label="Tasks or versions">
+        {TABS.map(([tab, words]) => (
+          <Button
+            key={tab}
+            label={words}
+            pressed={teamTab.value === tab}
+            onClick={() => (teamTab.value = tab)}
+          />
+        ))}
       </div>
+      <div class="review-body">{teamTab.value === 'tasks' ? <Tasks /> : <Versions />}</div>
     </>
   );
 }

@@ -1,0 +1,93 @@
+/** Snapshots of the open recording's project, and the difference of two. */
+import { signal } from '@preact/signals';
+import { projectPath } from '../engine/projects';
+import { attempt } from '../engine/recordings';
+import { api } from '../net/rest';
+import { project } from './store';
+
+export interface Snapshot {
+  readonly id: string;
+  readonly name: string;
+  /** ISO 8601. */
+  readonly created: string;
+  readonly author: string;
+  /** Revision of each recording. */
+  readonly recordings: Readonly<Record<string, number>>;
+}
+
+/** Points that got a label, lost theirs, or have another; labels with points in one alone. */
+export interface FrameDifference {
+  readonly frame: number;
+  readonly came: number;
+  readonly went: number;
+  readonly changed: number;
+  readonly objects_came: readonly number[];
+  readonly objects_went: readonly number[];
+}
+
+export interface Difference {
+  readonly sequence: string;
+  readonly labels: readonly { readonly label: number; readonly name: string; readonly kind: string }[]; // prettier-ignore
+  readonly frames: readonly FrameDifference[];
+}
+
+export const KIND_WORDS: Readonly<Record<string, string>> = {
+  came: 'new',
+  went: 'gone',
+  changed: 'renamed or recoloured',
+};
+
+export const snapshots = signal<readonly Snapshot[]>([]);
+/** The snapshot that is compared. */
+export const compared = signal<Snapshot | null>(null);
+/** With another snapshot's id, or "" for the labels of now; null until the server has answered. */
+export const difference = signal<{
+  readonly with: string;
+  readonly found: readonly Difference[];
+} | null>(null);
+
+/** Answers to earlier questions are of no interest. */
+let asked = 0;
+
+function path(rest = ''): string {
+  return `${projectPath(project.peek()?.id ?? '')}/snapshots${rest}`;
+}
+
+export async function loadSnapshots(): Promise<void> {
+  compared.value = difference.value = null;
+  if (!project.peek()) return;
+  await attempt('The snapshots did not load', async () => {
+    snapshots.value = await api<Snapshot[]>('GET', path());
+  });
+}
+
+/** Name the project's labels as they are; tells whether the server did. */
+export async function createSnapshot(name: string): Promise<boolean> {
+  let done = false;
+  await attempt('The snapshot was not made', async () => {
+    const made = await api<Snapshot>('POST', path(), { name });
+    snapshots.value = [made, ...snapshots.peek()];
+    done = true;
+  });
+  return done;
+}
+
+/** Find the difference of a snapshot and another one, or ("") the labels of now. */
+export async function compare(snapshot: Snapshot, other = ''): Promise<void> {
+  const turn = ++asked;
+  compared.value = snapshot;
+  difference.value = null;
+  await attempt('The snapshots were not compared', async () => {
+    const query = other ? `?with=${encodeURIComponent(other)}` : '';
+    const rest = `/${encodeURIComponent(snapshot.id)}/difference${query}`;
+    const found = await api<Difference[]>('GET', path(rest));
+    if (turn === asked) difference.value = { with: other, found };
+  });
+}
+
+export async function removeSnapshot(snapshot: Snapshot): Promise<void> {
+  await attempt('The snapshot was not forgotten', async () => {
+    await api('DELETE', path(`/${encodeURIComponent(snapshot.id)}`));
+    await loadSnapshots();
+  });
+}
