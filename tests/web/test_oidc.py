@@ -127,7 +127,7 @@ def test_nobody_becomes_another_account_by_a_name(
         {"sub": ""},
         {"azp": "somebody else"},
     ],
-    ids=str,
+    ids="-".join,  # a time is another in each process
 )
 def test_a_token_with_a_wrong_claim_lets_nobody_in(
     provider: Provider, browser: httpx.Client, wrong: dict[str, Any]
