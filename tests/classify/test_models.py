@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
 from collections.abc import Iterator, Sequence
 from importlib.metadata import EntryPoint
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,22 +15,17 @@ from pointbrush.classify.features import Described, ExampleFrame, describe
 from pointbrush.classify.models import Model, Models, Question, chances_of
 from pointbrush.classify.options import FeatureOptions
 from pointbrush.errors import BadInputError, UnavailableError
+from tests.services import example_service
 
-EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "model_server.py"
+EXAMPLE = "model_server.py"
 CLASSES = ("low", "high")
 
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     """Where the documented example listens."""
-    with subprocess.Popen(
-        [sys.executable, EXAMPLE, "--port", "0"], stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        found = re.search(r"http://\S+", process.stdout.readline())
-        assert found is not None
-        yield found[0]
-        process.terminate()
+    with example_service(EXAMPLE) as url:
+        yield url
 
 
 class Heights:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
@@ -96,3 +97,11 @@ def make_street(sequences: Path) -> None:
         fps=5.0,
     )
     write_pictures(sequences / "street", FRAMES, pictures())
+
+
+def make_workspace(factory: pytest.TempPathFactory) -> Path:
+    """Make a workspace folder with the recording ``street``, to be copied."""
+    folder = factory.mktemp("template") / "workspace"
+    (folder / "sequences").mkdir(parents=True)
+    make_street(folder / "sequences")
+    return folder

@@ -12,7 +12,7 @@ from playwright.sync_api import Locator
 
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
-from tests.e2e.street import CARS, FIRST_CAR, FRAMES, SENSOR_HEIGHT, make_street, seen
+from tests.e2e.street import CARS, FIRST_CAR, FRAMES, SENSOR_HEIGHT, make_workspace, seen
 from tests.waiting import eventually
 
 SIZE = [4.0, 1.8, 1.4]
@@ -22,10 +22,7 @@ CHOSEN = "pb.state.activeLabel.value"
 
 @pytest.fixture(scope="session")
 def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("template") / "workspace"
-    (folder / "sequences").mkdir(parents=True)
-    make_street(folder / "sequences")
-    return folder
+    return make_workspace(tmp_path_factory)
 
 
 def paint_car(server: LiveServer) -> None:

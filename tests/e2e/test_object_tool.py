@@ -145,6 +145,10 @@ def test_what_somebody_else_painted_meanwhile_is_left_alone(
     with_object_tool(desk, server)
     blue = server.create_label(SEQUENCE, "blue", "#5d8bff")
     hover(desk, truth(0, PERSON))
+    largest = desk.ask("pb.state.object.value.levels") - 1
+    for _ in range(largest):
+        desk.press("+")
+    desk.until(f"pb.state.object.value.level === {largest}")
     shown = desk.ask("pb.state.object.value.points")
     other.press(str(blue))
     other.until(f"pb.state.activeLabel.value === {blue}")

@@ -11,16 +11,13 @@ from playwright.sync_api import expect
 
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
-from tests.e2e.street import FIRST_CAR, FRAMES, SHOWN, make_street, seen
+from tests.e2e.street import FIRST_CAR, FRAMES, SHOWN, make_workspace, seen
 from tests.waiting import eventually
 
 
 @pytest.fixture(scope="session")
 def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("template") / "workspace"
-    (folder / "sequences").mkdir(parents=True)
-    make_street(folder / "sequences")
-    return folder
+    return make_workspace(tmp_path_factory)
 
 
 def settle(desk: Desk) -> None:

@@ -41,7 +41,8 @@ def walk(server: LiveServer, lead: Desk, ada: Desk, place: list[float]) -> None:
     ada.press("Shift+N")
     own = tasks[ada].get_by_role("region", name="My task")
     own.get_by_text("begun").wait_for()
-    ada.press("Shift+N")
+    ada.settled()
+    own.get_by_role("button", name="Hand in, next task").click()
     eventually(lambda: _states(server)[:2] == ["done", "taken"])
     ada.until("pb.state.frame.value === 1")
 

@@ -11,17 +11,14 @@ from playwright.sync_api import Browser
 
 from tests.e2e.headset import Headset, wear
 from tests.e2e.server import LiveServer
-from tests.e2e.street import FRAMES, make_street
+from tests.e2e.street import FRAMES, make_workspace
 from tests.e2e.test_boxes import SIZE, add_box, box_of, centre, paint_car
 from tests.waiting import eventually
 
 
 @pytest.fixture(scope="session")
 def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("template") / "workspace"
-    (folder / "sequences").mkdir(parents=True)
-    make_street(folder / "sequences")
-    return folder
+    return make_workspace(tmp_path_factory)
 
 
 @pytest.fixture

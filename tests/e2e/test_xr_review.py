@@ -52,7 +52,7 @@ def test_boxes_trails_and_ghost_are_drawn_and_switched_in_the_palette(
     assert ghost == int((server.annotation(SEQUENCE, 1) == 1).sum())
     assert headset.ask("hs.overlays().boxes") == 0
     headset.click("palette", "View")
-    headset.click("palette", "Boxes")
+    headset.click("palette", "Label boxes")
     headset.until("hs.overlays().boxes === 1")
     # The box holds the label's points: its middle is theirs, to a hand's breadth.
     xyz = server.points(SEQUENCE, 2)[server.annotation(SEQUENCE, 2) == 1]
@@ -69,11 +69,11 @@ def test_boxes_trails_and_ghost_are_drawn_and_switched_in_the_palette(
         })()"""
     )
     assert np.linalg.norm(np.subtract(box, middle)) < 0.1
-    for name, what in (("Boxes", "boxes"), ("Trails", "trails"), ("Ghost", "ghost")):
+    for name, what in (("Label boxes", "boxes"), ("Trails", "trails"), ("Ghost", "ghost")):
         headset.click("palette", name)
         headset.until(f"hs.overlays().{what} === 0")
     # What is hidden has neither box nor trail.
-    headset.click("palette", "Boxes")
+    headset.click("palette", "Label boxes")
     headset.until("hs.overlays().boxes === 1")
     headset.click("palette", "Labels")
     headset.click("palette", "eye")

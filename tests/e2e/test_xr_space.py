@@ -238,7 +238,7 @@ def test_a_pinch_paints_and_presses_all_that_a_trigger_does(
     headset.click("palette", "View")
     headset.slide("palette", "Point size", 0.5, 0.8)
     headset.until("pb.state.view.value.pointSize > 1.5")
-    headset.click("palette", "Boxes")
+    headset.click("palette", "Label boxes")
     headset.until("pb.state.view.value.boxes")
     headset.click("palette", "Tools")
     headset.click("palette", "Erase")

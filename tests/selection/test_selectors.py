@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -23,22 +20,17 @@ from pointbrush.selection.selectors import (
     make_selector,
 )
 from pointbrush.work.objects.choosing import Selectors
+from tests.services import example_service
 
-EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "selector_server.py"
+EXAMPLE = "selector_server.py"
 NONE = np.empty((0, 3))
 
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     """Where the documented example listens."""
-    with subprocess.Popen(
-        [sys.executable, EXAMPLE, "--port", "0"], stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        found = re.search(r"http://\S+", process.stdout.readline())
-        assert found is not None
-        yield found[0]
-        process.terminate()
+    with example_service(EXAMPLE) as url:
+        yield url
 
 
 @pytest.fixture(params=["tree", "http"])

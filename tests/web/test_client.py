@@ -59,7 +59,7 @@ def test_the_whole_way(served: Served, tmp_path: Path) -> None:
         with zipfile.ZipFile(out) as archive:
             assert "000000.npz" in archive.namelist()
         splits = {each.format for each in client.export_formats() if each.splits}
-        assert splits == {"pointcept", "openpcdet"}
+        assert splits == {"pointcept", "openpcdet", "openpcdet-boxes"}
         out = wall.export("openpcdet", tmp_path / "split.zip", val="1:3")
         with zipfile.ZipFile(out) as archive:
             assert len(archive.read("ImageSets/val.txt").split()) == 2

@@ -12,6 +12,7 @@ import pytest
 from plyfile import PlyData, PlyElement
 
 from tests.serving import Served, surface
+from tests.waiting import eventually
 from tests.web.calls import new_label, stroke, wait
 from tests.web.test_auth import problem
 
@@ -61,7 +62,7 @@ def test_uploaded_files_are_imported(served: Served, api: httpx.Client, tmp_path
     manifest = imported(api, response)
     assert (manifest["frames"], manifest["fps"]) == (2, 15.0)
     uploads = served.workspace.settings.workspace / "uploads"
-    assert not any(uploads.iterdir())
+    eventually(lambda: not any(uploads.iterdir()))
     api.delete(f"/sequences/{manifest['id']}")
 
 

@@ -129,7 +129,11 @@ def test_by_default_some_recordings_are_for_validation_whole(
         ),
         ("openpcdet", "3:9", "expected a range within 0:4"),
         ("openpcdet", "", "expected frames I:J"),
-        ("ply", "1:3", "expected one of the formats pointcept, openpcdet with it, got ply"),
+        (
+            "ply",
+            "1:3",
+            "expected one of the formats pointcept, openpcdet, openpcdet-boxes with it, got ply",
+        ),
     ],
 )
 def test_validation_that_cannot_be_is_refused(

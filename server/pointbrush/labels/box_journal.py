@@ -9,7 +9,7 @@ import json
 from collections.abc import Collection, Iterable
 from typing import Any
 
-from sqlalchemy import Connection, Row, and_, func, select
+from sqlalchemy import Connection, Row, Select, and_, func, select
 
 from pointbrush.errors import ConflictError
 from pointbrush.labels import palette
@@ -56,6 +56,19 @@ def of_labels(connection: Connection, number: int, labels: Collection[int]) -> d
     return {box: label for box, label in connection.execute(query) if label in labels}
 
 
+def _changes(number: int) -> Select[tuple[int, str]]:
+    """Select the changes of a recording's boxes with their edits, the oldest first."""
+    of_edit = and_(
+        edits.c.sequence == edit_boxes.c.sequence, edits.c.revision == edit_boxes.c.revision
+    )
+    return (
+        select(edit_boxes.c.box, edit_boxes.c.data)
+        .join(edits, of_edit)
+        .where(edits.c.sequence == number)
+        .order_by(edit_boxes.c.revision)
+    )
+
+
 def fold(
     connection: Connection,
     number: int,
@@ -66,18 +79,7 @@ def fold(
 
     ``last``: the edit that counts in any case, and none after it.
     """
-    query = (
-        select(edit_boxes.c.box, edit_boxes.c.data)
-        .join(
-            edits,
-            and_(
-                edits.c.sequence == edit_boxes.c.sequence,
-                edits.c.revision == edit_boxes.c.revision,
-            ),
-        )
-        .where(edits.c.sequence == number)
-        .order_by(edit_boxes.c.revision)
-    )
+    query = _changes(number)
     if last is None:
         query = query.where(edits.c.state.in_(IN_FORCE))
     else:
@@ -89,8 +91,8 @@ def fold(
         part = query
         if wanted is not None:
             part = query.where(edit_boxes.c.box.in_(wanted[first : first + CHUNK]))
-        for box, data in connection.execute(part):
-            found[box] = changed_by(found.get(box, {}), json.loads(data))
+        for row in connection.execute(part):
+            found[row.box] = changed_by(found.get(row.box, {}), json.loads(row.data))
     return {box: _whole(fields) for box, fields in found.items()}
 
 
@@ -227,20 +229,10 @@ def turn(draft: Draft, edit: Row[Any], kind: str) -> None:
 
 def _by_others(draft: Draft, box: int, edit: Row[Any]) -> bool:
     """Look whether somebody else's edit in force has changed a box and not removed it."""
-    query = (
-        select(edit_boxes.c.data)
-        .join(
-            edits,
-            and_(
-                edits.c.sequence == edit_boxes.c.sequence,
-                edits.c.revision == edit_boxes.c.revision,
-            ),
-        )
-        .where(edits.c.sequence == draft.state.number, edit_boxes.c.box == box)
-        .where(edits.c.author != edit.author, edits.c.state.in_(IN_FORCE))
-        .order_by(edit_boxes.c.revision)
+    query = _changes(draft.state.number).where(
+        edit_boxes.c.box == box, edits.c.author != edit.author, edits.c.state.in_(IN_FORCE)
     )
-    changes = [json.loads(data) for data in draft.connection.execute(query).scalars()]
+    changes = [json.loads(row.data) for row in draft.connection.execute(query)]
     return bool(changes) and changes[-1].get("exists", True)
 
 

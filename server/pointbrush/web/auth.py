@@ -7,7 +7,7 @@ import ipaddress
 import socket
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
@@ -28,10 +28,12 @@ from pointbrush.web.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.context import known_query
 from pointbrush.web.cookies import Cookie
-from pointbrush.web.oidc import Person, Provider
 from pointbrush.web.roles import PREFIX, ROUTES, call_of
 from pointbrush.web.sessions import SESSION_DAYS, WebSessions
 from pointbrush.workspace import Workspace
+
+if TYPE_CHECKING:
+    from pointbrush.web.oidc import Person, Provider
 
 COOKIE = "pointbrush_session"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -65,7 +67,11 @@ class Gate:
         self.sessions = WebSessions(workspace.labels, token)
         self._browsers = BrowserAccounts(workspace.labels.signing_keys)
         issuer = settings.oidc_issuer
-        self.provider = Provider(settings, workspace.labels.signing_keys) if issuer else None
+        self.provider: Provider | None = None
+        if issuer:
+            from pointbrush.web.oidc import Provider  # with it come libraries that few need
+
+            self.provider = Provider(settings, workspace.labels.signing_keys)
         self._right: dict[str, None] = {}
         self._tries = settings.wrong_tokens_per_minute
         self._wrong = RateLimit(self._tries / 60, burst=self._tries)

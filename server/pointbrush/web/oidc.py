@@ -102,6 +102,8 @@ class _Flow:
 class Provider:
     """The provider that people sign in with; thread-safe."""
 
+    flow_seconds = FLOW_SECONDS
+
     def __init__(self, settings: Settings, keys: SigningKeys) -> None:
         """Raises BadInputError for settings that cannot be right; the provider is not asked yet."""
         self._issuer, self._client = settings.oidc_issuer, settings.oidc_client_id

@@ -1,6 +1,7 @@
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ObjectBox, Triple } from '../store/boxes';
+import { near } from './testing';
 import {
   between,
   BOX_VIEWS,
@@ -24,12 +25,6 @@ const CAR: Shape = {
   quaternion: [YAW.x, YAW.y, YAW.z, YAW.w],
 };
 const [TOP, SIDE, FRONT] = BOX_VIEWS as [never, never, never];
-
-function near(found: readonly number[], expected: readonly number[]): void {
-  found.forEach((value, i) => {
-    expect(value).toBeCloseTo(expected[i]!, 6);
-  });
-}
 
 function boxOf(...centres: Triple[]): ObjectBox {
   const { quaternion } = CAR;

@@ -3,6 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { dragged, placeOf } from '../tools/volume';
 import { placeOn, turned, type Shape } from './shape';
 import { distanceTo, lengthwise, shapeOf, volumeOf } from './volume';
+import { near } from './testing';
 
 /** z up in the source, y up in the room, two metres lower. */
 const ROOM = new Matrix4().makeRotationX(-Math.PI / 2).setPosition(0, -2, 0);
@@ -12,12 +13,6 @@ const CAR: Shape = turned(
   2,
   0.5,
 );
-
-function near(found: readonly number[], expected: readonly number[]): void {
-  found.forEach((value, i) => {
-    expect(value).toBeCloseTo(expected[i]!, 6);
-  });
-}
 
 describe('a box in the room', () => {
   it('stands there as it does in the frame, and comes back the same', () => {

@@ -3,6 +3,7 @@ import { COMMANDS } from './commands';
 import { state } from '../store/state';
 import type { SequenceInfo } from '../protocol/messages';
 import { commandsNow, found, frameCommand, lastFirst, noteUsed } from './command-search';
+import { recordingRow } from '../store/testing';
 
 function open(frames: number): void {
   state.sequence.value = { id: 'one', frames, fields: ['rgb'] } as unknown as SequenceInfo;
@@ -26,23 +27,7 @@ describe('the command palette', () => {
     open(10);
     const label = { id: 4, name: 'left hand', category: '', color: '#ffffff' };
     state.palette.value = [{ ...label, locked: false, visible: true }];
-    state.sequences.value = ['one', 'two'].map((id) => {
-      return {
-        id,
-        name: id,
-        frames: 1,
-        fps: 0,
-        points: 1,
-        damaged: null,
-        labels_missing: null,
-        created: null,
-        labelled: 0,
-        labels: 0,
-        labels_used: 0,
-        identity: null,
-        project: 'default',
-      };
-    });
+    state.sequences.value = ['one', 'two'].map((id) => recordingRow(id));
     const texts = commandsNow().map(({ what }) => what);
     expect(texts).toContain('Choose left hand');
     expect(texts).toContain('Open two');

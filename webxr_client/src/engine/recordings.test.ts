@@ -4,6 +4,7 @@ import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import { Inbox, type InboxDeps } from './inbox';
 import { recordingActions } from './recordings';
+import { recordingRow } from '../store/testing';
 
 const click = vi.fn();
 
@@ -66,22 +67,7 @@ describe('a recording that is deleted here', () => {
         ),
       );
     });
-    const wall = {
-      id: 'wall',
-      name: 'Wall',
-      frames: 1,
-      fps: 1,
-      points: 1,
-      damaged: null,
-      labels_missing: null,
-      created: null,
-      labelled: 0,
-      labels: 0,
-      labels_used: 0,
-      identity: null,
-      project: 'default',
-    };
-    state.sequences.value = [wall];
+    state.sequences.value = [recordingRow('wall', 'Wall')];
   });
 
   it('is told once, and comes back as it was by Undo', async () => {

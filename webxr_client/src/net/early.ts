@@ -9,14 +9,22 @@ export interface SequenceOut {
   readonly name: string;
   readonly frames: number;
   readonly fps: number;
+  /** Of each frame. */
   readonly points: readonly number[];
+  /** Fault, in a sentence: it cannot be opened; null when it is sound. */
   readonly damaged: string | null;
+  /** Reason why the labels in its files did not come in; null when they did, or it has none. */
   readonly labels_missing: string | null;
+  /** Date of the import, ISO 8601. */
   readonly created: string | null;
+  /** Frames with labels. */
   readonly labelled: number;
+  /** Labels, and those of them that have points in some frame. */
   readonly labels: number;
   readonly labels_used: number;
+  /** Of its import: pictures kept of another one are not shown. */
   readonly identity: string | null;
+  /** Id of its project. */
   readonly project: string;
 }
 

@@ -1,4 +1,5 @@
 /** Types of the store's values: `state.ts` has the signals. */
+import type { SequenceOut } from '../net/early';
 import type { Unsent } from '../net/wire';
 import type { Brush, Welcome } from '../protocol/messages';
 
@@ -43,29 +44,10 @@ export interface Person {
 
 // ── recordings ───────────────────────────────────────────────────────────────────────────────
 
-/** One row of the list of recordings, from REST. */
-export interface SequenceSummary {
-  readonly id: string;
-  readonly name: string;
-  readonly frames: number;
-  readonly fps: number;
+/** One row of the list of recordings. */
+export interface SequenceSummary extends Omit<SequenceOut, 'points'> {
   /** Points of the largest frame. */
   readonly points: number;
-  /** Fault, in a sentence: it cannot be opened; null when it is sound. */
-  readonly damaged: string | null;
-  /** Reason why the labels in its files did not come in; null when they did, or it has none. */
-  readonly labels_missing: string | null;
-  /** Date of the import, ISO 8601. */
-  readonly created: string | null;
-  /** Frames with labels. */
-  readonly labelled: number;
-  /** Labels, and those of them that have points in some frame. */
-  readonly labels: number;
-  readonly labels_used: number;
-  /** Of its import: pictures kept of another one are not shown. */
-  readonly identity: string | null;
-  /** Id of its project. */
-  readonly project: string;
 }
 
 /** A deleted recording that can still be brought back. */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from typing import TYPE_CHECKING
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import RedirectResponse
@@ -11,9 +12,11 @@ from pydantic import BaseModel
 from pointbrush.errors import ForbiddenError, NotFoundError, PointbrushError
 from pointbrush.web.auth import Gate, cookie_name
 from pointbrush.web.cookies import set_cookie
-from pointbrush.web.oidc import FLOW_SECONDS, Provider
 from pointbrush.web.page import wants_html
 from pointbrush.web.roles import PREFIX
+
+if TYPE_CHECKING:
+    from pointbrush.web.oidc import Provider
 
 log = logging.getLogger(__name__)
 PLACE = f"{PREFIX}/oidc"
@@ -56,13 +59,14 @@ def provider(request: Request) -> ProviderOut:
 def login(request: Request) -> Response:
     """Send the browser to the provider."""
     try:
-        address, kept = _provider(request).begin(_back(request))
+        known = _provider(request)
+        address, kept = known.begin(_back(request))
     except PointbrushError as error:
         return _refused(request, error)
     response = RedirectResponse(address, status_code=303)
     # Lax: the browser comes back from another site, and is to bring it.
     response.set_cookie(
-        _kept(request), kept, max_age=FLOW_SECONDS, path=PLACE, httponly=True, samesite="lax",
+        _kept(request), kept, max_age=known.flow_seconds, path=PLACE, httponly=True, samesite="lax",
         secure=request.url.is_secure,
     )  # fmt: skip
     return response

@@ -93,7 +93,7 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
     place += 1;
   };
   const { boxes, trails, ghost } = state.view.peek();
-  check('Boxes', boxes, (on) => actions.setView({ boxes: on }));
+  check('Label boxes', boxes, (on) => actions.setView({ boxes: on }));
   check('Trails', trails, (on) => actions.setView({ trails: on }));
   check('Ghost', ghost, (on) => actions.setView({ ghost: on }));
 }

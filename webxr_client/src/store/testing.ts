@@ -1,0 +1,21 @@
+/** Values of the store for tests. */
+import type { SequenceSummary } from './types';
+
+/** A sound recording of one frame in the list. */
+export function recordingRow(id: string, name = id): SequenceSummary {
+  return {
+    id,
+    name,
+    frames: 1,
+    fps: 1,
+    points: 1,
+    damaged: null,
+    labels_missing: null,
+    created: null,
+    labelled: 0,
+    labels: 0,
+    labels_used: 0,
+    identity: null,
+    project: 'default',
+  };
+}
