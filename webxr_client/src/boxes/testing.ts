@@ -1,4 +1,4 @@
-/** What tests of boxes share. */
+/** Expectations that tests of boxes share. */
 import { expect } from 'vitest';
 
 /** Expect numbers to be alike to a millionth. */
