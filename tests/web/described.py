@@ -33,6 +33,7 @@ SEMANTIC = (
     "POST /api/v1/sequences/{seq}/boxes/fit",
     "POST /api/v1/sequences/{seq}/tracking",
     "PUT /api/v1/sequences/{seq}/frames/{i}/annotation",
+    "PUT /api/v1/sequences/{seq}/annotations",
     "GET /api/v1/sequences/{seq}/export",
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
@@ -58,6 +59,14 @@ def npy(_context: Any, _value: Any) -> bytes:
     """An array of the right length."""
     stream = io.BytesIO()
     np.save(stream, np.zeros(POINTS, np.uint16))
+    return stream.getvalue()
+
+
+@schemathesis.serializer("application/zip")
+def npz(_context: Any, _value: Any) -> bytes:
+    """An archive of an array of the right length for the first frame."""
+    stream = io.BytesIO()
+    np.savez(stream, **{"0": np.zeros(POINTS, np.uint16)})
     return stream.getvalue()
 
 

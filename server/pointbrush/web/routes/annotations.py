@@ -23,7 +23,7 @@ from pointbrush.web import npy
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, body_within, one_of
 from pointbrush.web.problems import responses
-from pointbrush.web.routes.frames import Written
+from pointbrush.web.routes.frames import BINARY, Written
 from pointbrush.web.schemas import Body, EditOut
 from pointbrush.web.schemas_work import JobId, JobOut
 from pointbrush.web.upload_files import described, parse_form, parse_json, save
@@ -111,7 +111,7 @@ async def arrays_body(request: Request) -> bytearray:
 @router.put(
     "/sequences/{seq}/annotations",
     responses=responses(404, 409, 413),
-    include_in_schema=False,
+    openapi_extra={"requestBody": {"required": True, "content": {"application/zip": BINARY}}},
 )
 def put_annotations(
     seq: SequenceId,
