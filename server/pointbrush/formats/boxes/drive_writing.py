@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
 from pointbrush.formats.boxes.attributes import dotted
 from pointbrush.formats.boxes.conventions import numbers_by
 from pointbrush.formats.boxes.drives import (
@@ -34,7 +35,7 @@ LEVELS = ("v0-40", "v40-60", "v60-80", "v80-100")
 """nuScenes' levels of visibility, 1 to 4."""
 MAP = "maps/none.png"
 """Picture of a map that the devkit asks for: one pixel, none of it known."""
-NANOSECONDS = 1e9
+MICROSECONDS, NANOSECONDS = 1e6, 1e9
 NEAR = 1e-6
 """Seconds within which a file's name is the time of its frame."""
 
@@ -96,7 +97,7 @@ class _Tables:
     def add(self, frame: SceneFrame, T_world_ego: Floats) -> None:
         """Add a frame as a sample, with a row of data and those of its boxes."""
         token, number = self._scene.token, frame.index
-        stamp = {"timestamp": round(frame.time * 1e6)}
+        stamp = {"timestamp": ticks(frame.time, MICROSECONDS)}
         T_ego_source = ego_from_source(frame)
         if not self._sensors:
             sensor = {"token": token("calibrated", 0), "sensor_token": self._lidar}
@@ -210,12 +211,21 @@ def _chain(rows: Iterable[Record], key: Any) -> dict[str, tuple[int, str, str]]:
     return ends
 
 
+def ticks(seconds: float, per_second: float) -> int:
+    """Count the units of time in seconds; raises BadInputError beyond 64 bits."""
+    found = round(seconds * per_second)
+    if abs(found) >= 1 << 63:
+        raise BadInputError(
+            f"time of a frame: expected one that fits the format, got {seconds:g} s; is the rate "
+            "of the recording right?"
+        )
+    return found
+
+
 def stamp_of(frame: SceneFrame) -> int:
     """Tell a frame's time in nanoseconds, exactly where its file is called by it."""
     named = int(frame.name) if frame.name.isascii() and frame.name.isdigit() else -1
-    return (
-        named if abs(named / NANOSECONDS - frame.time) < NEAR else round(frame.time * NANOSECONDS)
-    )
+    return named if abs(named / NANOSECONDS - frame.time) < NEAR else ticks(frame.time, NANOSECONDS)
 
 
 def write_argoverse(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
@@ -270,7 +280,7 @@ def write_waymo(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
     numbers = {name: number for number, name in WAYMO_TYPES.items()}
     columns: dict[str, list[Any]] = {name: [] for name in WAYMO_COLUMNS}
     for frame in frames:
-        stamp = round(frame.time * 1e6)
+        stamp = ticks(frame.time, MICROSECONDS)
         for box, points in frame.counted():
             place, size, turn = numbers_by("waymo", box.moved(ego_from_source(frame)))
             kind = numbers.get(box.name.lower(), 0)
