@@ -37,7 +37,9 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/export",
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
+    "POST /api/v1/classifiers",
     "POST /api/v1/classifiers/file",
+    "POST /api/v1/projects/{p}/webhooks",
     "POST /api/v1/sequences/{seq}/palette",
     "PUT /api/v1/sequences/{seq}/palette/order",
     "POST /api/v1/sequences/{seq}/frames/{i}/copy",
@@ -48,7 +50,8 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/frames/{i}/agreement",
     "PUT /api/v1/sequences/{seq}/frames/{i}/review",
 )
-"""Calls whose input is also checked for sense: an invertible matrix, directions with a length."""
+"""Calls whose input is also checked for sense: an invertible matrix, directions with a length, a
+host or a model that is known."""
 Callers = Sequence[tuple[str, bool]]
 """Tokens, and whether each lets its owner do everything, so that no good input is refused."""
 Look = Callable[[Any], object]

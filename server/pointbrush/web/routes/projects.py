@@ -19,7 +19,11 @@ from pointbrush.work.projects.service import Overview
 
 router = resource("projects")
 Account = Annotated[str, Field(min_length=1, max_length=128, pattern=f"^{VISIBLE}+$")]
-Roles = Annotated[dict[Account, Role], Field(max_length=10_000)]
+# Pydantic describes the pattern of keys without saying that there are no others.
+Roles = Annotated[
+    dict[Account, Role],
+    Field(max_length=10_000, json_schema_extra={"additionalProperties": False}),
+]
 Recordings = Annotated[
     list[Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]], Field(max_length=100_000)
 ]
