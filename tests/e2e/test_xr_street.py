@@ -108,7 +108,7 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     headset.until("hs.headset.cockpit.pointers.of('right') === null")
     without = picture(headset)
     headset.screenshot("street-without-hands")
-    assert changed(with_hands, without, handle, 5) > 0.5
+    assert changed(with_hands, without, handle, 5) > 0.6
     assert changed(with_hands, without, brush, 3) > 0.5
     assert changed(with_hands, without, grip, 8) > 0.3
     # The street goes on to its end: its colour is in the picture, walls meet far ahead.

@@ -14,7 +14,7 @@ import { SIZES } from '../drawing/sizes';
 import { TimelinePanel } from './timeline-panel';
 
 /** Offset of the palette's middle from the hand that holds it: above, and towards the other one. */
-const ABOVE = { up: 0.265, away: SIZES.palette.away } as const;
+const ABOVE = { up: 0.271, away: SIZES.palette.away } as const;
 const HELD = {
   left: { ...ABOVE, right: 0.07 },
   right: { ...ABOVE, right: -0.07 },
