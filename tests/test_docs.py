@@ -192,7 +192,7 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
     frames = 90 if "89" in text else 3
     given = [
         name
-        for name in ("juggling", "room", "kitchen", "drive", "scene")
+        for name in ("juggling", "room", "kitchen", "drive", "drive-fitted", "scene")
         if re.search(rf"\b{name}\b", text) and f"--name {name}" not in text
     ]
     for name in given:
@@ -205,7 +205,7 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
         )
     workspace = Workspace(settings)
     for name in given:
-        label = workspace.labels.create_label(name, "ada", name="car")
+        label = workspace.labels.create_label(name, "ada", name="car", category="car")
         values = np.zeros(POINTS, np.uint16)
         values[:100] = label.id
         workspace.annotations.put(name, 0, values, author="ada", layer="label")

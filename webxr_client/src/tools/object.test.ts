@@ -141,8 +141,20 @@ describe('the object tool', () => {
     tool.step(1);
     expect(asks()).toHaveLength(1);
     rest();
+    // The levels of the click, not those around what was taken.
+    expect(asks()[1]).toMatchObject({ previous: '' });
     tool.onCandidates(answer(asks()[1]!, [5, 20]));
-    expect(begun()[1]!.brush).toMatchObject({ candidate: `${asks()[1]!.id}-1`, replaces: begun()[0]!.id }); // prettier-ignore
+    expect(begun()[1]!.brush).toMatchObject({ candidate: `${asks()[1]!.id}-1`, previous: '', replaces: begun()[0]!.id }); // prettier-ignore
+  });
+
+  it('lays no late preview over what was taken', () => {
+    const { frame, tool, asks } = setUp();
+    tool.hover(at(0.1));
+    tool.onCandidates(answer(asks()[0]!, [5, 20], 1));
+    tool.onLabels(0);
+    tool.click(at(0.1));
+    tool.onCandidates(answer(asks()[1]!, [5, 20], 1));
+    expect(frame.labelOf(29)).toBe(2);
   });
 
   it('completes a stroke, and takes its place when that is accepted', () => {

@@ -45,6 +45,8 @@ interface Question extends Clicks {
   readonly frame: CloudFrame;
   readonly brush: Brush;
   readonly purpose: Purpose;
+  /** Candidate that the clicks refine, or ''. */
+  readonly previous: string;
   /** Points shown meanwhile: the level most like them is the one meant; null: the server's choice. */
   readonly like: Uint32Array | null;
 }
@@ -64,9 +66,9 @@ interface Taken extends Clicks {
   readonly frame: CloudFrame;
   /** The stroke that took it: the next one takes its place. */
   readonly edit: string;
-  /** Points of it. */
-  readonly indices: Uint32Array;
   readonly candidate: string;
+  /** Candidate that its last click refined, or '': its levels are offered again by it. */
+  readonly previous: string;
   /** Tool that took it: it refines as well, whatever tool the hand has by then. */
   readonly brush: Brush;
 }
@@ -114,10 +116,10 @@ export class ObjectTool {
     this.show();
     if (!this.taken) return true;
     this.rest?.();
-    const { positives, negatives } = this.taken;
+    const { taken } = this;
     this.rest = this.deps.later(() => {
       this.rest = null;
-      if (this.taken) this.ask({ positives, negatives }, 'take', shownOf(offer));
+      if (this.taken) this.ask(taken, 'take', shownOf(offer), taken.previous);
     }, REST_MS);
     return true;
   }
@@ -259,13 +261,17 @@ export class ObjectTool {
 
   // ── asking and taking ──────────────────────────────────────────────────────────────────────
 
-  private ask(clicks: Clicks, purpose: Purpose, like: Uint32Array | null = null): void {
+  private ask(
+    { positives, negatives }: Clicks,
+    purpose: Purpose,
+    like: Uint32Array | null = null,
+    previous = this.taken?.candidate ?? '',
+  ): void {
     const frame = this.deps.frame();
     const brush = this.deps.brush() && (this.taken?.brush ?? this.deps.brush());
     if (!frame || !brush) return;
-    const { positives, negatives } = clicks;
     const id = crypto.randomUUID();
-    this.asked = { id, frame, brush, purpose, like, positives, negatives };
+    this.asked = { id, frame, brush, purpose, like, previous, positives, negatives };
     const message: Ask = {
       type: 'ask',
       id,
@@ -273,7 +279,7 @@ export class ObjectTool {
       brush,
       samples: [...positives],
       negatives: [...negatives],
-      previous: this.taken?.candidate ?? '',
+      previous,
     };
     this.deps.send(message);
   }
@@ -282,16 +288,19 @@ export class ObjectTool {
     const { question, level } = offer;
     const chosen = offer.candidates[level];
     if (!chosen) return;
-    const { frame, positives, negatives } = question;
+    const { frame, positives, negatives, previous } = question;
     const brush: Brush = {
       ...question.brush,
       candidate: chosen.id,
       negatives: [...negatives],
-      previous: this.taken?.candidate ?? '',
+      previous,
     };
     const replaced = this.taken?.edit ?? this.replaces;
     if (replaced !== null) brush.replaces = replaced;
     this.replaces = null;
+    // A preview still awaited would be laid over the points taken.
+    this.asked = null;
+    this.waiting = null;
     this.dropOverlay();
     const [x, y, z] = this.deps.shift();
     const stroke = this.deps.strokes.begin(frame, brush, [x, y, z]);
@@ -305,10 +314,10 @@ export class ObjectTool {
     frame.setOverlay(stroke.id, { indices: chosen.indices, values: this.valueOf(brush) });
     stroke.end();
     this.sent.set(stroke.id, { ...question, like: chosen.indices });
-    const { indices } = chosen;
     const candidate = chosen.id;
     const edit = stroke.id;
-    this.taken = { frame, edit, indices, candidate, positives, negatives, brush: question.brush };
+    const tool = question.brush;
+    this.taken = { frame, edit, candidate, previous, positives, negatives, brush: tool };
     this.tell();
     this.deps.changed();
   }
