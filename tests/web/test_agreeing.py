@@ -88,6 +88,32 @@ def test_three_people_disagree_where_nobody_sees_the_others_and_the_majority_is_
     assert values[60] == 0
 
 
+def test_who_labels_cannot_tell_a_copy_from_a_recording(people: dict[str, Client]) -> None:
+    lead, ada = people["lead"], people["ada"]
+    project, hers = lead.projects["default"], ada.projects["default"]
+    project.add_tasks(["truth"], truth=True)
+    with pytest.raises(NotFoundError):
+        ada["truth"].labels()  # nor look up what they will be scored by
+    scored = hers.next_task()
+    hers.put_task(scored.number, state="done")
+    project.add_tasks(["room"], people=2)
+    task = hers.next_task()
+    bobs = people["bob"].projects["default"].next_task()
+    assert [each.id for each in ada.sequences()] == [task.sequence, scored.sequence]
+    assert [task.sequence, bobs.sequence] == ["room-2", "room-3"]
+    first, second = (recording.manifest for recording in ada.sequences())
+    assert [first.name, second.name] == [each.manifest.name for each in lead.sequences()]
+    assert [each.number for each in hers.tasks()] == [scored.number, task.number]
+    info = ada.projects["default"].info
+    assert dict(info.tasks) == {"done": 1, "taken": 1}
+    assert info.recordings == (task.sequence, scored.sequence)
+    assert ada["room"].id == task.sequence, "what she calls by its name is hers"
+    with pytest.raises(NotFoundError):
+        hers.task(bobs.number)
+    (edit,) = ada[task.sequence].edits()
+    assert (edit.kind, edit.summary) == ("import", "labels that came with the files, 0 frames")
+
+
 def test_frames_of_known_truth_score_who_labels_them(people: dict[str, Client]) -> None:
     lead, ada = people["lead"], people["ada"]
     car = lead["truth"].create_label("car", category="car").id

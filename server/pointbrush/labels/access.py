@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from sqlalchemy import case, select
+from sqlalchemy import Connection, case, select
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import project_roles, tasks
@@ -21,17 +22,55 @@ REFRESH_SECONDS = 1.0
 """Longest time for which a change by another server is not seen."""
 
 
+@dataclass(slots=True)
+class _Original:
+    """A recording with copies: who has tasks of its own or of a copy; ``truth``: one is scored."""
+
+    people: set[str] = field(default_factory=set)
+    copied: set[str] = field(default_factory=set)
+    truth: bool = False
+
+    def hides_from(self, account: str) -> bool:
+        """Whether an account has a copy in its place, or might look up what it is scored by."""
+        return account not in self.people and (self.truth or account in self.copied)
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """Recordings that an account does not see, and the project of each copy that it has."""
+
+    hidden: frozenset[str] = frozenset()
+    copies: Mapping[str, str] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True)
 class _Known:
     """Roles of each project that has any, and its recordings, as of a moment.
 
-    ``copies``: those who have tasks in each copy for one person.
+    ``copies``: those who have tasks in each copy for one person; ``homes``: its project.
     """
 
     roles: Mapping[str, Mapping[str, Role]] = field(default_factory=dict)
     projects: Mapping[str, str] = field(default_factory=dict)
-    copies: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    copies: Mapping[str, set[str]] = field(default_factory=dict)
+    homes: Mapping[str, str] = field(default_factory=dict)
+    originals: Mapping[str, _Original] = field(default_factory=dict)
     read: float = -REFRESH_SECONDS
+
+    def hides(self, sequence: str, account: str) -> bool:
+        """Whether a recording is another person's copy, or one that an account has a copy of."""
+        people, original = self.copies.get(sequence), self.originals.get(sequence)
+        if people is not None:
+            return account not in people
+        return original is not None and original.hides_from(account)
+
+    def role(self, sequence: str, account: str, role: Role) -> Role | None:
+        """See ``Access.to_sequence``."""
+        project = self.projects.get(sequence)
+        own = role if project is None else role_in(self.roles[project], account, role)
+        if own is None or includes(own, COMPARES) or not self.hides(sequence, account):
+            return own
+        return None
 
 
 class Access:
@@ -46,19 +85,25 @@ class Access:
         """Role in a recording of an account that has ``role`` in the workspace; None: none."""
         if includes(role, OVERSEES):
             return role
-        found = self._in(sequence, account, role)
+        found = self._look().role(sequence, account, role)
         if found is None:  # until a moment ago: nobody waits for what they were just given
-            self.forget()
-            found = self._in(sequence, account, role)
+            found = self._look_anew().role(sequence, account, role)
         return found
 
-    def _in(self, sequence: str, account: str, role: Role) -> Role | None:
-        known = self._look()
-        people = known.copies.get(sequence)
-        if people is not None and account not in people and not includes(role, COMPARES):
-            return None
-        project = known.projects.get(sequence)
-        return role if project is None else role_in(known.roles[project], account, role)
+    def to_sequences(self, wanted: Iterable[str], account: str, role: Role) -> dict[str, Role]:
+        """Roles in many recordings at once; those that are not for the account are left out."""
+        if includes(role, OVERSEES):
+            return dict.fromkeys(wanted, role)
+        known = self._look_anew()
+        roles = ((sequence, known.role(sequence, account, role)) for sequence in wanted)
+        return {sequence: own for sequence, own in roles if own is not None}
+
+    def sight(self, account: str) -> Sight:
+        """Return what copies hide from an account that labels, and those that it has."""
+        known = self._look_anew()
+        names = [*known.copies, *known.originals]
+        own = {name: known.homes[name] for name, who in known.copies.items() if account in who}
+        return Sight(frozenset(name for name in names if known.hides(name, account)), own)
 
     def to_project(self, project: str, account: str, role: Role) -> Role | None:
         """The same in a project."""
@@ -70,6 +115,10 @@ class Access:
         """Look anew at the next call."""
         with self._lock:
             self._known = _Known()
+
+    def _look_anew(self) -> _Known:
+        self.forget()
+        return self._look()
 
     def _look(self) -> _Known:
         with self._lock:
@@ -83,18 +132,44 @@ class Access:
                 .where(PROJECT_OF.in_(closed))
                 .order_by(case((LIVE, 1), else_=0))
             )
-            of_copies = (
-                select(sequences.c.id, tasks.c.assignee)
-                .join(tasks, tasks.c.sequence == sequences.c.number, isouter=True)
-                .where(~WHOLE)
-            )
             with self._database.read() as connection:
                 for row in connection.execute(select(project_roles)):
                     roles.setdefault(row.project, {})[row.account] = row.role
                 found = {row.id: row.project for row in connection.execute(held)} if roles else {}
-                copies: dict[str, set[str]] = {}
-                for row in connection.execute(of_copies):
-                    copies.setdefault(row.id, set()).add(row.assignee or "")
-            people = {name: frozenset(each) for name, each in copies.items()}
-            self._known = _Known(roles, found, people, time.monotonic())
+                copies = _copies(connection)
+            self._known = _Known(roles, found, *copies, time.monotonic())
             return self._known
+
+
+def _copies(
+    connection: Connection,
+) -> tuple[dict[str, set[str]], dict[str, str], dict[str, _Original]]:
+    """Return the people and the project of each copy, and the recordings that have copies."""
+    whole = sequences.alias()
+    chosen = (
+        select(
+            sequences.c.id, sequences.c.copy_kind, sequences.c.deleted, PROJECT_OF.label("project"),
+            whole.c.id.label("original"), tasks.c.assignee,
+        )
+        .join(whole, whole.c.number == sequences.c.copy_of)
+        .join(tasks, tasks.c.sequence == sequences.c.number, isouter=True)
+        .where(~WHOLE)
+    )  # fmt: skip
+    people: dict[str, set[str]] = defaultdict(set)
+    homes: dict[str, str] = {}
+    originals: dict[str, _Original] = defaultdict(_Original)
+    for row in connection.execute(chosen):
+        people[row.id].add(row.assignee or "")
+        homes[row.id] = row.project
+        if row.deleted is None:
+            one = originals[row.original]
+            one.copied.add(row.assignee or "")
+            one.truth |= row.copy_kind == "truth"
+    known = [*people, *originals]
+    own = select(sequences.c.id, tasks.c.assignee).where(LIVE, WHOLE, sequences.c.id.in_(known))
+    own = own.join(tasks, tasks.c.sequence == sequences.c.number, isouter=True)
+    for row in connection.execute(own) if known else ():
+        people.pop(row.id, None)  # of a copy that was deleted before there was another one
+        if row.id in originals:
+            originals[row.id].people.add(row.assignee or "")
+    return people, homes, originals

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from sqlalchemy import ColumnElement, exists, select, update
+from sqlalchemy import ColumnElement, and_, exists, or_, select, update
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import tasks
@@ -49,11 +49,16 @@ class Copies:
             here = update(sequences).where(sequences.c.id == copy, LIVE)
             connection.execute(here.values(**values))
 
-    def ids(self) -> set[str]:
-        """Return the ids of all copies."""
-        chosen = select(sequences.c.id).where(LIVE, sequences.c.copy_of.is_not(None))
+    def originals(self) -> dict[str, str]:
+        """Return the id of the recording that each copy is of, by the copy's."""
+        whole = sequences.alias()
+        chosen = (
+            select(sequences.c.id, whole.c.id.label("original"))
+            .join(whole, whole.c.number == sequences.c.copy_of)
+            .where(sequences.c.deleted.is_(None))
+        )
         with self._database.read() as connection:
-            return set(connection.execute(chosen).scalars())
+            return {row.id: row.original for row in connection.execute(chosen)}
 
     def of(self, project: str, kind: CopyKind, original: str | None = None) -> list[Copy]:
         """Return the copies of a project, of one recording or of all, by id."""
@@ -80,9 +85,10 @@ class Copies:
 
 
 def seen_elsewhere(account: str) -> ColumnElement[bool]:
-    """Whether a task is of a copy, and an account has one of another copy of that recording.
+    """Whether an account has a task of another copy of the recording that a task is of.
 
-    It is asked of rows of ``tasks`` that are joined with ``sequences``.
+    Or of the recording itself, where one of both has known truth.  It is asked of rows of
+    ``tasks`` that are joined with ``sequences``.
     """
     other, theirs = sequences.alias(), tasks.alias()
     there = (
@@ -90,8 +96,11 @@ def seen_elsewhere(account: str) -> ColumnElement[bool]:
         .join(other, other.c.number == theirs.c.sequence)
         .where(
             theirs.c.assignee == account,
-            other.c.copy_of == sequences.c.copy_of,
-            other.c.number != sequences.c.number,
+            or_(
+                and_(other.c.copy_of == sequences.c.copy_of, other.c.number != sequences.c.number),
+                and_(other.c.number == sequences.c.copy_of, sequences.c.copy_kind == "truth"),
+                and_(other.c.copy_of == sequences.c.number, other.c.copy_kind == "truth"),
+            ),
         )
     )
     return exists(there.correlate(sequences))

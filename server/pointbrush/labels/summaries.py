@@ -84,11 +84,29 @@ class Effort:
     strokes: Collection[str]
 
 
+Counts = dict[str, dict[tuple[str, TaskState], int]]
+"""Tasks of each project by assignee, "" for nobody, and state."""
+
+
 class Summaries:
     """Questions over all recordings of one database; thread-safe."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
+
+    def tasks(self, without: Collection[str] = ()) -> Counts:
+        """Count tasks, but for those of recordings ``without``."""
+        chosen = (
+            select(tasks.c.project, tasks.c.assignee, tasks.c.state, func.count())
+            .join(sequences, sequences.c.number == tasks.c.sequence)
+            .where(LIVE, sequences.c.id.not_in(without))
+            .group_by(tasks.c.project, tasks.c.assignee, tasks.c.state)
+        )
+        found: Counts = {}
+        with self._database.read() as connection:
+            for project, assignee, state, count in connection.execute(chosen):
+                found.setdefault(project, {})[assignee or "", state] = count
+        return found
 
     def projects(self) -> dict[str, str]:
         """Return the project of each recording, by id."""
@@ -98,7 +116,7 @@ class Summaries:
 
     def matching(self, search: Search) -> set[str]:
         """Return the ids of recordings that a search is about."""
-        chosen = select(sequences.c.id).where(LIVE, WHOLE, *_conditions(search))
+        chosen = select(sequences.c.id).where(LIVE, *_conditions(search))
         with self._database.read() as connection:
             return set(connection.execute(chosen).scalars())
 

@@ -7,7 +7,7 @@ servers, take one task.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, get_args
@@ -87,13 +87,17 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """Tasks that are asked for; None: all.  ``after``: a number; at most ``limit`` of them."""
+    """Tasks that are asked for; None: all.  ``after``: a number; at most ``limit`` of them.
+
+    ``without``: ids of recordings whose tasks are left out.
+    """
 
     state: TaskState | None = None
     assignee: str | None = None
     sequence: str | None = None
     after: int = 0
     limit: int = 1000
+    without: Collection[str] = ()
 
 
 class Tasks:
@@ -253,6 +257,8 @@ class Tasks:
         chosen = _chosen(project).where(tasks.c.number > wanted.after)
         if wanted.state is not None:
             chosen = chosen.where(tasks.c.state == wanted.state)
+        if wanted.without:
+            chosen = chosen.where(sequences.c.id.not_in(wanted.without))
         if wanted.assignee is not None:
             chosen = chosen.where(tasks.c.assignee == wanted.assignee)
         if wanted.sequence is not None:
@@ -272,20 +278,6 @@ class Tasks:
             TaskEvent(row.number, row.time, row.author, row.state, row.assignee or "", row.note)
             for row in rows
         ]
-
-    def counts(self) -> dict[str, dict[tuple[str, TaskState], int]]:
-        """Count the tasks of each project by assignee and state."""
-        chosen = (
-            select(tasks.c.project, tasks.c.assignee, tasks.c.state, func.count())
-            .join(sequences, sequences.c.number == tasks.c.sequence)
-            .where(LIVE)
-            .group_by(tasks.c.project, tasks.c.assignee, tasks.c.state)
-        )
-        found: dict[str, dict[tuple[str, TaskState], int]] = {}
-        with self._database.read() as connection:
-            for project, assignee, state, count in connection.execute(chosen):
-                found.setdefault(project, {})[assignee or "", state] = count
-        return found
 
 
 def lock_project(connection: Connection, project: str) -> None:
@@ -340,8 +332,13 @@ def _batch(connection: Connection, project: str, batch: str | None) -> list[Task
 def _get(connection: Connection, project: str, number: int) -> Task:
     row = connection.execute(_chosen(project).where(tasks.c.number == number)).first()
     if row is None:
-        raise NotFoundError(f"task: expected the number of one of {project!r}, got {number}")
+        raise unknown_task(project, number)
     return _task(row)
+
+
+def unknown_task(project: str, number: int) -> NotFoundError:
+    """Make the error for a task that there is not, or not for who asks."""
+    return NotFoundError(f"task: expected the number of one of {project!r}, got {number}")
 
 
 def _numbers(connection: Connection, project: str) -> dict[str, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hmac
 import ipaddress
 import socket
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -214,6 +214,11 @@ class Gate:
         """Role of a caller in a recording; None: it is not for them."""
         access = self._workspace.labels.team.access
         return access.to_sequence(sequence, principal.author, principal.role)
+
+    def roles_in(self, principal: Principal, sequences: Iterable[str]) -> dict[str, Role]:
+        """Roles of a caller in recordings; those that are not for them are left out."""
+        access = self._workspace.labels.team.access
+        return access.to_sequences(sequences, principal.author, principal.role)
 
     def may_see(self, principal: Principal, sequence: str | None) -> bool:
         """Whether a recording is for a caller; None: nothing of a recording."""

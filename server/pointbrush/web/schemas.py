@@ -99,6 +99,9 @@ class SequenceOut(BaseModel):
         str | None, Field(description="why the labels in its files did not come in")
     ] = None
     project: Annotated[str, Field(description="id of its project")] = "default"
+    copy_of: Annotated[
+        str | None, Field(description="recording that it is a copy of, for one person")
+    ] = None
     identity: Annotated[str | None, Field(description="tells this import from others")] = None
     deleted: Annotated[datetime | None, Field(description="when it was deleted")] = None
     until: Annotated[datetime | None, Field(description="how long it can be restored")] = None
@@ -115,6 +118,7 @@ class SequenceOut(BaseModel):
             "labels_used": entry.progress.used,
             "labels_missing": entry.labels_missing,
             "project": entry.project,
+            "copy_of": entry.copy_of,
         }
         return cls.of(entry.manifest, entry.revision).model_copy(update=more)
 

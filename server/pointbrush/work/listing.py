@@ -70,7 +70,7 @@ class Listed:
     """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
 
     ``project`` is the one that it is in; ``labels_missing`` the reason why the labels in its files
-    did not come in, or None.
+    did not come in, or None; ``copy_of`` the recording that it is one person's copy of, or None.
     """
 
     id: str
@@ -80,6 +80,7 @@ class Listed:
     progress: Progress = NOTHING
     labels_missing: str | None = None
     project: str = FIRST
+    copy_of: str | None = None
 
     @property
     def name(self) -> str:
@@ -96,8 +97,11 @@ class Listing:
         self._library, self._store = library, store
         self._imports, self._deletion = imports, deletion
 
-    def all(self) -> list[Listed]:
-        """Every recording that has files or labels, by name; not those that imports have begun."""
+    def all(self, *, copies: bool = False) -> list[Listed]:
+        """Every recording that has files or labels, by name; not those that imports have begun.
+
+        ``copies``: those for one person, too.
+        """
         found, revisions = self._library.survey(), self._store.sequences()
         if revisions.keys() != {folder.id for folder in found}:
             # A deletion or an import was stopped, here or by another server.
@@ -108,9 +112,10 @@ class Listing:
             found = self._library.survey()
             self._imports.complete([one.manifest for one in found if one.manifest is not None])
             revisions = self._store.sequences()
-        copies = self._store.team.copies.ids()
-        found = [one for one in found if one.id not in copies]
-        revisions = {name: number for name, number in revisions.items() if name not in copies}
+        of_copies = self._store.team.copies.originals()
+        if not copies:
+            found = [one for one in found if one.id not in of_copies]
+            revisions = {n: number for n, number in revisions.items() if n not in of_copies}
         whole = revisions.keys() == {one.id for one in found}
         importing = () if whole else self._store.guards.importing()
         progress, projects = self._store.progress(), self._store.team.summaries.projects()
@@ -124,6 +129,7 @@ class Listing:
                 progress.get(one.id, NOTHING),
                 missing.get(one.id),
                 projects.get(one.id, FIRST),
+                of_copies.get(one.id),
             )
             for one in found
             if one.id in revisions or one.id not in importing
@@ -133,7 +139,10 @@ class Listing:
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
     def search(self, search: Search, text: str = "") -> list[Listed]:
-        """Find recordings by what is known of their labels, and by a part of their name or id."""
+        """Find recordings by what is known of their labels, and by a part of their name or id.
+
+        Copies for one person are among them.
+        """
         wanted = text.strip().lower()
         found = []
         for sequence in self._store.team.summaries.matching(search):

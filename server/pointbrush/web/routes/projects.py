@@ -89,7 +89,7 @@ def list_projects(workspace: Ws, who: Caller) -> list[ProjectOut]:
 def create_project(body: ProjectBody, response: Response, workspace: Ws, who: Caller) -> ProjectOut:
     """Make a project, of an id made from its name unless one is given."""
     change = Change(body.name, body.categories, roles=body.roles, recordings=body.recordings)
-    made = ProjectOut.seen(workspace.projects.create(change, body.id, who.role))
+    made = ProjectOut.seen(workspace.projects.create(change, body.id, who.author, who.role))
     response.headers["Location"] = f"/api/v1/projects/{made.id}"
     return made
 
@@ -97,7 +97,7 @@ def create_project(body: ProjectBody, response: Response, workspace: Ws, who: Ca
 @router.get("/projects/{p}", responses=responses(404))
 def get_project(p: ProjectId, workspace: Ws, who: Caller) -> ProjectOut:
     """One project."""
-    return ProjectOut.seen(workspace.projects.get(p, who.role))
+    return ProjectOut.seen(workspace.projects.get(p, who.author, who.role))
 
 
 class ClassFiguresOut(Out):
@@ -163,7 +163,7 @@ def patch_project(p: ProjectId, body: ProjectPatch, workspace: Ws, who: Caller) 
         roles=body.roles,
         recordings=body.recordings,
     )
-    return ProjectOut.seen(workspace.projects.change(p, change, who.role))
+    return ProjectOut.seen(workspace.projects.change(p, change, who.author, who.role))
 
 
 @router.delete("/projects/{p}", status_code=204, responses=responses(404, 409))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 from fastapi import Depends, Query
 
+from pointbrush.labels.access import COMPARES
 from pointbrush.labels.summaries import Search
 from pointbrush.labels.tasks import TaskState
+from pointbrush.roles import includes
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
 from pointbrush.web.problems import responses
@@ -20,6 +22,7 @@ from pointbrush.web.schemas import (
 )
 from pointbrush.workspace import Workspace
 
+CopiesQuery = Annotated[bool, Query(description="copies for several people, too: of reviewers")]
 DeletedQuery = Annotated[bool, Query(description="those that can be restored, newest first")]
 
 IdentityQuery = Annotated[
@@ -70,19 +73,28 @@ def list_sequences(
     wanted: Annotated[Asked | None, Depends(asked)],
     *,
     deleted: DeletedQuery = False,
+    copies: CopiesQuery = False,
 ) -> list[SequenceOut]:
     """All recordings that are for the caller, by name, also damaged ones.
 
-    ``deleted``: those that can be restored.  A search finds those that can be opened.
+    ``deleted``: those that can be restored.  A search finds those that can be opened.  Who labels
+    a copy has it in the place of the recording, and is not told.
     """
     if deleted:
         gone = workspace.deletion.deleted()
         return [SequenceOut.removed(e) for e in gone if gate.may_see(who, e.known.id)]
     if wanted is None:
-        found = workspace.listing.all()
+        found = workspace.listing.all(copies=True)
     else:
         found = workspace.listing.search(wanted.search, wanted.text)
-    return [SequenceOut.listed(entry) for entry in found if gate.may_see(who, entry.id)]
+    roles = gate.roles_in(who, (entry.id for entry in found))
+    shown = []
+    for entry in found:
+        if entry.copy_of is not None and includes(roles.get(entry.id, "viewer"), COMPARES):
+            shown += [entry] if copies else []
+        elif entry.id in roles:
+            shown.append(replace(entry, copy_of=None))
+    return [SequenceOut.listed(entry) for entry in shown]
 
 
 @router.get("/sequences/{seq}", responses=responses(404))

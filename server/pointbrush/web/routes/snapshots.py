@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fastapi import Path, Query, Response
 
-from pointbrush.web.auth import Caller, resource
+from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import Body, Name, Out
@@ -93,6 +93,8 @@ def get_difference(
     p: ProjectId,
     s: SnapshotId,
     workspace: Ws,
+    who: Caller,
+    gate: TheGate,
     other: Annotated[
         str | None,
         Query(
@@ -108,4 +110,5 @@ def get_difference(
 ) -> list[DifferenceOut]:
     """Difference of two versions, of all recordings that are in both, by frame."""
     found = workspace.versions.difference(p, s, other, sequence)
-    return [DifferenceOut.of(each) for each in found]
+    roles = gate.roles_in(who, (each.sequence for each in found))
+    return [DifferenceOut.of(each) for each in found if each.sequence in roles]

@@ -11,7 +11,7 @@ from pydantic import Field
 from pointbrush.labels.tasks import TaskState, Wanted
 from pointbrush.roles import require
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
-from pointbrush.web.auth import Caller, resource
+from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import DECIDE
@@ -85,19 +85,24 @@ class TaskEventOut(Out):
     note: str
 
 
+def _asker(who: Principal) -> Asker:
+    return Asker(who.author, who.role)
+
+
 @router.get("/projects/{p}/tasks", responses=responses(404))
 def list_tasks(
     p: ProjectId,
     workspace: Ws,
+    who: Caller,
     state: TaskState | None = None,
     person: Annotated[str | None, Query(max_length=128, description="the assignee")] = None,
     sequence: Annotated[str | None, Query(pattern=SEQUENCE_ID, max_length=64)] = None,
     after: Annotated[int, Query(ge=0, lt=2**31, description="a task's number")] = 0,
     limit: Annotated[int, Query(ge=1, le=10_000)] = 1000,
 ) -> list[TaskOut]:
-    """The tasks of a project, by number."""
+    """The tasks of a project, by number; who labels sees none of others' copies."""
     wanted = Wanted(state, person, sequence, after, limit)
-    return [TaskOut.of(task) for task in workspace.queue.entries(p, wanted)]
+    return [TaskOut.of(task) for task in workspace.queue.entries(p, wanted, _asker(who))]
 
 
 @router.post("/projects/{p}/tasks", status_code=201, responses=responses(404, 409, 413))
@@ -130,9 +135,9 @@ def next_task(
 
 
 @router.get("/projects/{p}/tasks/{t}", responses=responses(404))
-def get_task(p: ProjectId, t: TaskNumber, workspace: Ws) -> TaskOut:
+def get_task(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> TaskOut:
     """One task."""
-    return TaskOut.of(workspace.queue.get(p, t))
+    return TaskOut.of(workspace.queue.get(p, t, _asker(who)))
 
 
 @router.patch("/projects/{p}/tasks/{t}", responses=responses(404, 409, 413))
@@ -144,7 +149,7 @@ def patch_task(p: ProjectId, t: TaskNumber, body: TaskPatch, workspace: Ws, who:
     """
     place = None if body.place is None else (body.place[0], body.place[1], body.place[2])
     wish = Wish(body.state, body.assignee, body.note, body.frame, place)
-    return TaskOut.of(workspace.queue.change(p, t, Asker(who.author, who.role), wish))
+    return TaskOut.of(workspace.queue.change(p, t, _asker(who), wish))
 
 
 @router.delete("/projects/{p}/tasks/{t}", status_code=204, responses=responses(404))
@@ -154,6 +159,6 @@ def delete_task(p: ProjectId, t: TaskNumber, workspace: Ws) -> None:
 
 
 @router.get("/projects/{p}/tasks/{t}/history", responses=responses(404))
-def get_task_history(p: ProjectId, t: TaskNumber, workspace: Ws) -> list[TaskEventOut]:
+def get_task_history(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> list[TaskEventOut]:
     """The changes of a task, the newest first."""
-    return [TaskEventOut.of(each) for each in workspace.queue.history(p, t)]
+    return [TaskEventOut.of(each) for each in workspace.queue.history(p, t, _asker(who))]

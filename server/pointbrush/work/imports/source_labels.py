@@ -59,6 +59,11 @@ def edit_of(manifest: Manifest) -> str:
     return str(uuid.uuid5(uuid.NAMESPACE_OID, manifest.imported_as))
 
 
+def came_with_files(frames: int) -> str:
+    """Summarize the edit that brings them."""
+    return f"labels that came with the files, {frames} frames"
+
+
 def import_source_labels(store: LabelStore, recording: Recording, author: str) -> None:
     """Make the labels that came with the files an edit, with a palette for them.
 
@@ -85,7 +90,7 @@ def import_source_labels(store: LabelStore, recording: Recording, author: str) -
         author=author,
         kind="import",
         writes=choose,
-        summary=f"labels that came with the files, {len(frames)} frames",
+        summary=came_with_files(len(frames)),
         identity=recording.identity,
     )
 

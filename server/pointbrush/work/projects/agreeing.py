@@ -7,7 +7,7 @@ import shutil
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, count
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +21,11 @@ from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.manifest import rename_sequence
 from pointbrush.sequences.recording_files import FolderFiles, RecordingFiles
+from pointbrush.work.imports.source_labels import came_with_files, edit_of
 from pointbrush.work.library import Library
 from pointbrush.work.projects import matching
 from pointbrush.work.reviewing import comparing
+from pointbrush.work.trash import ids_for
 
 Labels = NDArray[np.uint16]
 HANDED_IN = frozenset({"done", "review", "accepted"})
@@ -89,7 +91,7 @@ class Agreeing:
         library.require_writable()
         known = [*store.recordings.live(), *store.recordings.deleted()]
         taken = {one.id for one in known}
-        ids = (f"{sequence[:50]}.copy-{number}" for number in count(1))
+        ids = ids_for(recording.manifest.name)  # as an import of the same file would get
         guard = store.guards.reserve(ids, lambda id_: id_ not in taken and library.is_free(id_))
         try:
             with library.store.staging() as partial:
@@ -100,15 +102,16 @@ class Agreeing:
                 library.store.publish(partial, guard.sequence)
         finally:
             store.guards.end(guard)
+        store.team.access.forget()
         palette = [replace(each, locked=False) for each in store.palette(sequence)]
         chosen = frames if kind == "agreement" else range(0)
-        store.apply(
+        store.apply(  # as labels that came with the files: its history tells nobody what it is
             guard.sequence,
-            edit_id=None,
+            edit_id=edit_of(recording.manifest),
             author="import",
             kind="import",
             writes=lambda _: (palette, self._copied(recording, chosen)),
-            summary=f"begun as a copy of {recording.manifest.name}",
+            summary=came_with_files(len(chosen)),
         )
         return guard.sequence
 

@@ -8,9 +8,11 @@ from functools import partial
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
+from pointbrush.labels.access import COMPARES
 from pointbrush.labels.accounts import require_name
 from pointbrush.labels.copies import CopyKind
-from pointbrush.labels.tasks import Stretch, Task, TaskEvent, Wanted
+from pointbrush.labels.tasks import Stretch, Task, TaskEvent, Wanted, unknown_task
+from pointbrush.roles import includes
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.projects.rules import Person, Wish, fulfilled
@@ -98,30 +100,45 @@ class Queue:
     def next(self, project: str, account: str, *, review: bool = False) -> Task | None:
         """Take the next task to label, or to look at, if any; asked twice it is the same one."""
         task = self._store.team.tasks.take(project, account, review=review)
+        self._store.team.access.forget()  # a copy takes the place of its recording
         return None if task is None else self._named(task)
 
     def change(self, project: str, number: int, who: Person, wish: Wish) -> Task:
         """Give a task another state, assignee or note; see ``rules.fulfilled``."""
         if wish.assignee:
             require_name(wish.assignee)
+        self.get(project, number, who)
         decide = partial(fulfilled, wish=wish, who=who)
-        return self._named(self._store.team.tasks.change(project, number, who.account, decide))
+        task = self._store.team.tasks.change(project, number, who.account, decide)
+        self._store.team.access.forget()
+        return self._named(task)
 
     def remove(self, project: str, number: int) -> None:
         """Remove a task with its history; labels stay."""
         self._store.team.tasks.remove(project, number)
 
-    def get(self, project: str, number: int) -> Task:
+    def get(self, project: str, number: int, who: Person) -> Task:
         """Return one task, people by their names."""
-        return self._named(self._store.team.tasks.get(project, number))
+        task = self._store.team.tasks.get(project, number)
+        if task.sequence in self._hidden(who):
+            raise unknown_task(project, number)
+        return self._named(task)
 
-    def entries(self, project: str, wanted: Wanted) -> list[Task]:
+    def _hidden(self, who: Person) -> frozenset[str]:
+        """Return the recordings whose tasks are not for ``who``: others' copies, for one."""
+        if includes(who.role, COMPARES):
+            return frozenset()
+        return self._store.team.access.sight(who.account).hidden
+
+    def entries(self, project: str, wanted: Wanted, who: Person) -> list[Task]:
         """Return tasks by number, people by their names."""
         self._store.team.projects.get(project)
+        wanted = replace(wanted, without=self._hidden(who))
         return [self._named(task) for task in self._store.team.tasks.entries(project, wanted)]
 
-    def history(self, project: str, number: int) -> list[TaskEvent]:
+    def history(self, project: str, number: int, who: Person) -> list[TaskEvent]:
         """Return the changes of a task, the newest first, people by their names."""
+        self.get(project, number, who)
         name = self._name
         return [
             replace(each, author=name(each.author), assignee=name(each.assignee))

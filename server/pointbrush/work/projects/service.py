@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 
 from pointbrush.labels import LabelStore
+from pointbrush.labels.access import COMPARES, Sight
 from pointbrush.labels.projects import Change, Project
-from pointbrush.labels.summaries import Effort, Figures
+from pointbrush.labels.summaries import Counts, Effort, Figures
 from pointbrush.labels.tasks import TaskState
-from pointbrush.roles import Role
+from pointbrush.roles import Role, includes
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for
@@ -38,18 +40,21 @@ class Projects:
 
     def all(self, account: str, role: Role) -> list[Overview]:
         """Return the projects that an account may see, by name."""
-        counts = self._store.team.tasks.counts()
-        found = []
+        found, seen = [], cache(partial(self._seen, account))
         for project in self._store.team.projects.all():
             own = project.role_of(account, role)
             if own is not None:
-                found.append(self._overview(project, own, counts.get(project.id, {})))
+                found.append(self._overview(project, own, *seen(includes(own, COMPARES))))
         return found
 
-    def get(self, project: str, role: Role) -> Overview:
-        """Return one, for somebody with ``role`` in it; raises NotFoundError."""
-        counts = self._store.team.tasks.counts().get(project, {})
-        return self._overview(self._store.team.projects.get(project), role, counts)
+    def get(self, project: str, account: str, role: Role) -> Overview:
+        """Return one, for an account with ``role`` in it; raises NotFoundError."""
+        seen = self._seen(account, includes(role, COMPARES))
+        return self._overview(self._store.team.projects.get(project), role, *seen)
+
+    def _seen(self, account: str, compares: bool) -> tuple[Sight, Counts]:
+        sight = Sight() if compares else self._store.team.access.sight(account)
+        return sight, self._store.team.summaries.tasks(sight.hidden)
 
     def statistics(self, project: str) -> Figures:
         """Return points, objects and hours of a project, by class and person; people by name."""
@@ -61,19 +66,19 @@ class Projects:
         people = [replace(each, account=name(each.account)) for each in found.people]
         return replace(found, people=tuple(people))
 
-    def create(self, change: Change, project: str | None, role: Role) -> Overview:
+    def create(self, change: Change, project: str | None, account: str, role: Role) -> Overview:
         """Make a project, of an id made from its name unless given; raises ConflictError."""
         there = {each.id for each in self._store.team.projects.all()}
         wanted = project or next(name for name in ids_for(change.name or "") if name not in there)
         made = self._store.team.projects.create(wanted, change)
         self._changed(change)
-        return self.get(made.id, role)
+        return self.get(made.id, account, role)
 
-    def change(self, project: str, change: Change, role: Role) -> Overview:
+    def change(self, project: str, change: Change, account: str, role: Role) -> Overview:
         """Change what is given of a project; raises as the store does."""
         self._store.team.projects.change(project, change)
         self._changed(change)
-        return self.get(project, role)
+        return self.get(project, account, role)
 
     def remove(self, project: str) -> None:
         """Delete a project without recordings."""
@@ -85,12 +90,13 @@ class Projects:
         for sequence in change.recordings or ():
             self._publish(SequencesChanged(sequence))
 
-    def _overview(
-        self, project: Project, role: Role, counts: Mapping[tuple[str, TaskState], int]
-    ) -> Overview:
+    def _overview(self, project: Project, role: Role, sight: Sight, counts: Counts) -> Overview:
+        own = {copy for copy, home in sight.copies.items() if home == project.id}
+        shown = (own | {*project.recordings}) - sight.hidden
+        project = replace(project, recordings=tuple(sorted(shown)))
         states: Counter[TaskState] = Counter()
         people: dict[str, dict[TaskState, int]] = {}
-        for (account, state), count in sorted(counts.items()):
+        for (account, state), count in sorted(counts.get(project.id, {}).items()):
             states[state] += count
             name = self._store.accounts.name(account) if account else ""
             people.setdefault(name, {})[state] = count
