@@ -7,6 +7,7 @@ leave here are in source order unless a name says ``stored``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -215,9 +216,10 @@ class Workspace:
     @once
     def queue(self) -> Queue:
         """Tasks of projects."""
+        from pointbrush.work.projects.copies import make_copy
         from pointbrush.work.projects.queue import Queue
 
-        return Queue(self.labels, self.recording, self.agreeing.copy)
+        return Queue(self.labels, self.recording, partial(make_copy, self.labels, self.library))
 
     @once
     def hooks(self) -> Hooks:

@@ -88,6 +88,43 @@ def test_three_people_disagree_where_nobody_sees_the_others_and_the_majority_is_
     assert values[60] == 0
 
 
+def test_places_are_merged_one_by_one_and_tell_whose_labels_are_there(
+    people: dict[str, Client],
+) -> None:
+    lead = people["lead"]
+    car = lead["room"].create_label("car", category="car").id
+    project = lead.projects["default"]
+    project.add_tasks(["room"], people=2)
+    copies = {}
+    for name, size in (("ada", 100), ("bob", 40)):
+        mine = people[name].projects["default"]
+        task = mine.next_task()
+        copies[name] = task.sequence
+        own = people[name][task.sequence].create_label(f"tree of {name}", category="tree").id
+        paint(people[name], task.sequence, (car, 0, size), (own, 200, 200 + size))
+        mine.put_task(task.number, state="done")
+
+    def places() -> list[tuple[str, list[list[int]], int | None]]:
+        (pair,) = project.agreement("room")
+        found = [(each["kind"], each["labels"], each["has"]) for each in pair["places"]]
+        return sorted(found, key=lambda each: each[1])
+
+    assert places() == [("outline", [[1], [1]], None), ("outline", [[2], [2]], None)]
+    for take, size in (("ada", 100), ("bob", 40), ("ada", 100)):
+        labels = {copies["ada"]: [2], copies["bob"]: [2]}
+        project.merge("room", copies[take], labels, frame=0)
+        values = lead["room"].frames[0].annotation()
+        assert np.count_nonzero(values) == np.count_nonzero(values[200 : 200 + size]) == size
+        assert [each[2] for each in places()] == [None, 0 if take == "ada" else 1]
+    assert sorted(each.name for each in lead["room"].labels()) == [
+        "car",
+        "tree of ada",
+        "tree of bob",
+    ]
+    with pytest.raises(BadInputError, match="handed in"):
+        project.merge("room", copies["ada"], labels, frame=5)
+
+
 def test_who_labels_cannot_tell_a_copy_from_a_recording(people: dict[str, Client]) -> None:
     lead, ada = people["lead"], people["ada"]
     project, hers = lead.projects["default"], ada.projects["default"]

@@ -15,6 +15,7 @@ import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { Flight } from './reviewing/flight';
 import { mountReview, ReviewButton } from './reviewing/panel';
+import { Compared } from './team/compared';
 import { mountTeam, TeamButton } from './team/panel';
 import { notify, state } from './store/state';
 import { installTheme } from './store/theme';
@@ -52,6 +53,7 @@ export function startPage(early: Early): void {
     new Predicting(engine);
     mountReview();
     mountTeam();
+    new Compared(engine);
     mountBoxes();
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');

@@ -228,9 +228,20 @@ class Project(Part[L]):
         return found
 
     @steps
-    def merge(self, sequence: str, take: str = "majority") -> Steps[Edit]:
-        """Write the labels of the majority, or of one copy by its id, into the recording."""
-        body = {"sequence": sequence, "take": take, "id": str(uuid.uuid4())}
+    def merge(
+        self,
+        sequence: str,
+        take: str = "majority",
+        labels: Mapping[str, Sequence[int]] | None = None,
+        frame: int | None = None,
+    ) -> Steps[Edit]:
+        """Write the labels of the majority, or of one copy by its id, into the recording.
+
+        ``labels``: only of points to which a copy, by its id, gives one of these, in ``frame``.
+        """
+        body: dict[str, Any] = {"sequence": sequence, "take": take, "id": str(uuid.uuid4())}
+        if labels is not None:
+            body["region"] = {"labels": {n: [*e] for n, e in labels.items()}, "frame": frame}
         request = Request("POST", f"{self._place}/merge", {"json": body}, again=True)
         return read(Edit, (yield from send(request)).json())
 

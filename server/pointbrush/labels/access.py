@@ -99,7 +99,7 @@ class Access:
         return {sequence: own for sequence, own in roles if own is not None}
 
     def sight(self, account: str) -> Sight:
-        """Return what copies hide from an account that labels, and those that it has."""
+        """Find the recordings that copies hide from an account, and its own copies."""
         known = self._look_anew()
         names = [*known.copies, *known.originals]
         own = {name: known.homes[name] for name, who in known.copies.items() if account in who}
@@ -168,8 +168,8 @@ def _copies(
     known = [*people, *originals]
     own = select(sequences.c.id, tasks.c.assignee).where(LIVE, WHOLE, sequences.c.id.in_(known))
     own = own.join(tasks, tasks.c.sequence == sequences.c.number, isouter=True)
-    for row in connection.execute(own) if known else ():
-        people.pop(row.id, None)  # of a copy that was deleted before there was another one
-        if row.id in originals:
-            originals[row.id].people.add(row.assignee or "")
+    for name, account in connection.execute(own) if known else ():
+        people.pop(name, None)  # of a copy that was deleted before there was another one
+        if name in originals:
+            originals[name].people.add(account or "")
     return people, homes, originals

@@ -28,9 +28,18 @@ class Annotations(Part):
         return np.concatenate(list(blocks)), revision
 
     def blocks(
-        self, sequence: str, frame: int, layer: str = "label"
+        self, sequence: str, frame: int, layer: str = "label", *, stored: bool = False
     ) -> tuple[Iterator[NDArray[Any]], int]:
-        """The same in consecutive blocks, of which an octree's frame has many."""
+        """The same in consecutive blocks, of which an octree's frame has many.
+
+        ``stored``: in stored order.
+        """
+        if stored:
+            count = self._recording(sequence)[frame].count
+            kept = layers.KeptAnnotation(self._store, sequence, frame, (layer,))
+            firsts = range(0, max(count, 1), layers.READ_POINTS)
+            parts = (kept.read(at, min(at + layers.READ_POINTS, count)) for at in firsts)
+            return (part[layer] for part in parts), kept.revision
         return exporting.layer_blocks(self._store, self._recording(sequence), frame, layer)
 
     def put(

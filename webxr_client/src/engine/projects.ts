@@ -4,7 +4,7 @@ import { api } from '../net/rest';
 import type { SequenceOut } from '../net/early';
 import type { Job, Welcome } from '../protocol/messages';
 import { state, type SequenceSummary } from '../store/state';
-import { attempt, jobOf, noteJob } from './recordings';
+import { attempt, jobOf, noteJob, rowOf } from './recordings';
 
 export const TASK_STATES = ['open', 'taken', 'done', 'review', 'returned', 'accepted'] as const;
 export type TaskState = (typeof TASK_STATES)[number];
@@ -74,8 +74,7 @@ export function projectPath(id: string): string {
 
 /** The project of the open recording, or null. */
 export function openProject(): Project | null {
-  const open = state.sequence.value?.id;
-  const id = state.sequences.value?.find((row) => row.id === open)?.project;
+  const id = rowOf(state.sequence.value?.id)?.project;
   return projects.value.find((project) => project.id === id) ?? null;
 }
 

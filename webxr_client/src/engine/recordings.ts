@@ -58,7 +58,7 @@ export function jobOf(
 
 async function refreshSequences(): Promise<void> {
   const list = await listSequences();
-  state.sequences.value = list.map((row): SequenceSummary => ({
+  const rows = list.map((row): SequenceSummary => ({
     id: row.id,
     name: row.name,
     frames: row.frames,
@@ -71,8 +71,17 @@ async function refreshSequences(): Promise<void> {
     labels_used: row.labels_used,
     identity: row.identity,
     project: row.project,
+    copy_of: row.copy_of,
     points: row.points.reduce((most, count) => Math.max(most, count), 0),
   }));
+  state.copies.value = rows.filter((row) => row.copy_of);
+  state.sequences.value = rows.filter((row) => !row.copy_of);
+}
+
+/** Row of a recording, or of a copy; undefined where there is none. */
+export function rowOf(id: string | undefined): SequenceSummary | undefined {
+  const { sequences, copies } = state;
+  return [...(sequences.value ?? []), ...copies.value].find((row) => row.id === id);
 }
 
 /** Take a deleted recording off the list at once: its picture is no longer to be had. */

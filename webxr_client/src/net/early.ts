@@ -26,6 +26,8 @@ export interface SequenceOut {
   readonly identity: string | null;
   /** Id of its project. */
   readonly project: string;
+  /** Recording that it is one person's copy of; told to reviewers alone. */
+  readonly copy_of: string | null;
 }
 
 export class Early {
@@ -61,15 +63,19 @@ export class Early {
   }
 }
 
+/** All recordings that are for whom the page serves; copies among them, see `copy_of`. */
 export function listSequences(): Promise<SequenceOut[]> {
-  return api('GET', 'sequences');
+  return api('GET', 'sequences?copies=true');
 }
 
 /** The recording that the address names; where it names none, the only one there is. */
-export function firstOf(list: readonly { readonly id: string }[]): string | null {
+export function firstOf(
+  list: readonly { readonly id: string; readonly copy_of?: string | null }[],
+): string | null {
   const wanted = new URLSearchParams(location.search).get('sequence');
   if (list.some(({ id }) => id === wanted)) return wanted;
-  return wanted === null && list.length === 1 ? list[0]!.id : null;
+  const whole = list.filter(({ copy_of: original }) => !original);
+  return wanted === null && whole.length === 1 ? whole[0]!.id : null;
 }
 
 /** Reloading the page opens the same recording again, or the list of them (null). */

@@ -60,7 +60,17 @@ export function AgreementTab() {
 }
 
 function Result({ agreement }: { agreement: Agreement }) {
-  const { same, miou, labels } = agreement;
+  return (
+    <>
+      <Figures agreement={agreement} />
+      <Picture />
+      <Worst agreement={agreement} />
+    </>
+  );
+}
+
+/** Agreement of two people by points, in all and by label. */
+export function Figures({ agreement: { same, miou, labels } }: { agreement: Agreement }) {
   return (
     <>
       <p class="agreement-head">
@@ -87,8 +97,19 @@ function Result({ agreement }: { agreement: Agreement }) {
           ))}
         </tbody>
       </table>
-      <Picture />
-      <Worst agreement={agreement} />
+    </>
+  );
+}
+
+/** Colours of a difference in words: first, second, other, same. */
+export function Legend({ words }: { words: readonly (readonly [string, string])[] }) {
+  return (
+    <>
+      {words.map(([kind, told]) => (
+        <span key={kind} data-difference={kind}>
+          {told}
+        </span>
+      ))}
     </>
   );
 }
@@ -104,11 +125,7 @@ function Picture() {
         alt={`Frame ${frame} from above: where the labels differ`}
       />
       <figcaption>
-        {LEGEND.map(([kind, words]) => (
-          <span key={kind} data-difference={kind}>
-            {words}
-          </span>
-        ))}
+        <Legend words={LEGEND} />
       </figcaption>
     </figure>
   );

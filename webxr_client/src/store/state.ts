@@ -57,6 +57,8 @@ export const state = {
 
   /** null until the server answered; empty when there are none. */
   sequences: signal<readonly SequenceSummary[] | null>(null),
+  /** Copies of recordings for one person each, which are in no list. */
+  copies: signal<readonly SequenceSummary[]>([]),
   /** Deleted ones that can be restored, newest first. */
   deleted: signal<readonly DeletedSequence[]>([]),
   sequence: signal<SequenceInfo | null>(null),

@@ -17,5 +17,6 @@ export function recordingRow(id: string, name = id): SequenceSummary {
     labels_used: 0,
     identity: null,
     project: 'default',
+    copy_of: null,
   };
 }

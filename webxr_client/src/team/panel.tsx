@@ -5,13 +5,17 @@ import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
 import { begin, followTeam, openTeam, project, teamOpen, teamTab, type TeamTab } from './store';
-import { Tasks } from './tasks';
+import { AgreementTab } from './agreement';
+import { followCopies } from './copies';
+import { may, Tasks } from './tasks';
 import { Versions } from './versions';
 
 const TABS: readonly (readonly [TeamTab, string])[] = [
   ['tasks', 'Tasks'],
+  ['agreement', 'Agreement'],
   ['versions', 'Versions'],
 ];
+const BODIES = { tasks: Tasks, agreement: AgreementTab, versions: Versions };
 
 const close = (): void => {
   teamOpen.value = false;
@@ -20,14 +24,17 @@ const close = (): void => {
 function TeamPanel() {
   if (!teamOpen.value || !state.sequence.value) return null;
   if (state.xr.value.session === 'running') return null;
+  const of = project.value;
+  const tabs = TABS.filter(([tab]) => tab !== 'agreement' || (of && may(of, 'reviewer')));
+  const Body = BODIES[teamTab.value];
   return (
     <>
       <header>
         <h2>{project.value?.name ?? 'Tasks'}</h2>
         <Button icon="close" tip="Close the tasks" small onClick={close} />
       </header>
-      <div class="review-tabs" role="group" aria-label="Tasks or versions">
-        {TABS.map(([tab, words]) => (
+      <div class="review-tabs" role="group" aria-label="Tasks, agreement or versions">
+        {tabs.map(([tab, words]) => (
           <Button
             key={tab}
             label={words}
@@ -36,7 +43,9 @@ function TeamPanel() {
           />
         ))}
       </div>
-      <div class="review-body">{teamTab.value === 'tasks' ? <Tasks /> : <Versions />}</div>
+      <div class="review-body">
+        <Body />
+      </div>
     </>
   );
 }
@@ -65,6 +74,7 @@ export function mountTeam(): () => void {
   render(<TeamPanel />, place);
   const stops = [
     followTeam(),
+    followCopies(),
     bindActions({ nextTask: (of) => begin(of) }),
     follow(() => {
       const open = teamOpen.value && state.sequence.value !== null;

@@ -1,7 +1,7 @@
 /** Tasks and snapshots of the open recording's project, and the requests that change them. */
 import { computed, signal } from '@preact/signals';
 import { openProject, projectPath, refreshProjects, type TaskState } from '../engine/projects';
-import { attempt } from '../engine/recordings';
+import { attempt, rowOf } from '../engine/recordings';
 import { api } from '../net/rest';
 import type { Place } from '../reviewing/model';
 import { looking, reviewOpen, visit } from '../reviewing/store';
@@ -33,7 +33,7 @@ interface TaskPatch {
   readonly place?: Place;
 }
 
-export type TeamTab = 'tasks' | 'versions';
+export type TeamTab = 'tasks' | 'agreement' | 'versions';
 
 export const teamOpen = signal(false);
 export const teamTab = signal<TeamTab>('tasks');
@@ -106,7 +106,7 @@ export function goToTask(task: Task): void {
 }
 
 export function taskWords({ sequence, first, last }: Task): string {
-  const name = state.sequences.value?.find(({ id }) => id === sequence)?.name ?? sequence;
+  const name = rowOf(sequence)?.name ?? sequence;
   return `${name}, ${first === last ? `frame ${first}` : `frames ${first}–${last}`}`;
 }
 
@@ -166,16 +166,22 @@ export async function sendBack(task: Task, note: string, pinned: Place | null): 
 interface NewTasks {
   readonly recordings: readonly string[] | null;
   readonly every: number | null;
-  readonly assignee: string;
-  readonly people: number;
+  readonly assignee?: string;
+  readonly people?: number;
+  /** Labels that are there are right, and hidden from who labels. */
+  readonly truth?: boolean;
 }
 
-export async function addTasks(wanted: NewTasks): Promise<void> {
+/** Make tasks; tells whether the server did. */
+export async function addTasks(wanted: NewTasks): Promise<boolean> {
   const of = project.peek();
+  let done = false;
   await attempt('The tasks were not made', async () => {
     await api('POST', `${projectPath(of!.id)}/tasks`, { ...wanted, id: crypto.randomUUID() });
+    done = true;
   });
   await refresh();
+  return done;
 }
 
 /** Keep up with the open recording and with others; the result ends it. */

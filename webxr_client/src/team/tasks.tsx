@@ -24,7 +24,7 @@ import {
 } from './store';
 
 const ORDER = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'];
-const may = ({ role }: Project, least: string): boolean =>
+export const may = ({ role }: Project, least: string): boolean =>
   ORDER.indexOf(role) >= ORDER.indexOf(least);
 
 export function Tasks() {

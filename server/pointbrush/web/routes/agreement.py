@@ -7,12 +7,13 @@ from typing import Annotated
 from fastapi import Query
 from pydantic import Field
 
-from pointbrush.streaming.messages import Uuid, Vec3
+from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.routes.checks import AgreementOut
 from pointbrush.web.schemas import Body, EditOut, Out
+from pointbrush.work.projects.agreeing import Region
 from pointbrush.work.projects.matching import Kind
 
 router = resource("agreement")
@@ -28,7 +29,14 @@ class PlaceOut(Out):
     frame: int
     first: list[str]
     second: list[str]
+    labels: Annotated[
+        list[list[int]], Field(description="their numbers, in the first copy and in the second")
+    ]
     points: int
+    has: Annotated[
+        int | None,
+        Field(description="whose labels the recording has: 0 the first's, 1 the second's"),
+    ]
     place: Annotated[Vec3 | None, Field(description="source coordinates; null in an octree")]
 
 
@@ -41,11 +49,31 @@ class PairOut(Out):
     places: list[PlaceOut]
 
 
+Numbers = Annotated[list[Annotated[int, Field(ge=1, le=65534)]], Field(max_length=65534)]
+
+
+class RegionBody(Body):
+    """Points to which a copy gives one of these labels; ``frame`` null: in all handed in."""
+
+    labels: Annotated[
+        dict[Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)], Numbers],
+        Field(
+            min_length=1, max_length=9, json_schema_extra={"additionalProperties": False},
+            description="labels by the id of the copy",
+        ),
+    ]  # fmt: skip
+    frame: FrameIndex | None = None
+
+
 class MergeBody(Body):
-    """Labels to take: of ``majority``, three people or more, or of one copy by its id."""
+    """Labels to take: of ``majority``, three people or more, or of one copy by its id.
+
+    ``region``: only of these points.
+    """
 
     sequence: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]
     take: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)] = "majority"
+    region: RegionBody | None = None
     id: Uuid | None = None
 
 
@@ -69,7 +97,10 @@ def get_agreement(p: ProjectId, sequence: Whole, workspace: Ws) -> list[PairOut]
 @router.post("/projects/{p}/merge", responses=responses(404, 409, 413))
 def merge(p: ProjectId, body: MergeBody, workspace: Ws, who: Caller) -> EditOut:
     """Write the labels of one copy, or of the majority, into the recording, as one edit."""
-    made = workspace.agreeing.merge(p, body.sequence, body.take, who.author, body.id)
+    region = None if body.region is None else Region(body.region.labels, body.region.frame)
+    made = workspace.agreeing.merge(
+        p, body.sequence, body.take, who.author, edit_id=body.id, region=region
+    )
     return EditOut.of(made)
 
 

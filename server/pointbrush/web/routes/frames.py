@@ -95,14 +95,17 @@ def get_annotation(
     i: FramePath,
     workspace: Ws,
     layer: Layer = "label",
+    order: Annotated[Literal["source", "stored"], Query(description="of the points")] = "source",
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> Response:
     """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted.
 
+    ``order`` stored: in that of the wire chunks, as the page has the points.
+
     Or uint8 confidence of what was predicted, 0 elsewhere.
     The ``ETag`` is the revision of the frame's last change, in any layer.
     """
-    blocks, revision = workspace.annotations.blocks(seq, i, layer)
+    blocks, revision = workspace.annotations.blocks(seq, i, layer, stored=order == "stored")
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)

@@ -1,31 +1,24 @@
-"""Copies of recordings for several people: made, compared by points and objects, merged, scored."""
+"""Copies of recordings for several people: compared by points and objects, merged, scored."""
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import Commit, Label, LabelStore, Write
-from pointbrush.labels.copies import Copy, CopyKind
+from pointbrush.labels.copies import Copy
 from pointbrush.labels.palette import Palette, free_name_and_color
 from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.manifest import rename_sequence
-from pointbrush.sequences.recording_files import FolderFiles, RecordingFiles
-from pointbrush.work.imports.source_labels import came_with_files, edit_of
 from pointbrush.work.library import Library
 from pointbrush.work.projects import matching
 from pointbrush.work.reviewing import comparing
-from pointbrush.work.trash import ids_for
 
 Labels = NDArray[np.uint16]
 HANDED_IN = frozenset({"done", "review", "accepted"})
@@ -39,15 +32,29 @@ FEWEST = 3
 class Place:
     """A disagreement in a frame; ``first``, ``second``: names of the labels of either.
 
-    ``place``: a point that differs, source metres; None in an octree.
+    ``labels``: their numbers in the copies.  ``place``: a point that differs, source metres; None
+    in an octree.  ``has``: whose labels the recording has there, the first's (0), the second's (1).
     """
 
     kind: matching.Kind
     frame: int
     first: tuple[str, ...]
     second: tuple[str, ...]
+    labels: tuple[tuple[int, ...], tuple[int, ...]]
     points: int
     place: tuple[float, float, float] | None
+    has: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Points that are merged: those to which a copy gives one of ``labels``, by its id.
+
+    ``frame``: the one that they are in; None: all that are handed in.
+    """
+
+    labels: Mapping[str, Sequence[int]]
+    frame: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,55 +88,6 @@ class Agreeing:
     def __init__(self, store: LabelStore, library: Library) -> None:
         self._store, self._library = store, library
 
-    def copy(self, sequence: str, project: str, frames: range, kind: CopyKind) -> str:
-        """Make a copy of a recording, with its palette; returns its id.
-
-        One for agreement begins with the labels of ``frames`` as they are, one with known truth
-        without any.  Raises NotFoundError.
-        """
-        recording, library, store = self._library.recording(sequence), self._library, self._store
-        library.require_writable()
-        known = [*store.recordings.live(), *store.recordings.deleted()]
-        taken = {one.id for one in known}
-        ids = ids_for(recording.manifest.name)  # as an import of the same file would get
-        guard = store.guards.reserve(ids, lambda id_: id_ not in taken and library.is_free(id_))
-        try:
-            with library.store.staging() as partial:
-                _linked(library.store.files(sequence), partial)
-                manifest = rename_sequence(partial, guard.sequence)
-                store.recordings.register(guard.sequence, manifest.points, manifest.identity)
-                store.team.copies.mark(guard.sequence, sequence, project, kind)
-                library.store.publish(partial, guard.sequence)
-        finally:
-            store.guards.end(guard)
-        store.team.access.forget()
-        palette = [replace(each, locked=False) for each in store.palette(sequence)]
-        chosen = frames if kind == "agreement" else range(0)
-        store.apply(  # as labels that came with the files: its history tells nobody what it is
-            guard.sequence,
-            edit_id=edit_of(recording.manifest),
-            author="import",
-            kind="import",
-            writes=lambda _: (palette, self._copied(recording, chosen)),
-            summary=came_with_files(len(chosen)),
-        )
-        return guard.sequence
-
-    def _copied(self, recording: Recording, frames: range) -> Iterator[tuple[int, Write]]:
-        for frame in frames:
-            values = self._store.values(recording.manifest.id, frame)
-            held = np.flatnonzero((values.label > 0) | values.deleted)
-            if len(held):
-                yield (
-                    frame,
-                    Write(
-                        held,
-                        label=values.label[held],
-                        provenance=values.provenance[held],
-                        deleted=values.deleted[held],
-                    ),
-                )
-
     def compare(self, project: str, sequence: str) -> list[Pair]:
         """Compare each two copies of a recording in the frames that both have handed in."""
         recording = self._library.recording(sequence)
@@ -141,45 +99,61 @@ class Agreeing:
         return pairs
 
     def _pair(self, recording: Recording, one: Copy, other: Copy, frames: Sequence[int]) -> Pair:
-        palettes = [self._palette(each.id) for each in (one, other)]
-        classes = [{n: _class(label) for n, label in each.items()} for each in palettes]
+        known = [self._palette(each) for each in (one.id, other.id, one.original)]
+        classes = [{n: _class(label) for n, label in each.items()} for each in known]
         counted, places = {}, []
         for frame in frames:
-            labels = [self._labels(each.id, frame) for each in (one, other)]
-            counted[frame] = comparing.pairs(*labels)
+            labels = [self._labels(each, frame) for each in (one.id, other.id, one.original)]
+            counted[frame] = comparing.pairs(*labels[:2])
             for found in matching.disagreements(counted[frame], classes[0], classes[1]):
                 mine, theirs = np.isin(labels[0], found.first), np.isin(labels[1], found.second)
-                differs = mine ^ theirs if found.kind == "outline" else mine | theirs
-                called = (_names(palettes[0], found.first), _names(palettes[1], found.second))
-                place = _place(recording, frame, differs)
-                places.append(Place(found.kind, frame, *called, found.points, place))
+                either = mine | theirs
+                place = _place(
+                    recording, frame, mine ^ theirs if found.kind == "outline" else either
+                )
+                parts = [each[either] for each in labels]
+                has = next((k for k in (0, 1) if _alike(parts, classes, k)), None)
+                called = (_names(known[0], found.first), _names(known[1], found.second))
+                ends = (found.first, found.second)
+                places.append(Place(found.kind, frame, *called, ends, found.points, place, has))
         places.sort(key=lambda each: (-each.points, each.frame))
-        return Pair(one.id, other.id, comparing.agreement(counted, *classes), places)
+        return Pair(one.id, other.id, comparing.agreement(counted, *classes[:2]), places)
 
     def merge(
-        self, project: str, sequence: str, take: str, author: str, edit_id: str | None = None
+        self,
+        project: str,
+        sequence: str,
+        take: str,
+        author: str,
+        *,
+        edit_id: str | None = None,
+        region: Region | None = None,
     ) -> Commit:
         """Write one copy's labels, or those of the majority, into the recording, as one edit.
 
         ``take``: the id of a copy, or "majority" of three or more, in frames that all of them have
-        handed in; points about which no majority agrees stay as they are.
-        Raises NotFoundError, BadInputError for too few people.
+        handed in; points about which no majority agrees stay as they are, as do those outside of
+        ``region``.  Raises NotFoundError, BadInputError for too few people.
         """
-        copies = self._copies(project, sequence)
-        if take != MAJORITY:
-            copies = [each for each in copies if each.id == take]
-            if not copies:
-                raise NotFoundError(f"take: expected a copy of {sequence!r}, got {take!r}")
-        elif len(copies) < FEWEST:
+        named = {each.id: each for each in self._copies(project, sequence)}
+        region = region or Region({})
+        for name in ({take} - {MAJORITY}) | region.labels.keys():
+            if name not in named:
+                raise NotFoundError(f"take: expected copies of {sequence!r}, got {name!r}")
+        copies = [*named.values()] if take == MAJORITY else [named[take]]
+        if take == MAJORITY and len(copies) < FEWEST:
             raise BadInputError(f"take: expected {FEWEST} people or more, there are {len(copies)}")
-        frames = sorted(set.intersection(*map(_handed_in, copies)))
+        asked = [*copies, *(named[name] for name in region.labels)]
+        frames = sorted(set.intersection(*map(_handed_in, asked)))
+        if region.frame is not None:
+            frames = [frame for frame in frames if frame == region.frame]
         if not frames:
             raise BadInputError("take: expected frames that are handed in, there are none")
-        numbers = self._numbers(copies, frames)
+        numbers = self._numbers(copies, frames, region)
 
         def choose(palette: Palette) -> tuple[list[Label], Iterator[tuple[int, Write]]]:
             ids, fresh = self._chosen(copies, numbers, palette)
-            return fresh, self._merged(sequence, copies, frames, numbers, ids)
+            return fresh, self._merged(sequence, copies, frames, region, numbers, ids)
 
         return self._store.apply(
             sequence,
@@ -190,9 +164,16 @@ class Agreeing:
             summary=lambda points, changed: f"merged {take}: {points} points in {changed} frames",
         )
 
-    def _numbers(self, copies: Sequence[Copy], frames: Sequence[int]) -> dict[matching.Member, int]:
+    def _numbers(
+        self, copies: Sequence[Copy], frames: Sequence[int], region: Region
+    ) -> dict[matching.Member, int]:
         if len(copies) == 1:
-            return {(0, label): label for label in self._palette(copies[0].id)}
+            used = {
+                number
+                for frame in frames
+                for number in np.unique(self._labels(copies[0].id, frame)[self._in(region, frame)])
+            }
+            return {(0, int(label)): int(label) for label in used - {0}}
         total: dict[tuple[int, int], Counter[tuple[int, int]]] = defaultdict(Counter)
         for frame in frames:
             labels = [self._labels(each.id, frame) for each in copies]
@@ -200,12 +181,20 @@ class Agreeing:
                 total[ends].update(counted)
         return matching.groups(total)
 
+    def _in(self, region: Region, frame: int) -> NDArray[np.bool_] | slice:
+        """Return the points of a region, for an index."""
+        if not region.labels:
+            return slice(None)
+        asked = [np.isin(self._labels(name, frame), each) for name, each in region.labels.items()]
+        found: NDArray[np.bool_] = np.logical_or.reduce(asked)
+        return found
+
     def _chosen(
         self, copies: Sequence[Copy], numbers: Mapping[matching.Member, int], palette: Palette
     ) -> tuple[NDArray[np.uint16], list[Label]]:
         """Return the label of each object in the recording, by its number, and the new ones.
 
-        An object is called as most call it; one that is there already keeps its label.
+        An object is called as most call it; a label that is there already is used again.
         """
         members: dict[int, list[Label]] = defaultdict(list)
         for (who, number), group in sorted(numbers.items()):
@@ -217,8 +206,10 @@ class Agreeing:
             names = Counter((each.name, each.category) for each in labels)
             called = max(names, key=lambda each: names[each])
             likest = next(each for each in labels if (each.name, each.category) == called)
-            own = there.get(likest.id)
-            if own is None or (own.name, own.category) != called or own.id in taken:
+            alike = [each for each in there.values() if (each.name, each.category) == called]
+            alike.sort(key=lambda each: each.id != likest.id)
+            own = next((each for each in alike if each.id not in taken), None)
+            if own is None:
                 looks = free_name_and_color(
                     {"name": likest.name, "color": likest.color}, [*there.values(), *fresh]
                 )
@@ -234,6 +225,7 @@ class Agreeing:
         sequence: str,
         copies: Sequence[Copy],
         frames: Sequence[int],
+        region: Region,
         numbers: Mapping[matching.Member, int],
         ids: NDArray[np.uint16],
     ) -> Iterator[tuple[int, Write]]:
@@ -242,7 +234,9 @@ class Agreeing:
             voted = matching.majority(labels, numbers)
             wanted = np.where(voted == matching.UNDECIDED, 0, ids[np.maximum(voted, 0)])
             now = self._store.values(sequence, frame).label
-            differs = np.flatnonzero((voted != matching.UNDECIDED) & (wanted != now))
+            meant = np.zeros(len(now), np.bool_)
+            meant[self._in(region, frame)] = True
+            differs = np.flatnonzero(meant & (voted != matching.UNDECIDED) & (wanted != now))
             if len(differs):
                 provenance = np.where(wanted[differs] > 0, PAINTED, 0).astype(np.uint8)
                 yield (
@@ -303,21 +297,6 @@ class Agreeing:
         return np.where(values.deleted, np.uint16(0), values.label)
 
 
-def _linked(files: RecordingFiles, target: Path) -> None:
-    """Copy a recording; where it is a folder, by links to its files, which never change."""
-
-    def link(source: str, place: str) -> None:
-        try:
-            os.link(source, place)
-        except OSError:  # of a file system without links
-            shutil.copy2(source, place)
-
-    if isinstance(files, FolderFiles):
-        shutil.copytree(files.path, target, copy_function=link)
-    else:
-        files.copy_to(target)
-
-
 def _names(palette: Mapping[int, Label], labels: Sequence[int]) -> tuple[str, ...]:
     return tuple(palette[number].name for number in labels if number in palette)
 
@@ -345,3 +324,14 @@ def _place(
     xyz = stored.xyz[differs].astype(np.float64) + recording.manifest.shift
     x, y, z = xyz[((xyz - np.median(xyz, axis=0)) ** 2).sum(axis=1).argmin()].tolist()
     return x, y, z
+
+
+def _alike(
+    parts: Sequence[NDArray[np.uint16]], classes: Sequence[Mapping[int, str]], who: int
+) -> bool:
+    """Whether the recording, the last of ``parts``, has one's objects, under whatever numbers."""
+    pairs = comparing.pairs(parts[who], parts[-1]).keys()
+    one_to_one = len({a for a, _ in pairs}) == len({b for _, b in pairs}) == len(pairs)
+    return one_to_one and all(
+        bool(a) == bool(b) and classes[who].get(a) == classes[-1].get(b) for a, b in pairs
+    )

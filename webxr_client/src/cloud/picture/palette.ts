@@ -13,6 +13,9 @@ export const DOUBT = 65280;
 export const DOUBT_STEPS = 64;
 /** Points of a place that is asked about: white, and in the headset they pulse. */
 export const ASKED = 65344;
+/** The first of ids for what no label here tells: labels of a copy, and differences of two. */
+export const OTHERS = 65345;
+export const MOST_OTHERS = 128;
 /** Share of white in the preview's colour. */
 const PREVIEW_WHITE = 0.45;
 export const FLAG_VISIBLE = 128;
@@ -75,9 +78,17 @@ export class PaletteTexture {
 
   /** Colours of what a classifier says, of the ids from `PREDICTED` or `DOUBT` on, "#rrggbb". */
   setPredicted(first: number, colors: readonly string[]): void {
+    this.paint(first, colors, FLAG_VISIBLE | FLAG_PREDICTED);
+  }
+
+  /** Colours of the ids from `OTHERS` on, "#rrggbb". */
+  setOthers(colors: readonly string[]): void {
+    this.paint(OTHERS, colors.slice(0, MOST_OTHERS), FLAG_VISIBLE);
+  }
+
+  private paint(first: number, colors: readonly string[], flags: number): void {
     colors.forEach((color, k) => {
       const rgb = Number.parseInt(color.slice(1), 16);
-      const flags = FLAG_VISIBLE | FLAG_PREDICTED;
       this.data.set([rgb >> 16, (rgb >> 8) & 255, rgb & 255, flags], (first + k) * 4);
     });
     this.texture.needsUpdate = true;

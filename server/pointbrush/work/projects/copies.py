@@ -1,0 +1,88 @@
+"""Copies of recordings for one person each, which look like any other recording to them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from pointbrush.labels import LabelStore, Write
+from pointbrush.labels.copies import CopyKind
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences.manifest import rename_sequence
+from pointbrush.sequences.recording_files import FolderFiles, RecordingFiles
+from pointbrush.work.imports.source_labels import came_with_files, edit_of
+from pointbrush.work.library import Library
+from pointbrush.work.trash import ids_for
+
+
+def make_copy(
+    store: LabelStore, library: Library, sequence: str, project: str, frames: range, kind: CopyKind
+) -> str:
+    """Make a copy of a recording in a project, with its palette; returns its id.
+
+    One for agreement begins with the labels of ``frames`` as they are, one with known truth
+    without any.  Raises NotFoundError.
+    """
+    recording = library.recording(sequence)
+    library.require_writable()
+    known = [*store.recordings.live(), *store.recordings.deleted()]
+    taken = {one.id for one in known}
+    ids = ids_for(recording.manifest.name)  # as an import of the same file would get
+    guard = store.guards.reserve(ids, lambda id_: id_ not in taken and library.is_free(id_))
+    try:
+        with library.store.staging() as partial:
+            _linked(library.store.files(sequence), partial)
+            manifest = rename_sequence(partial, guard.sequence)
+            store.recordings.register(guard.sequence, manifest.points, manifest.identity)
+            store.team.copies.mark(guard.sequence, sequence, project, kind)
+            library.store.publish(partial, guard.sequence)
+    finally:
+        store.guards.end(guard)
+    store.team.access.forget()
+    palette = [replace(each, locked=False) for each in store.palette(sequence)]
+    chosen = frames if kind == "agreement" else range(0)
+    store.apply(  # as labels that came with the files: its history tells nobody what it is
+        guard.sequence,
+        edit_id=edit_of(recording.manifest),
+        author="import",
+        kind="import",
+        writes=lambda _: (palette, _copied(store, recording, chosen)),
+        summary=lambda _, changed: came_with_files(changed),
+    )
+    return guard.sequence
+
+
+def _copied(store: LabelStore, recording: Recording, frames: range) -> Iterator[tuple[int, Write]]:
+    for frame in frames:
+        values = store.values(recording.manifest.id, frame)
+        held = np.flatnonzero((values.label > 0) | values.deleted)
+        if len(held):
+            yield (
+                frame,
+                Write(
+                    held,
+                    label=values.label[held],
+                    provenance=values.provenance[held],
+                    deleted=values.deleted[held],
+                ),
+            )
+
+
+def _linked(files: RecordingFiles, target: Path) -> None:
+    """Copy a recording; where it is a folder, by links to its files, which never change."""
+
+    def link(source: str, place: str) -> None:
+        try:
+            os.link(source, place)
+        except OSError:  # of a file system without links
+            shutil.copy2(source, place)
+
+    if isinstance(files, FolderFiles):
+        shutil.copytree(files.path, target, copy_function=link)
+    else:
+        files.copy_to(target)
