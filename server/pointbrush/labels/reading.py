@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,8 @@ from pointbrush.labels.types import EditInfo, FrameValues, GapError, Label, Prog
 from pointbrush.labels.writes import require_paintable
 from pointbrush.ranges import by_block
 
+MOST_NAMED = 1_000
+"""Sequences that a statement names; of more, all are asked for."""
 HISTORY_LIMIT = 1_000
 """Lines in one answer."""
 SINCE_EDITS = 2_000
@@ -124,8 +126,8 @@ def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]
     return [json.loads(data) for label, data in connection.execute(query) if label in state.palette]
 
 
-def progress(connection: Connection, sequence: str | None = None) -> dict[str, Progress]:
-    """Count what is labelled of each live sequence that has labels, or of one."""
+def progress(connection: Connection, wanted: Collection[str] | None = None) -> dict[str, Progress]:
+    """Count what is labelled of ``wanted`` sequences at least, None: of all with labels."""
     counts, palette, sequences = schema.counts, schema.labels, schema.sequences
     labels = (
         select(sequences.c.id, func.count())
@@ -142,8 +144,8 @@ def progress(connection: Connection, sequence: str | None = None) -> dict[str, P
         .where(sequences.c.deleted.is_(None), counts.c.points > 0)
         .group_by(sequences.c.id)
     )
-    if sequence is not None:
-        labels, done = (query.where(sequences.c.id == sequence) for query in (labels, done))
+    if wanted is not None and len(wanted) <= MOST_NAMED:
+        labels, done = (query.where(sequences.c.id.in_(wanted)) for query in (labels, done))
     found = {name: (frames, used) for name, frames, used in connection.execute(done)}
     return {
         str(name): Progress(*found.get(name, (0, 0)), count)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from pointbrush.errors import BadInputError
@@ -373,10 +373,10 @@ class LabelStore:
         with self.database.read() as connection:
             return {name: revision for name, (_, revision) in revisions(connection).items()}
 
-    def progress(self, sequence: str | None = None) -> dict[str, Progress]:
-        """Count what is labelled of each sequence that has labels, or of one."""
+    def progress(self, wanted: Collection[str] | None = None) -> dict[str, Progress]:
+        """Count what is labelled of ``wanted`` sequences at least, None: of all with labels."""
         with self.database.read() as connection:
-            return reading.progress(connection, sequence)
+            return reading.progress(connection, wanted)
 
     def having(self, edits: Mapping[str, str]) -> set[str]:
         """Sequences whose history has the edit whose id ``edits`` gives for them."""

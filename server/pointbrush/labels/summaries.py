@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, or_, select
 
 from pointbrush.labels.database import Database
-from pointbrush.labels.project_tables import tasks
+from pointbrush.labels.project_tables import FIRST, tasks
 from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, labels, sequences
 from pointbrush.labels.tasks import TaskState
 
@@ -35,6 +35,14 @@ class Search:
     label: str | None = None
     state: TaskState | None = None
     person: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """A recording that was found: the revision of its labels, and its project."""
+
+    revision: int
+    project: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,11 +122,18 @@ class Summaries:
             chosen = select(sequences.c.id, PROJECT_OF.label("project")).where(LIVE)
             return {row.id: row.project for row in connection.execute(chosen)}
 
-    def matching(self, search: Search) -> set[str]:
-        """Return the ids of recordings that a search is about."""
-        chosen = select(sequences.c.id).where(LIVE, *_conditions(search))
+    def project(self, sequence: str) -> str:
+        """Find the project of a recording."""
+        chosen = select(PROJECT_OF).where(LIVE, sequences.c.id == sequence)
         with self._database.read() as connection:
-            return set(connection.execute(chosen).scalars())
+            return str(connection.execute(chosen).scalar() or FIRST)
+
+    def matching(self, search: Search) -> dict[str, Match]:
+        """Find the recordings that a search is about, by id."""
+        chosen = select(sequences.c.id, sequences.c.revision, PROJECT_OF)
+        chosen = chosen.where(LIVE, *_conditions(search))
+        with self._database.read() as connection:
+            return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
     def figures(self, project: str, effort: Effort) -> Figures:
         """Return the figures of a project."""

@@ -120,7 +120,7 @@ class SequenceOut(BaseModel):
             "project": entry.project,
             "copy_of": entry.copy_of,
         }
-        return cls.of(entry.manifest, entry.revision).model_copy(update=more)
+        return cls.of(entry.manifest, entry.revision, **more)
 
     @classmethod
     def removed(cls, entry: Deleted) -> SequenceOut:
@@ -148,8 +148,8 @@ class SequenceOut(BaseModel):
         )  # fmt: skip
 
     @classmethod
-    def of(cls, manifest: Manifest, revision: int) -> SequenceOut:
-        """From the stored manifest, whose bounds are local."""
+    def of(cls, manifest: Manifest, revision: int, **more: Any) -> SequenceOut:
+        """From the stored manifest, whose bounds are local, and ``more`` fields."""
         shift = [float(x) for x in manifest.shift]
         lo, hi = (
             [float(x) + s for x, s in zip(corner, shift, strict=True)]
@@ -161,7 +161,7 @@ class SequenceOut(BaseModel):
             points=list(manifest.points), fields=list(manifest.fields),
             position_error=manifest.position_error, dropped=list(manifest.dropped),
             large=manifest.large, source=manifest.source, identity=manifest.identity,
-            created=datetime.fromisoformat(manifest.created),
+            created=datetime.fromisoformat(manifest.created), **more,
         )  # fmt: skip
 
 

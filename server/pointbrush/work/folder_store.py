@@ -180,7 +180,8 @@ class FolderStore:
         self.folder = folder
         make_folder("workspace", folder)
         self.deleted = Trash(folder)
-        self._missing: dict[Path, tuple[tuple[Version | None, Version | None], str | None]] = {}
+        self._root = os.fspath(folder)  # joining names to it is quicker than making paths of both
+        self._missing: dict[str, tuple[tuple[Version | None, Version | None], str | None]] = {}
 
     def require_writable(self) -> None:
         """See SequenceStore."""
@@ -197,12 +198,12 @@ class FolderStore:
 
     def ids(self) -> list[str]:
         """See SequenceStore."""
-        names = [path.name for path in self.folder.iterdir() if path.is_dir()]
-        return [name for name in names if name[0] != "."]
+        with os.scandir(self.folder) as found:  # it knows folders without a look at each
+            return [each.name for each in found if each.name[0] != "." and each.is_dir()]
 
     def version(self, sequence: str) -> Version | None:
         """See SequenceStore."""
-        return _stamp_of(self.folder / sequence / FILE)
+        return _stamp_of(f"{self._root}/{sequence}/{FILE}")
 
     def forget(self, sequence: str) -> None:
         """See SequenceStore; a folder is looked at each time."""
@@ -221,11 +222,11 @@ class FolderStore:
 
     def missing(self, files: RecordingFiles, frames: int) -> str | None:
         """See SequenceStore."""
-        place = files.path / FRAMES
-        stamps = _stamp_of(files.path / FILE), _stamp_of(place)
-        known = self._missing.get(files.path)
+        root = os.fspath(files.path)
+        stamps = _stamp_of(f"{root}/{FILE}"), _stamp_of(f"{root}/{FRAMES}")
+        known = self._missing.get(root)
         if known is None or known[0] != stamps:
-            known = self._missing[files.path] = stamps, _missing_in(place, frames)
+            known = self._missing[root] = stamps, _missing_in(files.path / FRAMES, frames)
         return known[1]
 
     def update(self, sequence: str, **fields: Any) -> None:
@@ -274,10 +275,10 @@ def temporary_in(folder: Path) -> Path:
     return folder / f".tmp-{os.getpid()}-{uuid.uuid4().hex}"
 
 
-def _stamp_of(path: Path) -> Version | None:
+def _stamp_of(path: str) -> Version | None:
     """Return a file's inode and time, as each change of a manifest puts a new file in its place."""
     with suppress(FileNotFoundError, NotADirectoryError, ValueError):
-        found = path.stat()
+        found = os.stat(path)  # noqa: PTH116 - a path is made as slowly as the look takes
         return found.st_ino, found.st_mtime_ns
     return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -52,6 +53,8 @@ class Library:
     def survey(self) -> list[Found]:
         """Every one that is, or should be, a recording."""
         names = self.ids()
+        if self.store.at_once == 1:  # a thread for each would take longer than the look
+            return [self.look(name) for name in names]
         with ThreadPoolExecutor(self.store.at_once, "pointbrush-survey") as pool:
             return list(pool.map(self.look, names))
 
@@ -89,7 +92,7 @@ class Library:
         return opened
 
     def _may_be(self, sequence: str) -> bool:
-        plain = (self.folder / sequence).parent == self.folder and not sequence.startswith(".")
+        plain = os.path.split(sequence) == ("", sequence) and sequence[:1] not in ("", ".")
         return plain and sequence not in self.hidden
 
     def has(self, sequence: str) -> bool:

@@ -144,24 +144,24 @@ class Listing:
         Copies for one person are among them.
         """
         wanted = text.strip().lower()
-        found = []
-        for sequence in self._store.team.summaries.matching(search):
+        found: dict[str, Manifest] = {}
+        matches = self._store.team.summaries.matching(search)
+        for sequence in matches:
             with suppress(NotFoundError, DamagedError):
                 manifest = self._library.recording(sequence).manifest
                 if wanted in sequence or wanted in manifest.name.lower():
-                    found.append(manifest)
-        revisions, progress = self._store.sequences(), self._store.progress()
-        projects = self._store.team.summaries.projects()
+                    found[sequence] = manifest
+        progress = self._store.progress(found)
         entries = [
             Listed(
-                each.id,
-                revisions.get(each.id, 0),
-                each,
+                sequence,
+                matches[sequence].revision,
+                manifest,
                 None,
-                progress.get(each.id, NOTHING),
-                project=projects.get(each.id, FIRST),
+                progress.get(sequence, NOTHING),
+                project=matches[sequence].project,
             )
-            for each in found
+            for sequence, manifest in found.items()
         ]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
@@ -170,9 +170,9 @@ class Listing:
         revision = self._store.sequences().get(sequence)
         if self._library.has(sequence):
             found = self._library.look(sequence)
-            progress = self._store.progress(sequence).get(sequence, NOTHING)
+            progress = self._store.progress([sequence]).get(sequence, NOTHING)
             missing = self._labels_missing(found.manifest)
-            project = self._store.team.summaries.projects().get(sequence, FIRST)
+            project = self._store.team.summaries.project(sequence)
             return Listed(
                 sequence, revision or 0, found.manifest, found.damaged, progress, missing, project
             )
