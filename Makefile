@@ -146,7 +146,7 @@ torture: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## faults of every kind, 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
 
-docs: $(STAMPS)/dev  ## the documentation as a site: build/site/index.html
+docs: $(STAMPS)/dev  ## the documentation as a site, which works from disk: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 pictures: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the pictures of desk and headset in docs/images, anew

@@ -18,7 +18,7 @@ from pointbrush.errors import BadInputError
 PREFIX = "POINTBRUSH_"
 UNBOUNDED = sys.maxsize
 WORKSPACE = "workspace"
-HEAD = ("| flag | variable | default | |", "|---|---|---|---|")
+HEAD = ("| flag | variable | default | meaning |", "|---|---|---|---|")
 DATABASE_VARIABLE = f"{PREFIX}DATABASE"
 
 
@@ -118,8 +118,7 @@ def markdown(options: Iterable[Option]) -> str:
         lines = [
             f"## {_heading(where)}",
             "",
-            "| flag | variable | default | |",
-            "|---|---|---|---|",
+            *HEAD,
         ]
         lines += [_row(each) for each in group]
         parts.append("\n".join(lines) + "\n")

@@ -19,7 +19,7 @@ from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
 from pointbrush.workspace import Workspace
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -77,7 +77,7 @@ def command_line() -> str:
         lines += [f"## pointbrush {name}", "", f"{_sentence(command.description or name)}", ""]
         usage = command.format_usage().removeprefix("usage: ").rstrip()
         lines += ["```text", re.sub(r"\s*\n\s*", "\n    ", usage), "```", ""]
-        lines += ["| argument | |", "|---|---|", *_arguments(command), ""]
+        lines += ["| argument | meaning |", "|---|---|", *_arguments(command), ""]
     return "\n".join(lines)
 
 
@@ -145,7 +145,7 @@ def _call(title: str, call: dict[str, Any]) -> Iterator[str]:
     ]
     rows += [("answer", "", answer) for answer in answers]
     if rows:
-        yield from ("| | | |", "|---|---|---|")
+        yield from ("| part | meaning | type |", "|---|---|---|")
         yield from (f"| {' | '.join(map(_cell, row))} |" for row in rows)
         yield ""
 

@@ -1,0 +1,145 @@
+"""The documentation as a site: builds without a warning, works from disk, fetches nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+from tests.e2e.chromium import EXECUTABLE, FLAGS
+
+ROOT = Path(__file__).parent.parent
+FETCHED = re.compile(
+    r"""<(?:script|img|iframe|source|video|audio)[^>]+src=["']?(?:https?:)?//"""
+    r"""|<link(?![^>]+rel=["']?canonical)[^>]+href=["']?(?:https?:)?//"""
+    r"""|url\(["']?(?:https?:)?//|@import\s+["'](?:https?:)?//|class=["']?mermaid"""
+)
+NO_PAGE = "404.html"
+"""A server answers with it under any address, so its links begin at the root."""
+
+
+@dataclass
+class Page(HTMLParser):
+    """Addresses that a page leads to, anchors that it has, and its tables' heads."""
+
+    links: set[str] = field(default_factory=set)
+    anchors: set[str] = field(default_factory=set)
+    heads: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        super().__init__()
+        self._head = False
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.links |= {value for name in ("href", "src") if (value := given.get(name))}
+        self.anchors |= {value for name in ("id", "name") if (value := given.get(name))}
+        if tag == "th":
+            self.heads.append("")
+        self._head = tag == "th" or (self._head and tag != "td")
+
+    def handle_endtag(self, tag: str) -> None:
+        self._head = self._head and tag != "th"
+
+    def handle_data(self, data: str) -> None:
+        if self._head:
+            self.heads[-1] += data.strip()
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", out],
+        cwd=ROOT,
+        env=os.environ | {"NO_MKDOCS_2_WARNING": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr
+    return out
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[Path, Page]:
+    found = {}
+    for path in site.rglob("*.html"):
+        if path.name != NO_PAGE:
+            found[path] = Page()
+            found[path].feed(path.read_text())
+    return found
+
+
+def test_nothing_is_fetched(site: Path) -> None:
+    for path in (*site.rglob("*.html"), *site.rglob("*.css")):
+        assert not FETCHED.search(path.read_text()), path
+
+
+def test_every_link_opens_a_file_from_disk(pages: dict[Path, Page]) -> None:
+    lost = []
+    for path, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                continue
+            target = path if not parts.path else (path.parent / unquote(parts.path)).resolve()
+            known = pages.get(target)
+            if not target.is_file() or (
+                parts.fragment and known and unquote(parts.fragment) not in known.anchors
+            ):
+                lost.append(f"{path.name}: {link}")
+    assert lost == []
+
+
+def test_tables_have_heads(pages: dict[Path, Page]) -> None:
+    assert [path.name for path, page in pages.items() if not all(page.heads)] == []
+
+
+def test_the_references_are_written_from_the_program(site: Path) -> None:
+    assert "import-labels" in (site / "reference" / "cli.html").read_text()
+    assert "/frames/{i}/strokes" in (site / "reference" / "rest.html").read_text()
+    assert "if_match" in (site / "reference" / "python.html").read_text()
+
+
+def test_search_from_disk_has_the_pages(site: Path, pages: dict[Path, Page]) -> None:
+    script = (site / "search" / "search_index.js").read_text()
+    found = json.loads(script.removeprefix("var __index = "))["docs"]
+    assert {urlsplit(each["location"]).path or "index.html" for each in found} == {
+        path.relative_to(site).as_posix() for path in pages
+    }
+
+
+def test_a_browser_searches_from_disk_and_no_page_scrolls_sideways_on_a_phone(
+    site: Path, pages: dict[Path, Page]
+) -> None:
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
+        desk = browser.new_page()
+        complaints: list[str] = []
+        desk.on("pageerror", lambda error: complaints.append(str(error)))
+        desk.goto((site / "howto" / "kitti.html").as_uri())
+        desk.locator(".md-search__input").click()
+        desk.locator(".md-search-result__meta", has_text="Type to").wait_for()
+        desk.keyboard.type("certificate headset")
+        desk.locator(".md-search-result__item a").first.click()
+        desk.wait_for_url(re.compile("(headset|security|troubleshooting|deploy)"))
+        assert complaints == []
+        phone = browser.new_page(viewport={"width": 390, "height": 844}, java_script_enabled=False)
+        wide = []
+        for path in pages:
+            phone.goto(path.as_uri(), wait_until="commit")
+            if phone.evaluate("document.documentElement.scrollWidth") > 390:
+                wide.append(path.name)
+        assert wide == []
+        browser.close()
