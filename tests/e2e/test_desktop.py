@@ -281,19 +281,31 @@ def test_a_lost_graphics_context_comes_back(open_desk: Open) -> None:
 # ── the rest of the job ──────────────────────────────────────────────────────────────────────
 
 
-def test_tracks_and_takes_the_run_back(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    name_person(desk, server)
-    paint_person(desk, truth, length=0.3)
-    desk.until("(pb.state.timeline.value.rows.get(1)?.points[0] ?? 0) > 20")
-    button = desk.page.get_by_role("button", name="Track")
-    button.first.click()
-    desk.page.get_by_label("To", exact=True).fill("3")
-    desk.page.locator("form button[type=submit]").click()
+def test_five_clicks_lead_from_the_address_to_a_tracked_and_exported_label(
+    desk: Desk, server: LiveServer, truth: Truth
+) -> None:
+    desk.ask("(window.clicks = 0, addEventListener('click', () => { window.clicks += 1 }, true))")
+    desk.page.get_by_role("button", name="First label").click()
+    desk.page.keyboard.type("person")
+    desk.press("Enter")
+    desk.press("j")
+    desk.page.mouse.click(*desk.place(truth(0, PERSON)))
+    desk.page.get_by_role("button", name="Track on").click()
     desk.until("pb.state.jobs.value.some((j) => j.kind === 'tracking' && j.state === 'done')", 90)
-    tracked = [painted(server, frame, 1) for frame in range(1, 4)]
-    assert min(tracked) > 20
+    with desk.page.expect_download() as started:
+        desk.page.get_by_role("button", name="Export").click()
+        desk.page.get_by_role("button", name="NPZ").click()
+    assert desk.ask("window.clicks") == 5
+    path = started.value.path()
+    with zipfile.ZipFile(path) as archive:
+        names = sorted(name for name in archive.namelist() if name.endswith(".npz"))
+        assert len(names) == 6
+        for frame in (0, 5):
+            with archive.open(names[frame]) as file:
+                labels = np.load(file)["label"]
+            assert int((labels == 1).sum()) == painted(server, frame, 1) > 20
     desk.press("ArrowRight")
-    desk.until(f"pb.shown().frame === 1 && pb.labels()[1] === {tracked[0]}")
+    desk.until(f"pb.shown().frame === 1 && pb.labels()[1] === {painted(server, 1, 1)}")
     desk.until("pb.state.timeline.value.rows.get(1)?.state[2] === 2")
     desk.press("Control+z")
     desk.until("!(1 in pb.labels(1))")
@@ -302,20 +314,7 @@ def test_tracks_and_takes_the_run_back(desk: Desk, server: LiveServer, truth: Tr
     assert painted(server, 0, 1) > 20
 
 
-def test_exports(desk: Desk, server: LiveServer, truth: Truth) -> None:
-    name_person(desk, server)
-    paint_person(desk, truth)
-    count = painted(server, 0, 1)
-    with desk.page.expect_download() as started:
-        desk.page.get_by_role("button", name="Export").click()
-        desk.page.get_by_role("button", name="NPZ").click()
-    path = started.value.path()
-    with zipfile.ZipFile(path) as archive:
-        names = [name for name in archive.namelist() if name.endswith(".npz")]
-        assert len(names) == 6
-        with archive.open(sorted(names)[0]) as file:
-            labels = np.load(file)["label"]
-    assert int((labels == 1).sum()) == count
+def test_exports_with_a_split(desk: Desk) -> None:
     desk.page.get_by_role("button", name="Export").click()
     desk.page.get_by_label("Validation").select_option("all of these frames")
     with desk.page.expect_download() as started:

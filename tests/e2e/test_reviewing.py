@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tests.e2e.desk import Desk
-from tests.e2e.recording import PERSON, SEQUENCE, Truth
+from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted, put_dust
 from tests.e2e.server import LiveServer
 from tests.waiting import eventually
 
@@ -81,3 +81,28 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     desk.screenshot("review-people")
     panel.get_by_role("button", name="Close the review").click()
     panel.wait_for(state="hidden")
+
+
+def test_a_doubtful_frame_is_mended_and_accepted_by_keys_alone(
+    desk: Desk, server: LiveServer
+) -> None:
+    server.create_label(SEQUENCE, "dust", "#e86fd0")
+    put_dust(server)
+    body = {"start": 0, "stop": 1, "labels": [1]}
+    server.request("POST", f"sequences/{SEQUENCE}/tracking", json=body)
+    desk.until("pb.state.timeline.value.rows.get(1)?.points[1] > 0", 60)
+    doubtful = painted(server, 1)
+
+    desk.page.locator("#view").focus()
+    desk.press(".")
+    desk.until("pb.shown().frame === 1 && pb.state.activeLabel.value === 1")
+    desk.page.get_by_text("Not sure of dust here").wait_for()
+    # With the camera at the object, the middle of the picture is painted.
+    desk.press("b")
+    desk.press("0")
+    desk.settled()
+    desk.page.get_by_text("Not sure of dust here").wait_for(state="detached")
+    assert painted(server, 1) > doubtful
+    desk.press("Control+Enter")
+    path = f"sequences/{SEQUENCE}/frames/1/review"
+    eventually(lambda: server.request("GET", path).json()["state"] == "accepted")

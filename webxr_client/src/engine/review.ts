@@ -124,12 +124,14 @@ function continueRun(): void {
   const start = state.frame.peek();
   const run = halted.peek();
   const stop = run?.stop ?? (state.sequence.peek()?.frames ?? 1) - 1;
-  const labels = present(run?.labels ?? unsure.peek(), start);
+  const doubtful = unsure.peek();
+  const wanted = doubtful.length > 0 ? doubtful : [state.activeLabel.peek()];
+  const labels = present(run?.labels ?? wanted, start);
   if (labels.length === 0 || start === stop) {
     notify('info', 'Nothing here to track on', 'Paint the object in this frame first.');
     return;
   }
-  const how = stopped ?? { method: 'auto', overwrite: 'tracked', stop_unsure: true };
+  const how = stopped ?? { method: 'auto', overwrite: 'tracked', stop_unsure: doubtful.length > 0 };
   actions.track({ ...how, labels, start, stop });
 }
 

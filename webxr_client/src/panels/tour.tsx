@@ -71,15 +71,15 @@ function Card({ step, number, count }: CardProps) {
       onKeyDown={keepForButtons}
     >
       <div aria-live="polite">
-        <header>
+        <div class="tour-head">
           <h2 id="tour-title">{step.title}</h2>
           <span class="faint number">
             {number + 1} of {count}
           </span>
-        </header>
+        </div>
         <p id="tour-text">{step.text}</p>
       </div>
-      <footer>
+      <div class="tour-foot">
         {!last && <Button label="Leave" keys="Esc" tip="Leave the tour" onClick={leaveTour} />}
         <span class="spacer" />
         {number > 0 && <Button label="Back" kind="outlined" onClick={() => stepTour(-1, count)} />}
@@ -89,7 +89,7 @@ function Card({ step, number, count }: CardProps) {
           kind="primary"
           onClick={() => stepTour(1, count)}
         />
-      </footer>
+      </div>
     </div>
   );
 }

@@ -222,9 +222,11 @@ export function notify(
   detail = '',
   action?: Notice['action'],
 ): number {
-  const notice: Notice = { id: ++noticeId, kind, title, detail, ...(action && { action }) };
-  const same = (other: Notice): boolean => other.title === title && other.detail === detail;
-  const notices = [...state.notices.peek().filter((other) => !same(other)), notice];
+  const others = state.notices.peek();
+  const same = others.find((other) => other.title === title && other.detail === detail);
+  const times = (same?.times ?? 0) + 1;
+  const notice: Notice = { id: ++noticeId, kind, title, detail, times, ...(action && { action }) };
+  const notices = [...others.filter((other) => other !== same), notice];
   while (notices.length > MOST_NOTICES) {
     const passing = notices.findIndex((other) => other.kind !== 'error' && !other.action?.stays);
     notices.splice(Math.max(0, passing), 1);

@@ -226,6 +226,8 @@ export interface Notice {
   readonly kind: 'info' | 'success' | 'error';
   readonly title: string;
   readonly detail: string;
+  /** Times it was said while it stood: the last one takes the place of those before. */
+  readonly times: number;
   /** Remedy, or what comes next: a button; `stays`: until it is used. */
   readonly action?: {
     readonly label: string;

@@ -23,18 +23,20 @@ export function SequenceMenu() {
   const sequence = state.sequence.value;
   return (
     <>
-      <button
-        ref={anchor}
-        type="button"
-        class="button sequence-button"
-        aria-haspopup="dialog"
-        aria-expanded={open.value}
-        data-tip={sequence?.name ?? 'Recordings'}
-        onClick={toggle}
-      >
-        <span class="name">{sequence?.name ?? 'Recordings'}</span>
-        <Icon name="chevron" />
-      </button>
+      <h1 class="recording-title">
+        <button
+          ref={anchor}
+          type="button"
+          class="button sequence-button"
+          aria-haspopup="dialog"
+          aria-expanded={open.value}
+          data-tip={sequence?.name ?? 'Recordings'}
+          onClick={toggle}
+        >
+          <span class="name">{sequence?.name ?? 'Recordings'}</span>
+          <Icon name="chevron" />
+        </button>
+      </h1>
       {open.value && (
         <Popover anchor={anchor} label="Recordings" onClose={close}>
           <ul class="sequence-list">

@@ -33,7 +33,7 @@ function Waiting({ text }: { text: string }) {
   return (
     <div class="center" role="status">
       <div class="spinner" />
-      <p class="soft">{text}</p>
+      <h1 class="soft waiting">{text}</h1>
     </div>
   );
 }

@@ -25,7 +25,7 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
   const key = keyOf(number);
   const choose = (): void => actions.selectLabel(label.id);
   return (
-    <li
+    <div
       class={`label-row${dimmed ? ' dimmed' : ''}`}
       data-label={label.id}
       data-drop={dropOf(label.id)}
@@ -68,7 +68,7 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
       </div>
       <span role="gridcell">{key && <span class="kbd">{key}</span>}</span>
       {menu && <LabelMenu label={label} anchor={more} onClose={() => setMenu(false)} />}
-    </li>
+    </div>
   );
 }
 

@@ -51,7 +51,7 @@ function LabelList() {
   return (
     <div class="labels" role="grid" aria-label="Labels">
       {groups.map(({ category, labels }) => (
-        <ul
+        <div
           key={category ?? ''}
           role="rowgroup"
           aria-label={category === null ? 'All labels' : category || 'No category'}
@@ -62,7 +62,7 @@ function LabelList() {
               <LabelRow key={label.id} label={label} number={numbers.get(label.id) ?? 0} />
             ),
           )}
-        </ul>
+        </div>
       ))}
       <NewRow />
       {groups.length === 0 && !newLabel.value && <NothingFound />}
@@ -73,14 +73,14 @@ function LabelList() {
 function GroupHead({ category, labels }: { category: string; labels: readonly Label[] }) {
   const points = labels.reduce((sum, { id }) => sum + (state.counts.value.get(id) ?? 0), 0);
   return (
-    <li class="group-head" role="row">
+    <div class="group-head" role="row">
       <span role="gridcell" class="name">
         {category || 'No category'}
       </span>
       <span role="gridcell" class="number" data-tip={`${plural(points, 'point')} in all frames`}>
         {labels.length}
       </span>
-    </li>
+    </div>
   );
 }
 

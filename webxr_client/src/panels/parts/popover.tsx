@@ -38,8 +38,18 @@ export function Popover({ anchor, label, onClose, class: extra = '', children }:
       const target = event.target as Node;
       if (!box.current?.contains(target) && !anchor.current?.contains(target)) onClose();
     };
+    // The focused control may be gone, and the focus with it.
+    const unfocused = (event: KeyboardEvent): void => {
+      if (event.key !== 'Escape' || document.activeElement !== document.body) return;
+      event.stopPropagation();
+      onClose();
+    };
     document.addEventListener('pointerdown', outside, true);
-    return () => document.removeEventListener('pointerdown', outside, true);
+    document.addEventListener('keydown', unfocused, true);
+    return () => {
+      document.removeEventListener('pointerdown', outside, true);
+      document.removeEventListener('keydown', unfocused, true);
+    };
   }, [anchor, onClose]);
   return createPortal(
     <div

@@ -1,6 +1,6 @@
 /** Over the canvas, at the bottom: what the object tool offers, and what one can do with it. */
 import { actions } from '../../store/actions';
-import { isStroke, state, type ObjectView } from '../../store/state';
+import { isStroke, state, trackingJob, type ObjectView } from '../../store/state';
 import { deskWay } from '../../tools/ways';
 import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
@@ -37,10 +37,28 @@ function Offer({ object: { level, levels, points, taken, completes } }: { object
       )}
       {completes && <Button icon="close" tip="Leave the stroke as it is" keys="Esc" onClick={() => actions.endObject()} />}
       {taken && <span class="soft">Click adds · Alt-click removes</span>}
+      {taken && <TrackOn />}
       {taken && <Button label="Next object" kind="outlined" keys="Esc" onClick={() => actions.endObject()} />}
       {!taken && !completes && <span class="soft">Wheel: part to group · click takes it</span>}
     </>
   ); // prettier-ignore
+}
+
+/** Carries what was taken through the frames that follow, once the server has counted it. */
+function TrackOn() {
+  const frame = state.frame.value;
+  if (frame + 1 >= (state.sequence.value?.frames ?? 0)) return null;
+  const points = state.timeline.value.rows.get(state.activeLabel.value)?.points[frame] ?? 0;
+  return (
+    <Button
+      icon="track"
+      label="Track on"
+      kind="outlined"
+      tip="Track the label from this frame to the last"
+      disabled={points === 0 || trackingJob.value !== null}
+      onClick={() => actions.continueRun()}
+    />
+  );
 }
 
 /** The levels as a row of marks that grow, the shown one lit. */

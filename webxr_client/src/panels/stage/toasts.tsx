@@ -23,6 +23,7 @@ export function Toasts() {
           <Icon name={ICON[notice.kind]} />
           <div>
             <strong>{notice.title}</strong>
+            {notice.times > 1 && <span class="times number"> {notice.times} times</span>}
             {notice.detail && <p>{notice.detail}</p>}
           </div>
           {notice.action && <Action notice={notice} action={notice.action} />}
