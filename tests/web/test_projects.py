@@ -11,7 +11,9 @@ import pytest
 
 from pointbrush.client import AsyncClient, Client
 from pointbrush.errors import BadInputError, ConflictError, ForbiddenError, NotFoundError
+from pointbrush.job import Job
 from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
+from tests.streaming.client import viewer
 
 ROLES = {
     "ada": "annotator",
@@ -146,6 +148,29 @@ def test_a_project_with_roles_is_not_there_for_others(
     ada["day"].create_label("wall")
     with pytest.raises(NotFoundError):
         people["grace"].projects["night"].tasks()
+
+
+def test_jobs_of_a_project_are_not_told_to_others(
+    people: dict[str, Client], served: Served
+) -> None:
+    tokens = served.workspace.labels.tokens
+    secrets = {role: tokens.add(role, f"a {role}") for role in ("annotator", "manager")}
+    told = (
+        Job("tracking", "night"),
+        Job("import", "not-there-yet", request={"project": "night"}),
+        Job("tracking", "day"),
+    )
+
+    async def heard(secret: str) -> list[str]:
+        async with viewer(served.url, secret) as client:
+            await client.open("day")
+            for job in told:
+                served.workspace._listeners.tell(job)
+            await client.until("job", id=told[-1].id)
+            return [each["sequence"] for each in client.log if each["type"] == "job"]
+
+    assert asyncio.run(heard(secrets["annotator"])) == ["day"]
+    assert asyncio.run(heard(secrets["manager"])) == ["night", "not-there-yet", "day"]
 
 
 def test_the_same_by_code_that_awaits(people: dict[str, Client], served: Served) -> None:

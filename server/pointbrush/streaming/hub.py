@@ -216,7 +216,7 @@ class Hub:
     async def _dispatch(self, event: Event) -> None:
         if isinstance(event, Job):
             self.metrics.job(event)
-            self.tell_job(event, self.viewers)
+            await self.tell_job(event, self.viewers)
             return
         if isinstance(event, SequencesChanged):
             await self._sequence_changed(event.sequence)
@@ -236,8 +236,12 @@ class Hub:
             for viewer in room.viewers:
                 viewer.stale(event.frames)
 
-    def tell_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
-        """Queue a job's state; a newer one replaces it."""
+    async def tell_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
+        """Queue a job's state for those whom it is for; a newer one replaces it."""
+        those = list(viewers)
+        if not those:
+            return
+        seen = await self.read(lambda: [viewer for viewer in those if viewer.may_see(job)])
         message = encode(
             messages.Job(
                 id=job.id,
@@ -251,7 +255,7 @@ class Hub:
                 owner=job.owner or "",
             )
         )
-        for viewer in viewers:
+        for viewer in seen:
             viewer.outbox.jobs[job.id] = message
             viewer.outbox.wake.set()
 

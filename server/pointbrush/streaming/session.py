@@ -21,6 +21,7 @@ from pointbrush.errors import (
     UnauthorizedError,
     UnavailableError,
 )
+from pointbrush.job import Job
 from pointbrush.labels.accounts import MARK, OWNER, require_name
 from pointbrush.roles import require
 from pointbrush.streaming import messages
@@ -55,6 +56,7 @@ class ViewerSession(Viewer):
         shared: bool,
         require_admitted: Callable[[], None],
         role_in: Callable[[str], messages.Role | None] | None = None,
+        sees: Callable[[Job], bool] | None = None,
         send_each: SendEach | None = None,
     ) -> None:
         """``author`` is the account that edits are by, ``name`` what is shown for it.
@@ -62,6 +64,7 @@ class ViewerSession(Viewer):
         ``shared``: several people may use this token, and the name in ``hello`` is what is shown.
         ``require_admitted`` raises UnauthorizedError once the viewer's token lets nobody in.
         ``role_in``: the role in a recording, None: it is not for them; unless given ``role``.
+        ``sees``: whether a job is for them; unless given each is.
         """
         super().__init__(
             send,
@@ -74,6 +77,7 @@ class ViewerSession(Viewer):
         self.hub, self._shared, self.name = hub, shared, name
         self._require_admitted = require_admitted
         self._role_in = role_in or (lambda _: role)
+        self._sees = sees or (lambda _: True)
         self.expelled = False
         """Its token lets nobody in any more."""
         self.closing = asyncio.Event()
@@ -126,6 +130,10 @@ class ViewerSession(Viewer):
     def close(self) -> None:
         """End the session: the server stops."""
         self.closing.set()
+
+    def may_see(self, job: Job) -> bool:
+        """See Viewer."""
+        return self._sees(job)
 
     def require_admitted(self) -> None:
         """Raise UnauthorizedError once its token lets nobody in any more."""
@@ -282,7 +290,7 @@ class ViewerSession(Viewer):
         with contextlib.suppress(UnavailableError):  # then each is told when it changes
             for job in self.hub.workspace.jobs.all():
                 if job.state in ("queued", "running"):
-                    self.hub.tell_job(job, [self])
+                    await self.hub.tell_job(job, [self])
         if message.revision is not None:
             await self._catch_up(room, message.revision)
         self.outbox.wake.set()

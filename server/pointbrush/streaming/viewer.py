@@ -9,6 +9,7 @@ from collections.abc import Awaitable, Callable, Iterable, Sequence
 from typing import Protocol
 
 from pointbrush.errors import BadInputError, PointbrushError
+from pointbrush.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.load import Load
@@ -84,6 +85,10 @@ class Viewer(ABC):
     @abstractmethod
     def require_admitted(self) -> None:
         """Raise UnauthorizedError once its token lets nobody in any more; may read the database."""
+
+    @abstractmethod
+    def may_see(self, job: Job) -> bool:
+        """Whether a job is for who looks; may read the database."""
 
     @abstractmethod
     def expel(self) -> None:

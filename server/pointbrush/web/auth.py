@@ -20,6 +20,7 @@ from pointbrush.errors import (
     TooManyRequestsError,
     UnauthorizedError,
 )
+from pointbrush.job import Job
 from pointbrush.labels import Token
 from pointbrush.labels.accounts import OWNER, digest_of
 from pointbrush.roles import ROLES, Role, require
@@ -223,6 +224,16 @@ class Gate:
     def may_see(self, principal: Principal, sequence: str | None) -> bool:
         """Whether a recording is for a caller; None: nothing of a recording."""
         return sequence is None or self.role_in(principal, sequence) is not None
+
+    def may_see_job(self, principal: Principal, job: Job) -> bool:
+        """Whether a job is a caller's own, or its recording and project are for them."""
+        if job.owner == principal.author:
+            return True
+        project = (job.request or {}).get("project")  # an import's, before the recording is there
+        access = self._workspace.labels.team.access
+        if project and access.to_project(project, principal.author, principal.role) is None:
+            return False
+        return self.may_see(principal, job.sequence)
 
     def require_seen(self, principal: Principal, *sequences: str) -> None:
         """Raise NotFoundError unless all of the recordings are for a caller."""

@@ -74,6 +74,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
         role=principal.role,
         shared=principal.shared,
         role_in=lambda sequence: gate.role_in(principal, sequence),
+        sees=lambda job: gate.may_see_job(principal, job),
         require_admitted=lambda: still_admitted(socket, principal),
     )
 

@@ -20,14 +20,14 @@ router = resource("jobs")
 @router.get("/jobs", responses=responses())
 def list_jobs(workspace: Ws, who: Caller, gate: TheGate) -> list[JobOut]:
     """All remembered jobs of recordings that are for the caller, newest first."""
-    return [JobOut.of(job) for job in workspace.jobs.all() if gate.may_see(who, job.sequence)]
+    return [JobOut.of(job) for job in workspace.jobs.all() if gate.may_see_job(who, job)]
 
 
 @router.get("/jobs/{id}", responses=responses(404))
 def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> JobOut:
     """One job."""
     job = workspace.jobs.get(id.lower())
-    if not gate.may_see(who, job.sequence):
+    if not gate.may_see_job(who, job):
         raise NotFoundError(f"job: expected a known id, got {id}")
     return JobOut.of(job)
 
