@@ -23,7 +23,7 @@ from pointbrush.labels.job_records import JobRecord
 from pointbrush.labels.tasks import Stretch
 from pointbrush.work.projects import delivering
 from tests.serving import TOKEN, add_sequence, serving, settings_in
-from tests.waiting import eventually
+from tests.waiting import PATIENCE, eventually
 
 
 class Receiver:
@@ -42,8 +42,8 @@ class Receiver:
 
 
 @contextmanager
-def receiving(failures: int = 0) -> Iterator[tuple[Receiver, str]]:
-    receiver = Receiver(failures)
+def receiving(receiver: Receiver) -> Iterator[str]:
+    """Serve a receiver; gives its address."""
 
     class Handler(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
@@ -58,7 +58,7 @@ def receiving(failures: int = 0) -> Iterator[tuple[Receiver, str]]:
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
         thread.start()
         try:
-            yield receiver, f"http://127.0.0.1:{server.server_port}/hook"
+            yield f"http://127.0.0.1:{server.server_port}/hook"
         finally:
             server.shutdown()
             thread.join()
@@ -72,10 +72,10 @@ def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_receiver_that_fails_is_told_again_and_each_event_is_signed(tmp_path: Path) -> None:
-    settings = settings_in(tmp_path, webhook_private=True)
+    settings, receiver = settings_in(tmp_path, webhook_private=True), Receiver(2)
     add_sequence(settings, "wall", frames=2, points=300)
     with (
-        receiving(failures=2) as (receiver, url),
+        receiving(receiver) as url,
         serving(settings) as served,
         Client(served.url, TOKEN) as client,
     ):
@@ -109,6 +109,38 @@ def test_a_receiver_that_fails_is_told_again_and_each_event_is_signed(tmp_path: 
         assert "secret" not in project.webhooks()[0]
         project.delete_webhook(made["id"])
         assert project.webhooks() == []
+
+
+class Slow(Receiver):
+    """A receiver that answers once it is let go."""
+
+    def __init__(self) -> None:
+        super().__init__(0)
+        self.asked, self.let_go = threading.Event(), threading.Event()
+
+    def answer(self, headers: Any, body: bytes) -> int:
+        self.asked.set()
+        assert self.let_go.wait(PATIENCE)
+        return super().answer(headers, body)
+
+
+def test_a_slow_receiver_delays_no_other(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
+    slow, quick = Slow(), Receiver(0)
+    with closing(LabelStore(url)) as store, receiving(slow) as place, receiving(quick) as other:
+        store.recordings.register("wall", [10, 10])
+        hooks = delivering.Hooks(store.team.webhooks, private=True)
+        hooks.open()
+        hooks.add("default", place, ["task"])
+        store.team.tasks.add("default", "lead", [Stretch("wall", 0, 0)])
+        assert slow.asked.wait(PATIENCE)
+        hooks.add("default", other, ["task"])
+        store.team.tasks.add("default", "lead", [Stretch("wall", 1, 1)])
+        eventually(lambda: len(quick.taken()) == 1)
+        assert slow.taken() == []
+        slow.let_go.set()
+        eventually(lambda: len(slow.taken()) == 2)
+        hooks.close()
 
 
 @pytest.mark.parametrize("kind", ["sqlite", "postgresql"])

@@ -192,14 +192,25 @@ class Webhooks:
 
     # ── events that go out ───────────────────────────────────────────────────────────────
 
-    def take(self, limit: int = 2) -> list[Delivery]:
-        """Take events that are due: no other server tells them for ``LEASE_SECONDS``."""
+    def waiting(self) -> list[str]:
+        """Return the ids of webhooks that have events which are due."""
+        with self._database.read() as connection:
+            due = _due(self._database.now(connection))
+            return list(
+                connection.execute(select(webhook_events.c.webhook).where(due).distinct()).scalars()
+            )
+
+    def take(self, limit: int = 2, webhook: str | None = None) -> list[Delivery]:
+        """Take events that are due: no other server tells them for ``LEASE_SECONDS``.
+
+        ``webhook``: of one receiver, None: of all.
+        """
         with self._database.write() as connection:
             now = self._database.now(connection)
             events = webhook_events.c
-            due = and_(
-                events.delivered.is_(None), events.due <= now, events.attempts < MOST_ATTEMPTS
-            )
+            due = _due(now)
+            if webhook is not None:
+                due = and_(due, events.webhook == webhook)
             free = select(events.id).where(due).order_by(events.due).limit(limit)
             ids = connection.execute(free.with_for_update(skip_locked=True)).scalars().all()
             if not ids:
@@ -278,6 +289,11 @@ def _event_row(
         "attempts": 0,
         "error": "",
     }
+
+
+def _due(now: float) -> Any:
+    events = webhook_events.c
+    return and_(events.delivered.is_(None), events.due <= now, events.attempts < MOST_ATTEMPTS)
 
 
 def _events() -> Any:

@@ -25,17 +25,22 @@ ANSWER_SECONDS = 10.0
 """Longest wait for a receiver."""
 LONGEST_ERROR = 200
 END_SECONDS = 2.0
-"""Longest wait for a receiver when the server ends."""
+"""Longest wait for receivers when the server ends."""
+AT_ONCE = 8
+"""Receivers that are told at the same time, each by a thread of its own."""
 
 
 class Hooks:
-    """The webhooks of a workspace, and the thread that tells them; thread-safe."""
+    """The webhooks of a workspace, and the threads that tell them; thread-safe."""
 
     def __init__(self, webhooks: Webhooks, *, private: bool) -> None:
         """``private``: addresses of this machine and its networks may be told too."""
         self._webhooks, self._private = webhooks, private
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="pointbrush-webhooks", daemon=True)
+        self._lock = threading.Lock()
+        self._telling: dict[str, threading.Thread] = {}  # by webhook
+        self._told: dict[str, float] = {}  # when each was told last
 
     def add(self, project: str, url: str, topics: list[Topic] | None = None) -> Webhook:
         """Add a webhook of a project, of all topics unless given.
@@ -64,8 +69,12 @@ class Hooks:
     def close(self) -> None:
         """Stop; what is not told is told by the next server."""
         self._stop.set()
-        if self._thread.ident is not None:
-            self._thread.join(END_SECONDS)
+        with self._lock:
+            threads = [self._thread, *self._telling.values()]
+        until = time.monotonic() + END_SECONDS
+        for thread in threads:
+            if thread.ident is not None:
+                thread.join(max(0.0, until - time.monotonic()))
 
     def _run(self) -> None:
         gathered = -FOLD_SECONDS
@@ -83,10 +92,38 @@ class Hooks:
                 log.exception("webhooks could not be told")
 
     def tell(self) -> None:
-        """Tell the events that are due, a few at a time: they are this server's for a while."""
-        while not self._stop.is_set() and (due := self._webhooks.take()):
-            for delivery in due:
-                self._webhooks.told(delivery, self._send(delivery))
+        """Begin to tell events that are due, each receiver by itself: a slow one delays no other.
+
+        Where there are more than ``AT_ONCE`` those come first that were told the longest ago.
+        """
+        waiting = self._webhooks.waiting()
+        with self._lock:
+            self._told = {each: self._told.get(each, 0.0) for each in {*waiting, *self._telling}}
+            for webhook in sorted(waiting, key=self._told.__getitem__):
+                if webhook in self._telling or len(self._telling) >= AT_ONCE:
+                    continue
+                name = f"pointbrush-webhook-{webhook}"
+                thread = threading.Thread(
+                    target=self._tell_one, args=(webhook,), name=name, daemon=True
+                )
+                self._telling[webhook] = thread
+                thread.start()
+
+    def _tell_one(self, webhook: str) -> None:
+        """Tell a receiver what is due, a few events at a time, until one does not arrive."""
+        try:
+            error = ""
+            while not (error or self._stop.is_set()) and (due := self._webhooks.take(2, webhook)):
+                for delivery in due:
+                    error = self._send(delivery)
+                    self._webhooks.told(delivery, error)
+        except Exception:
+            if not self._stop.is_set():
+                log.exception("a webhook could not be told")
+        finally:
+            with self._lock:
+                self._told[webhook] = time.monotonic()
+                del self._telling[webhook]
 
     def _send(self, delivery: Delivery) -> str:
         """Send an event; returns what went wrong, or ""."""
