@@ -16,6 +16,7 @@ import plyfile
 import pytest
 
 from pointbrush.cli import main
+from pointbrush.labels.projects import Change
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.faults.server import running
@@ -162,6 +163,22 @@ def bad_files(folder: Path) -> Iterator[tuple[str, Path]]:
     np.save(mixed / "a.npy", good)
     (mixed / "b.xyz").write_text("0 0 0\n1 1 1\n")
     yield "mixed", mixed
+
+
+def test_each_in_a_folder_becomes_a_recording_of_a_project(
+    recording: Path, workspace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with closing(Workspace(Settings(workspace=workspace))) as opened:
+        opened.labels.team.projects.create("night", Change("Night"))
+    drives = tmp_path / "drives"
+    (drives / "drive 2").mkdir(parents=True)
+    for place in (drives / "drive 2" / "0.npz", drives / "drive 10.npz"):
+        place.write_bytes((recording / "0.npz").read_bytes())
+    assert run("import", drives, "--each", "--name", "one") == 1
+    assert run("import", drives, "--each", "--project", "night") == 0
+    assert "drive-10" in capsys.readouterr().out
+    with closing(Workspace(Settings(workspace=workspace))) as opened:
+        assert opened.labels.team.projects.get("night").recordings == ("drive-10", "drive-2")
 
 
 def test_bad_recordings_are_refused_and_leave_nothing(

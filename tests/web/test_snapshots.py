@@ -48,7 +48,12 @@ def test_two_versions_differ_by_what_was_done_between_and_export_as_they_were(
         out = wall.export("npz", tmp_path / "out.zip", frames="0:1", snapshot=second.id)
         with zipfile.ZipFile(out) as archive, archive.open("000000.npz") as file:
             assert np.array_equal(np.load(file)["label"], values)
+        then = wall.frames[0].annotation(snapshot=second.id)
+        assert np.array_equal(then, values)
+        assert not np.array_equal(wall.frames[0].annotation(), values)
         assert [each.id for each in project.snapshots()] == ["first-2", "first"]
         project.delete_snapshot(first.id)
+        with pytest.raises(NotFoundError, match="snapshot"):
+            wall.frames[0].annotation(snapshot=first.id)
         with pytest.raises(NotFoundError):
             project.difference(first.id)

@@ -76,9 +76,13 @@ class Frame(Part[L]):
     # ── annotations ──────────────────────────────────────────────────────────────────────
 
     @steps
-    def annotation(self, layer: str = "label") -> Steps[Annotation]:
-        """Return a layer (N,), label, provenance, deleted or confidence, with its ``etag``."""
-        answer = yield from self._call("GET", "/annotation", params={"layer": layer})
+    def annotation(self, layer: str = "label", snapshot: str | None = None) -> Steps[Annotation]:
+        """Return a layer (N,), label, provenance, deleted or confidence, with its ``etag``.
+
+        ``snapshot``: as it was in that one.
+        """
+        params = {"layer": layer} | ({} if snapshot is None else {"snapshot": snapshot})
+        answer = yield from self._call("GET", "/annotation", params=params)
         return Annotation(array_of(answer), answer.headers["ETag"])
 
     @steps

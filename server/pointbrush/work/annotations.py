@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import Commit
+from pointbrush.labels.versions import PastLabels
 from pointbrush.work import exporting
 from pointbrush.work.annotate import layers
 from pointbrush.work.annotate.strokes import edit_id
@@ -28,19 +29,26 @@ class Annotations(Part):
         return np.concatenate(list(blocks)), revision
 
     def blocks(
-        self, sequence: str, frame: int, layer: str = "label", *, stored: bool = False
+        self,
+        sequence: str,
+        frame: int,
+        layer: str = "label",
+        past: PastLabels | None = None,
+        *,
+        stored: bool = False,
     ) -> tuple[Iterator[NDArray[Any]], int]:
         """The same in consecutive blocks, of which an octree's frame has many.
 
-        ``stored``: in stored order.
+        ``past``: labels as they were, with the revision of then.  ``stored``: in stored order.
         """
+        recording, store = self._recording(sequence), past or self._store
         if stored:
-            count = self._recording(sequence)[frame].count
-            kept = layers.KeptAnnotation(self._store, sequence, frame, (layer,))
+            count = recording[frame].count
+            kept = layers.KeptAnnotation(store, sequence, frame, (layer,))
             firsts = range(0, max(count, 1), layers.READ_POINTS)
             parts = (kept.read(at, min(at + layers.READ_POINTS, count)) for at in firsts)
             return (part[layer] for part in parts), kept.revision
-        return exporting.layer_blocks(self._store, self._recording(sequence), frame, layer)
+        return exporting.layer_blocks(store, recording, frame, layer)
 
     def put(
         self,

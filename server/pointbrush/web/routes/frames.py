@@ -24,7 +24,15 @@ from pointbrush.sequences.pictures import MEDIA_TYPES
 from pointbrush.streaming.messages import Matrix4, Uuid
 from pointbrush.web import npy
 from pointbrush.web.auth import Caller, resource
-from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag, if_match
+from pointbrush.web.context import (
+    FramePath,
+    SequenceId,
+    SnapshotQuery,
+    Ws,
+    body_within,
+    etag,
+    if_match,
+)
 from pointbrush.web.problems import responses
 from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut, Out
 from pointbrush.work.annotate.layers import require_layer
@@ -96,6 +104,7 @@ def get_annotation(
     workspace: Ws,
     layer: Layer = "label",
     order: Annotated[Literal["source", "stored"], Query(description="of the points")] = "source",
+    snapshot: SnapshotQuery = None,
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> Response:
     """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted.
@@ -103,9 +112,11 @@ def get_annotation(
     ``order`` stored: in that of the wire chunks, as the page has the points.
 
     Or uint8 confidence of what was predicted, 0 elsewhere.
-    The ``ETag`` is the revision of the frame's last change, in any layer.
+    The ``ETag`` is the revision of the frame's last change, in any layer, or of the snapshot.
     """
-    blocks, revision = workspace.annotations.blocks(seq, i, layer, stored=order == "stored")
+    past = None if snapshot is None else workspace.versions.labels(seq, snapshot)
+    stored = order == "stored"
+    blocks, revision = workspace.annotations.blocks(seq, i, layer, past, stored=stored)
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
