@@ -149,6 +149,11 @@ class Recording(Part[L]):
     # ── edits ────────────────────────────────────────────────────────────────────────────
 
     @steps
+    def categories(self) -> Steps[list[str]]:
+        """Return the categories to choose from: those its project has selected, or all."""
+        return list((yield from self._call("GET", "/categories")).json()["names"])
+
+    @steps
     def undo(self) -> Steps[Edit]:
         """Take back one's last edit; raises ConflictError when there is none."""
         return (yield from self._edit("POST", "/undo"))

@@ -42,11 +42,17 @@ class Palette:
     ``labels``   in their order.
     ``given``    for each id that any edit ever gave, undone ones too: what its label was called.
     ``highest``  the greatest id that was ever given.
+    ``allowed``  categories that labels may have, None: all.
     """
 
     labels: Sequence[Label]
     given: Mapping[int, Called]
     highest: int
+    allowed: frozenset[str] | None = None
+
+    def admits(self, category: str) -> bool:
+        """Whether a new label may have a category."""
+        return self.allowed is None or category in self.allowed
 
     def free_ids(self) -> FreeIds:
         """Return ids for new labels."""

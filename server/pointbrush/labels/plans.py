@@ -15,6 +15,7 @@ from pointbrush.labels import box_journal, journal, palette, schema, undo
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry, Told
 from pointbrush.labels.palette import Palette, free_name_and_color
+from pointbrush.labels.selection import allowed, require_allowed
 from pointbrush.labels.state import SequenceState
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label, Write
@@ -62,6 +63,7 @@ def create(entry: Entry, label_id: int | None, fields: dict[str, Any], distinct:
         given = {"color": palette.default_color(number), **fields}
         if distinct:
             given |= free_name_and_color(given, draft.palette.values())
+        _require_category(draft, given)
         label = Label(number, **given)
         add_label(draft, label)
         return replace(entry, summary=f"create label '{label.name}'", label=label)
@@ -77,6 +79,7 @@ def change(entry: Entry, label_id: int, fields: dict[str, Any]) -> Plan:
         news = {name: value for name, value in fields.items() if getattr(label, name) != value}
         changed = replace(label, **news)
         if news:
+            _require_category(draft, news)
             draft.labels[label_id] = changed
             draft.label_fields[label_id] = news
         what = ", ".join(news) or "nothing"
@@ -154,7 +157,15 @@ def _next_id(draft: Draft) -> int:
 def palette_of(connection: Connection, state: SequenceState) -> Palette:
     """Return the palette of now, for choosing labels to add."""
     given = palette.given_ids(connection, state.number)
-    return Palette(tuple(state.palette.values()), given, state.highest_label)
+    labels = tuple(state.palette.values())
+    categories = allowed(connection, state.number, labels)
+    return Palette(labels, given, state.highest_label, categories)
+
+
+def _require_category(draft: Draft, fields: Mapping[str, Any]) -> None:
+    if category := fields.get("category"):
+        labels = draft.palette.values()
+        require_allowed(allowed(draft.connection, draft.state.number, labels), category)
 
 
 # ── points ───────────────────────────────────────────────────────────────────────────────────

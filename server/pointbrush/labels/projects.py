@@ -23,6 +23,7 @@ from pointbrush.labels.project_tables import (
     webhooks,
 )
 from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, categories, sequences
+from pointbrush.labels.selection import selected
 from pointbrush.labels.tasks import forget_tasks, lock_project
 from pointbrush.labels.webhooks import forget_webhooks
 from pointbrush.names import require_visible
@@ -144,6 +145,12 @@ class Projects:
             forget_webhooks(connection, webhooks.c.project == project)
             connection.execute(delete(project_roles).where(project_roles.c.project == project))
             connection.execute(delete(projects).where(projects.c.id == project))
+
+    def selection(self, sequence: str) -> frozenset[str] | None:
+        """Names of the categories that a recording's project has selected; None: all."""
+        here = select(sequences.c.number).where(sequences.c.id == sequence, LIVE)
+        with self._database.read() as connection:
+            return selected(connection, connection.execute(here).scalar() or 0)
 
     def put_in(self, project: str, sequence: str) -> None:
         """Put a recording into a project; raises NotFoundError."""

@@ -51,6 +51,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/sequences/{seq}/boxes/{id}"): "viewer",
     ("GET", "/sequences/{seq}/edits"): "viewer",
     ("GET", "/sequences/{seq}/palette"): "viewer",
+    ("GET", "/sequences/{seq}/categories"): "viewer",
     ("GET", "/templates"): "viewer",
     ("GET", "/sequences/{seq}/tracks"): "viewer",
     ("GET", "/sequences/{seq}/export"): "viewer",

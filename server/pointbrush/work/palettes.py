@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pointbrush.formats.datasets import Dataset
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import Palette, default_color
+from pointbrush.labels.selection import require_allowed
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +24,10 @@ class NamedLabel:
 def add_labels(
     store: LabelStore, sequence: str, wanted: Sequence[NamedLabel], author: str
 ) -> list[str]:
-    """Add those that are not there by name and category, as one edit; returns their names."""
+    """Add those that are not there by name and category, as one edit; returns their names.
+
+    Raises BadInputError for a category that the recording's project has not selected.
+    """
     fresh = _fresh(store.choosing(sequence), wanted)
 
     def choose(palette: Palette) -> tuple[Sequence[Label], Mapping[int, Write]]:
@@ -51,15 +55,27 @@ def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
         called = (each.name, each.category)
         if called not in known:
             known.add(called)
+            require_allowed(palette.allowed, each.category)
             number = ids.take(called)
             fresh.append(Label(number, *called, each.color or default_color(number)))
     return fresh
 
 
 def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str) -> list[str]:
-    """Add a label for each class of a dataset; the classes keep their numbers in its files."""
-    store.taxonomy.learn(
-        dataset.name, {each.name: number for number, each in dataset.classes.items()}, strict=False
-    )
-    wanted = [NamedLabel(each.name, each.name, each.color) for each in dataset.classes.values()]
+    """Add a label for each class of a dataset; the classes keep their numbers in its files.
+
+    Those that the recording's project has not selected are left out.
+    """
+    admits = store.choosing(sequence).admits
+    classes = {number: one for number, one in dataset.classes.items() if admits(one.name)}
+    numbers = {each.name: number for number, each in classes.items()}
+    store.taxonomy.learn(dataset.name, numbers, strict=False)
+    wanted = [NamedLabel(each.name, each.name, each.color) for each in classes.values()]
     return add_labels(store, sequence, wanted, author)
+
+
+def offered(store: LabelStore, sequence: str) -> tuple[bool, list[str]]:
+    """Categories to choose from for labels; whether the project has selected them."""
+    selected = store.team.projects.selection(sequence)
+    known = [each.name for each in store.taxonomy.entries()]
+    return selected is not None, [each for each in known if selected is None or each in selected]

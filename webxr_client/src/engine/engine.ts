@@ -1,4 +1,5 @@
 /** The engine: connects socket, cache, picture, input and store.  The headset builds on it. */
+import { computed } from '@preact/signals';
 import type { Vec } from '../store/types';
 import { actions, bindActions, type TrackRequest, type ViewPreset } from '../store/actions';
 import { layers } from '../cloud/points/accumulation';
@@ -28,6 +29,7 @@ import { openBookmarks } from '../view/bookmarks';
 import { Accumulated } from './accumulated';
 import { Address } from '../view/address';
 import { brushActions, setRadius } from './brush';
+import { loadCategories } from './categories';
 import { Detail } from './detail';
 import { floorActions } from './floor';
 import { Following } from './following';
@@ -40,6 +42,8 @@ import { importActions } from './importing';
 import { recordingActions } from './recordings';
 import { forgetRun, reviewActions, runAsked, stretchActions, unsure } from './review';
 import { showTravel, timeActions } from './time';
+
+const openedId = computed(() => state.sequence.value?.id ?? null);
 
 /** Run something once it is time; the result forgets it. */
 function later(run: () => void, milliseconds: number): () => void {
@@ -206,6 +210,7 @@ export class Engine {
       this.objects.end();
       this.regions.leave();
     });
+    watch([openedId], () => void loadCategories());
     follow(() => openBookmarks(state.sequence.value?.id ?? null));
     watch([state.tool], () => {
       this.objects.retool(state.tool.peek());

@@ -26,7 +26,7 @@ from pointbrush.web.schemas import (
     SplitBody,
     SplitOut,
 )
-from pointbrush.work.palettes import NamedLabel, add_labels, add_template
+from pointbrush.work.palettes import NamedLabel, add_labels, add_template, offered
 
 router = resource("labels")
 EditId = Annotated[
@@ -141,6 +141,13 @@ class PaletteOut(BaseModel):
     labels: list[PaletteLabel]
 
 
+class OfferedOut(BaseModel):
+    """Categories to choose from, by number; ``selected``: a label gets no other one."""
+
+    selected: bool
+    names: list[str]
+
+
 class Added(BaseModel):
     """Names of labels that were not there before."""
 
@@ -187,6 +194,13 @@ def add_palette(seq: WholeSequence, body: PaletteBody, workspace: Ws, who: Calle
         return Added(added=add_template(workspace.labels, seq, dataset, who.author))
     labels = [NamedLabel(each.name, each.category, each.color) for each in body.labels]
     return Added(added=add_labels(workspace.labels, seq, labels, who.author))
+
+
+@router.get("/sequences/{seq}/categories", responses=responses(404))
+def list_categories(seq: WholeSequence, workspace: Ws) -> OfferedOut:
+    """Categories to choose from for labels: those the project has selected, or all."""
+    selected, names = offered(workspace.labels, seq)
+    return OfferedOut(selected=selected, names=names)
 
 
 @router.put("/sequences/{seq}/palette/order", responses=responses(404, 409, 413))

@@ -95,7 +95,8 @@ class LabelImports:
             locked = _locked(self._store, recording, found)
             chosen, commit = self._write(recording, request, job, found, objects[0], called[0])
             report = _report(recording, found, unmatched, chosen) | _told_boxes(objects[0])
-            report |= {"warnings": warnings, "locked": locked, "edit": None, "changed": 0}
+            told = [*warnings, *chosen.warnings()]
+            report |= {"warnings": told, "locked": locked, "edit": None, "changed": 0}
             return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
 
         done = partial(drop_upload, request.upload)
@@ -126,7 +127,8 @@ class LabelImports:
             return chosen.fresh, _writes(recording, found, chosen)
 
         def kept() -> list[OrientedBox]:
-            made = (track.box(chosen.ids[key]) for key, track in boxes.tracks)
+            tracks = ((chosen.ids[key], track) for key, track in boxes.tracks)
+            made = (track.box(label) for label, track in tracks if label)
             return [box_of(0, fields_of(box)) for box in made if box.label not in locked]
 
         commit = self._store.apply(
@@ -204,6 +206,6 @@ def _report(
         "unmatched": len(without) + len(unmatched),
         "unmatched_frames": without[:TOLD],
         "unmatched_files": unmatched[:TOLD],
-        "labels": {str(label): points for label, points in sorted(counts.items())},
+        "labels": {str(label): points for label, points in sorted(counts.items()) if label},
         "new_labels": [label.name for label in chosen.fresh[:TOLD]],
     }

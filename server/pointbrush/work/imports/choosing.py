@@ -14,25 +14,32 @@ from pointbrush.labels import Label
 from pointbrush.labels.palette import Called, Palette, default_color
 from pointbrush.work.imports.naming import Key, Naming
 
+TOLD = 20
+"""Categories that a warning names."""
+
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
     """Labels of the palette for keys.
 
-    ``ids``      the label of each key.
+    ``ids``      the label of each key; 0: its category is left out.
     ``fresh``    those of them that are new.
     ``unnamed``  class numbers without a name.
     ``classes``  the number of each category.
+    ``left_out`` categories that the recording's project has not selected.
     """
 
     ids: Mapping[Key, int]
     fresh: Sequence[Label]
     unnamed: Sequence[int]
     classes: Mapping[str, int]
+    left_out: Sequence[str] = ()
 
     @classmethod
     def of(cls, palette: Palette, keys: Iterable[Key], naming: Naming) -> Chosen:
         """Choose a label for each key: one of its name and category, or a new one."""
+        categories = {key: _called(key, naming)[0][1] for key in keys}
+        left_out = {key for key, category in categories.items() if not palette.admits(category)}
         by_name: dict[Called, list[int]] = {}
         for label in palette.labels:
             by_name.setdefault((label.name, label.category), []).append(label.id)
@@ -40,11 +47,11 @@ class Chosen:
             i for i, own in naming.own.items() if i in by_name.get((own.name, own.category), ())
         }
         free_ids = palette.free_ids()
-        ids: dict[Key, int] = {}
+        ids: dict[Key, int] = dict.fromkeys(left_out, 0)
         fresh: list[Label] = []
         unnamed: set[int] = set()
         classes: dict[str, int] = {}
-        for key in sorted(set(keys)):
+        for key in sorted(categories.keys() - left_out):
             called, color, wanted = _called(key, naming)
             own = naming.own.get(key[0])
             if key[0] not in naming.names and own is None:
@@ -65,7 +72,15 @@ class Chosen:
                 fresh.append(replace(made, instance=key[1]) if naming.dataset else made)
             ids[key] = known
             classes[called[1] or called[0]] = key[0]
-        return cls(ids, fresh, sorted(unnamed), classes)
+        without = sorted({categories[key] for key in left_out})
+        return cls(ids, fresh, sorted(unnamed), classes, without)
+
+    def warnings(self) -> list[str]:
+        """Name the categories that are left out, in a sentence."""
+        if not self.left_out:
+            return []
+        named = ", ".join(self.left_out[:TOLD])
+        return [f"labels of categories that the project has not selected are left out: {named}"]
 
 
 def _called(key: Key, naming: Naming) -> tuple[Called, str, int]:

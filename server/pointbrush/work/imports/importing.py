@@ -135,14 +135,21 @@ def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
     return paths[0] if read_header(paths[0], limits).count > LARGE_POINTS else None
 
 
-def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> None:
-    """A palette for the objects of the sample; painting them is left to the person."""
+def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> list[str]:
+    """Make a palette for the objects of the sample; painting them is left to the person.
+
+    Returns warnings: none.
+    """
     from pointbrush.samples.kinds import sample
 
+    sequence = recording.manifest.id
+    admits = store.choosing(sequence).admits
     for label_id, name, category, color in sample(kind, 0, 1).labels:
         store.create_label(
-            recording.manifest.id, "import", id=label_id, name=name, category=category, color=color
-        )
+            sequence, "import", id=label_id, name=name, color=color,
+            category=category if admits(category) else "",
+        )  # fmt: skip
+    return []
 
 
 def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFrame]:

@@ -29,17 +29,21 @@ class SourceLabels:
         self._store = store
         self._reasons: dict[str, str] = {}  # by identity
 
-    def bring(self, recording: Recording, author: str = "import") -> None:
-        """Make the labels that came with the files an edit, once; raises what keeps them out."""
+    def bring(self, recording: Recording, author: str = "import") -> list[str]:
+        """Make the labels that came with the files an edit, once; raises what keeps them out.
+
+        Returns what is to be told of those that are left out.
+        """
         if "label" not in recording.manifest.fields:
-            return
+            return []
         identity = recording.identity
         try:
-            import_source_labels(self._store, recording, author)
+            warnings = import_source_labels(self._store, recording, author)
         except Exception as error:
             self._reasons[identity] = str(error) or type(error).__name__
             raise
         self._reasons.pop(identity, None)
+        return warnings
 
     def missing(self, manifests: Iterable[Manifest]) -> dict[str, str]:
         """Reasons why labels did not come in, by the ids of recordings; UnavailableError.
@@ -64,10 +68,10 @@ def came_with_files(frames: int) -> str:
     return f"labels that came with the files, {frames} frames"
 
 
-def import_source_labels(store: LabelStore, recording: Recording, author: str) -> None:
+def import_source_labels(store: LabelStore, recording: Recording, author: str) -> list[str]:
     """Make the labels that came with the files an edit, with a palette for them.
 
-    It is made where no point has one, too: it says that they came in.
+    It is made where no point has one, too: it says that they came in.  Returns warnings.
     """
     sequence, naming = recording.manifest.id, _naming_of(recording.manifest)
     found: set[Key] = set()
@@ -75,14 +79,13 @@ def import_source_labels(store: LabelStore, recording: Recording, author: str) -
     for frame, _, keys, _ in _labelled_parts(recording, naming):
         frames.add(frame)
         found.update(keys)
-    learn_numbers(store, naming, Chosen.of(store.choosing(sequence), found, naming).classes)
+    chosen = Chosen.of(store.choosing(sequence), found, naming)
+    learn_numbers(store, naming, chosen.classes)
 
     def choose(palette: Palette) -> tuple[Sequence[Label], Iterator[tuple[int, Write]]]:
+        nonlocal chosen
         chosen = Chosen.of(palette, found, naming)
-        return chosen.fresh, (
-            (frame, Write(numbers, label=_ids(chosen, keys)[which], provenance=IMPORTED))
-            for frame, numbers, keys, which in _labelled_parts(recording, naming)
-        )
+        return chosen.fresh, _writes(recording, naming, chosen)
 
     store.apply(
         sequence,
@@ -93,6 +96,15 @@ def import_source_labels(store: LabelStore, recording: Recording, author: str) -
         summary=came_with_files(len(frames)),
         identity=recording.identity,
     )
+    return chosen.warnings()
+
+
+def _writes(recording: Recording, naming: Naming, chosen: Chosen) -> Iterator[tuple[int, Write]]:
+    for frame, numbers, keys, which in _labelled_parts(recording, naming):
+        label = _ids(chosen, keys)[which]
+        kept = label > 0
+        if kept.any():
+            yield frame, Write(numbers[kept], label=label[kept], provenance=IMPORTED)
 
 
 def _naming_of(manifest: Manifest) -> Naming:

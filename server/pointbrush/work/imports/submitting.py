@@ -241,7 +241,7 @@ class Imports:
         self,
         guard: Guard,
         work: Work,
-        label: Callable[[Recording], None],
+        label: Callable[[Recording], list[str]],
         job: Job,
         upload: Path | None = None,
         project: str = FIRST,
@@ -257,7 +257,7 @@ class Imports:
             if project != FIRST:
                 self._store.team.projects.put_in(project, sequence)
             try:
-                label(recording)
+                warnings.extend(label(recording))
             except Exception as error:
                 raise PointbrushError(f"{WITHOUT_LABELS}: {error}") from error
             finally:

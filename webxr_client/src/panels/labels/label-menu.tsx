@@ -1,6 +1,7 @@
 /** Rare actions on a label. */
 import type { RefObject } from 'preact';
 import { useState } from 'preact/hooks';
+import { categoriesSelected, categoryChoices } from '../../engine/categories';
 import { actions } from '../../store/actions';
 import type { Label } from '../../protocol/messages';
 import { canEdit, state } from '../../store/state';
@@ -101,10 +102,43 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
 }
 
 function CategoryField({ label }: { label: Label }) {
-  const categories = [...new Set(state.palette.value.map((other) => other.category))];
   return (
     <label class="row">
       <span>Category</span>
+      {categoriesSelected.value ? (
+        <SelectedCategory label={label} />
+      ) : (
+        <AnyCategory label={label} />
+      )}
+    </label>
+  );
+}
+
+/** One of those that the project has selected; its own is there, too. */
+function SelectedCategory({ label }: { label: Label }) {
+  const choices = [...new Set(['', label.category, ...categoryChoices.value])];
+  return (
+    <select
+      class="field"
+      data-autofocus
+      value={label.category}
+      disabled={!canEdit.value}
+      onChange={({ currentTarget: { value } }) => {
+        void actions.updateLabel(label.id, { category: value });
+      }}
+    >
+      {choices.map((category) => (
+        <option key={category} value={category}>
+          {category || 'none'}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+function AnyCategory({ label }: { label: Label }) {
+  return (
+    <>
       <input
         class="field"
         list="categories"
@@ -118,11 +152,11 @@ function CategoryField({ label }: { label: Label }) {
         }}
       />
       <datalist id="categories">
-        {categories.filter(Boolean).map((category) => (
+        {categoryChoices.value.map((category) => (
           <option key={category} value={category} />
         ))}
       </datalist>
-    </label>
+    </>
   );
 }
 

@@ -1,6 +1,7 @@
 /** Pages of one label: a new one, or the active one with another name, another colour, or gone. */
 import { actions } from '../../../store/actions';
 import { LABEL_COLORS, suggestColor, suggestName } from '../../../common/colors';
+import { categoriesSelected, categoryChoices } from '../../../engine/categories';
 import { lossOf } from '../../../panels/labels/label-points';
 import type { Label } from '../../../protocol/messages';
 import { state } from '../../../store/state';
@@ -122,7 +123,7 @@ export class EditPage {
   }
 }
 
-/** Names that need no keyboard: categories in use, then common ones; each counts on. */
+/** Names that need no keyboard: categories to choose from, then common ones; each counts on. */
 const QUICK = ['pin', 'hand', 'person', 'ball', 'head', 'object', 'vehicle', 'table'];
 
 type TakeName = (name: string, category: string) => void;
@@ -136,10 +137,9 @@ function drawNames(
   take: TakeName,
 ): void {
   const { em } = ui;
-  const palette = state.palette.peek();
-  const names = palette.map((label) => label.name);
-  const used = palette.map((label) => label.category).filter(Boolean);
-  const choices = [...new Set([...used, ...QUICK])].slice(0, 2 * lines);
+  const names = state.palette.peek().map((label) => label.name);
+  const common = categoriesSelected.peek() ? [] : QUICK;
+  const choices = [...new Set([...categoryChoices.peek(), ...common])].slice(0, 2 * lines);
   const w = inner / 2;
   choices.forEach((category, i) => {
     const name = suggestName(category, names);

@@ -1,0 +1,44 @@
+"""The categories that a project has selected of the workspace's, asked for its recordings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+
+from sqlalchemy import Connection, select
+
+from pointbrush.errors import BadInputError
+from pointbrush.labels.project_tables import projects
+from pointbrush.labels.schema import PROJECT_OF, categories, sequences
+from pointbrush.labels.types import Label
+
+TOLD = 20
+"""Categories that an error names."""
+
+
+def selected(connection: Connection, sequence: int) -> frozenset[str] | None:
+    """Names of the categories that the project of a recording has selected; None: all."""
+    here = select(projects.c.categories).join(sequences, projects.c.id == PROJECT_OF)
+    chosen = connection.execute(here.where(sequences.c.number == sequence)).scalar()
+    if chosen is None:
+        return None
+    numbers = set(json.loads(chosen))
+    known = connection.execute(select(categories.c.number, categories.c.name))
+    return frozenset(row.name for row in known if row.number in numbers)
+
+
+def allowed(
+    connection: Connection, sequence: int, labels: Iterable[Label]
+) -> frozenset[str] | None:
+    """Categories that labels of a recording may have: selected ones and those in use; None: all."""
+    found = selected(connection, sequence)
+    return None if found is None else found | {label.category for label in labels} | {""}
+
+
+def require_allowed(categories: frozenset[str] | None, wanted: str) -> None:
+    """Raise BadInputError unless ``wanted`` is one of those that labels may have."""
+    if categories is not None and wanted not in categories:
+        named = ", ".join(sorted(categories - {""})[:TOLD]) or "none"
+        raise BadInputError(
+            f"category: expected one that the project has selected ({named}), got {wanted!r}"
+        )
