@@ -21,7 +21,7 @@ from pointbrush.tracking.compute.columns import (
     pairs,
     spans,
 )
-from pointbrush.tracking.compute.graph import parts, paths_over, reach
+from pointbrush.tracking.compute.graph import parts, paths_over, shortest_paths
 from pointbrush.tracking.compute.grid import RUN, close_to, in_box, numbered, perhaps_near, runs_of
 from pointbrush.tracking.compute.rigid import Target, excess
 from pointbrush.tracking.options import TrackerOptions
@@ -134,7 +134,7 @@ def test_parts_and_ways_are_those_of_a_graph(
     assert np.array_equal(parts(links, some)[some], first)
     assert (parts(links, some)[~some] == -1).all()
     source = np.flatnonzero(some)[:2]
-    way, origin = reach(paths_over(links, length, some), source, some)
+    way, origin = shortest_paths(paths_over(links, length, some), source, some)
     every = coo_matrix((length, tuple(links.T)), shape=(count, count)).tocsr()[some][:, some]
     expected = dijkstra(every, directed=False, indices=np.arange(len(source)))
     np.testing.assert_allclose(way[some], expected.min(axis=0, initial=np.inf))

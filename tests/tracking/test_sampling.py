@@ -3,7 +3,7 @@
 import numpy as np
 
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.sensors.examination import evened, find_camera, unevenness
+from pointbrush.tracking.sensors.examination import find_camera, most_even_place, unevenness
 
 OPTIONS = TrackerOptions()
 
@@ -22,7 +22,7 @@ def _room() -> np.ndarray:
 def test_a_place_that_is_too_far_away_comes_back() -> None:
     xyz = _room()
     behind = PLACE - [0.05, 0.3, 1.0]
-    found = evened(xyz, behind, 1.5, options=OPTIONS.viewpoint)
+    found = most_even_place(xyz, behind, 1.5, options=OPTIONS.viewpoint)
     assert np.linalg.norm(found - PLACE) < 0.06
     assert unevenness(xyz, found, options=OPTIONS.viewpoint) < 0.5 * unevenness(
         xyz, behind, options=OPTIONS.viewpoint

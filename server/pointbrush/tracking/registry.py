@@ -92,6 +92,7 @@ def _plugins() -> dict[str, Callable[[], Method]]:
 
 
 def _load(name: str) -> Method:
+    """Make the method of an installed plug-in; raises BadInputError where it cannot track."""
     entry = next(e for e in entry_points(group=GROUP) if e.name == name)
     method: Method = entry.load()()
     if not callable(getattr(method, "track", None)):

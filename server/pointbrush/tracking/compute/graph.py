@@ -66,8 +66,8 @@ def paths_over(links: I64, length: F64, leads: Mask) -> Paths:
 
 
 @compiled
-def reach(ways: Paths, source: I64, allowed: Mask) -> tuple[F64, I64]:
-    """Length (N,) of the way from the nearest source, inf for none, and that source.
+def shortest_paths(ways: Paths, source: I64, allowed: Mask) -> tuple[F64, I64]:
+    """Find the length (N,) of the shortest path from a source, inf for none, and that source (N,).
 
     Over cells ``allowed`` (N,) and the sources alone.  Source: Dijkstra 1959, with a heap.
     """

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.tracking.compute.columns import pairs
-from pointbrush.tracking.compute.graph import Paths, parts, paths_over, reach
+from pointbrush.tracking.compute.graph import Paths, parts, paths_over, shortest_paths
 from pointbrush.tracking.compute.grid import cells_of, close_to, means_of
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
@@ -51,7 +51,7 @@ class _Figures:
         0 where that is too long, or ``away`` (cells,), to what is no track's, is shorter.  No way
         leads over ``bare`` cells.
         """
-        way, origin = reach(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
+        way, origin = shortest_paths(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
         first = self.votes.argmax(axis=0) + 1
         owner = np.where(np.isfinite(way), first[origin], 0)
         owner[(way > self.limit[owner]) | (away < way)] = 0
@@ -132,8 +132,8 @@ class Foreground:
         still, rival, sure = (self._mostly(points) for points in (outside, other, certain))
         bare = still | rival
         figures = self._figures(cores, bare, far, clothes)
-        off, _ = reach(ways, np.flatnonzero(rival), np.ones(len(bare), np.bool_))
-        away = np.minimum(reach(ways, np.flatnonzero(still), ~sure)[0], off)
+        off, _ = shortest_paths(ways, np.flatnonzero(rival), np.ones(len(bare), np.bool_))
+        away = np.minimum(shortest_paths(ways, np.flatnonzero(still), ~sure)[0], off)
         owner, way = figures.nearest(ways, bare, away)
         self._whole_bodies(owner, figures, ways, sure & solid & ~bare & ~(off < way))
         apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
@@ -190,7 +190,7 @@ class Foreground:
         owner[inside] = 0
         voters = np.where(there[:, part], figures.votes[:, inside], 0)
         source = np.flatnonzero(voters.max(axis=0) > 0)
-        way, origin = reach(ways, inside[source], sure)
+        way, origin = shortest_paths(ways, inside[source], sure)
         first = np.zeros(len(sure), np.int64)
         first[inside] = voters.argmax(axis=0) + 1
         reached = np.flatnonzero(np.isfinite(way) & sure)

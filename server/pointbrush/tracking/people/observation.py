@@ -36,7 +36,7 @@ class PersonObservation:
         return self.view.options
 
     def __post_init__(self) -> None:
-        """At first all are no track's."""
+        """Begin with cells that are nobody's."""
         self.owner = np.zeros(len(self.cells.count), np.int64)
 
     @staticmethod

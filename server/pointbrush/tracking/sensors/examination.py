@@ -17,7 +17,7 @@ from pointbrush.tracking.sensors.scan_odometry import shown_at_rest, told_trajec
 from pointbrush.tracking.sensors.scanner import reach_of
 
 
-def evened(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
+def most_even_place(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
     """The place (3,) near ``place`` from which points (N, 3) fill an image the most evenly.
 
     ``size`` metres of the scene.
@@ -114,7 +114,7 @@ def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
     place = _closer(every, best, gap, 2 * last, least, options=options)
     if _hidden(every, place, gap, options=options) >= asked.hidden_share:
         return None
-    closer = evened(many, place, size, options=asked)
+    closer = most_even_place(many, place, size, options=asked)
     nearer = _hidden(every, closer, gap, options=options) < asked.hidden_share
     return closer if nearer else place
 

@@ -31,9 +31,10 @@ from pointbrush.tracking.sensors.visual_odometry import CameraTrajectory, camera
 def likely_shifts(
     before: F64, here: F64, cell: float, count: int, options: ScanOdometryOptions
 ) -> F64:
-    """(count, 3) metres, the likeliest first, that bring points (N, 3) near to points (M, 3).
+    """Find shifts (count, 3), the likeliest first, that bring the points ``before`` (N, 3) near to
+    those ``here`` (M, 3): metres, along the two axes in which the former are most spread.
 
-    Both thinned to cells of ``cell`` metres; ``before`` turned as ``here`` is.
+    By phase correlation.  Both thinned to cells of ``cell`` metres; ``before`` turned as ``here``.
     """
     pixel = options.shift_pixel_cells * cell
     middle = np.median(before, axis=0)

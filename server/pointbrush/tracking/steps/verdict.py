@@ -84,9 +84,8 @@ def _held_against(
     by: float,
     nearest_m: float,
 ) -> tuple[Mask, Mask]:
-    """Mark the ``facing`` points (K, M, 3) that nothing hides, and those that were looked through.
-
-    By ``by`` metres more or less than the depth ``image``.
+    """Mark the ``facing`` points (K, M, 3) in the picture that nothing hides, and all points that
+    were looked through: by ``by`` metres more or less than the depth ``image``.
     """
     seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
     for k in range(len(world)):
