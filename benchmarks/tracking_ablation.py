@@ -26,16 +26,15 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "limit of motion before a lidar": {"register": {"beyond_cost": 0.0}},
     "what others left": {"relocate": {"kept_share": 0.0}},
     "whole frame searched": {"relocate": {"doubt": float(NEVER)}},
-    "alone in its place": {"relocate": {"alone_size_share": 0.0}},
     "voted shifts": {"propose": {"voted_shifts": 0}},
     "smoothing": {"smoothing": {"lag_frames": 0}},
     # Which points it has
     "hardly before the scene": {"background": {"faint_sigmas": 3.0}},
     "surveyed scene": {"background": {"survey_frames": 0}},
     "noise of each pixel": {"background": {"calm_frames": 1}},
-    "whole in the air": {"growth": {"max_steps": 0, "max_steps_unknown": 0}},
-    "painted end on": {"growth": {"end_on_ratio": float(NEVER)}},
-    "uncovered by others": {"claim": {"uncovered_steps": 0}},
+    "whole in the air": {"growth": {"max_steps": 0}},
+    "ended all round": {"growth": {"ended_frames": NEVER}},
+    "colours of its own": {"appearance": {"rather_ratio": float(NEVER)}},
     "missed pieces": {"pieces": {"max_size_share": 0.0}},
     "flying pixels": {
         "flying": {
@@ -57,15 +56,16 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "space carving": {"surface": {"carve_min_views": NEVER}},
     "colours never shown": {"appearance": {"strange_share": -1.0}},
     "ground painted with it": {"ground_contact": {"min_points": NEVER}},
+    "hidden by other colours": {"update": {"hiding_log_colour": float(NEVER)}},
     # What is learnt of it, and how far it is trusted
     "bending": {"track": {"bent_share": 1.0, "bent_share_large": 1.0}},
     "soft surface": {"track": {"soft_strain": float(NEVER)}},
-    "hidden by other colours": {"update": {"hiding_log_colour": float(NEVER)}},
+    "rims behind outlines": {"strain": {"outline_offsets_px": (0, 0, 0)}},
     "exchanged tracks": {"identity": {"alike_share": 1.0}},
     # People
     "people together": {"body": {"limb_m": 0.0}},
     "strides by depth": {"step": {"evidence_weight": 0.0}},
-    "strides corrected": {"step": {"rounds": 0}},
+    "strides corrected": {"step": {"visible_doubt": float(NEVER)}},
     "clothes": {"step": {"clothes_weight": 0.0}},
     "clothes seen later": {"body": {"better_ratio": float(NEVER)}},
     "people without a label": {"arrivals": {"min_cells": NEVER}},

@@ -7,19 +7,15 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
-import pytest
 import scenes
 from scipy.spatial.transform import Rotation
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.tracking.model.appearance import ColourHistogram
-from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.steps import relocate as relocation
 from pointbrush.tracking.steps.association import Associations
-from pointbrush.tracking.steps.predict import Search, crop
-from pointbrush.tracking.steps.register import find
+from pointbrush.tracking.steps.predict import crop
 from pointbrush.tracking.steps.relocate import register_and_claim
 from pointbrush.tracking.tracker import Run
 
@@ -100,50 +96,6 @@ def test_what_was_hidden_is_found_far_from_where_it_was() -> None:
     assert min(found[:3]) > 0.8
     assert max(found[3:7]) == 0.0  # a hand is no bat
     assert min(found[8:]) > 0.8
-
-
-def test_colours_far_commoner_on_the_thing_are_rather_its_own() -> None:
-    rng = np.random.default_rng(5)
-    blue, skin = np.array([-0.3, 0.5, 0.1]), np.array([0.3, -0.3, 0.2])
-
-    def some(colour: np.ndarray, count: int) -> np.ndarray:
-        return (colour + rng.normal(0, 0.01, (count, 3))).astype(np.float32)
-
-    appearance = ColourHistogram.of(some(blue, 400), OPTIONS.appearance)
-    beside = np.concatenate([some(blue, 20), some(skin, 480)])  # a missed strip, and a hand
-    rather = appearance.rather(beside)
-    assert rather[:20].mean() > 0.8
-    assert not rather[20:].any()
-    # Who holds it wears the same: nothing is told by colour.
-    assert appearance.rather(some(blue, 300)).mean() < 0.1
-
-
-def test_what_is_alone_beside_a_thing_is_not_taken_for_it_where_it_fits_worse(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def poor(search: Search) -> Registration:  # as where a side shows that is not known yet
-        return replace(find(search), cost=0.4)
-
-    monkeypatch.setattr(relocation, "find", poor)
-    at = np.array([0.0, 1.2, 1.4])
-    camera = scenes.Camera(scenes.Sensor(320, 264, 260.0), scenes.room())
-    bat = [
-        scenes.Part(1, BLUE, at, at + [0, 0.14, 0], 0.04, 0.03),
-        scenes.Part(1, GREEN, at - [0, 0.14, 0], at, 0.02, 0.035),
-    ]
-    other = scenes.Part(0, BLUE, at + [0.12, 0, 0], at + [0.12, 0.03, 0], 0.04, 0.04)
-    rng = np.random.default_rng(3)
-    frames = [camera.shoot(parts, rng) for parts in (bat, [*bat, other])]
-    with found_again(frames) as (track, associations):
-        astray: dict[int, int] = {}
-        before = dict(vars(track))
-        for cost in (0.3, 0.6):
-            one = associations.found[1]
-            one = replace(one, registration=replace(one.registration, cost=cost))
-            found = relocation.find_astray([track], astray, associations.put(1, one))
-            assert (found.found[1] is one) == (cost < 0.4)
-            assert astray == ({1: 1} if cost < 0.4 else {})
-            assert vars(track) == before
 
 
 def test_hardly_anything_of_a_thing_far_from_where_it_should_be_is_not_the_thing() -> None:

@@ -127,10 +127,10 @@ def test_what_colours_usually_differ_is_learnt_where_a_thing_is_alone_in_the_air
     learnt = []
 
     def noted(track: Track, *rest: Any) -> Outcome:
-        before = track.seen_alone.cost
+        before = track.usual_cost
         found = settle(track, *rest)
         given = rest[2]
-        learnt.append((given is not None and given.isolated, track.seen_alone.cost != before))
+        learnt.append((given is not None and given.isolated, track.usual_cost != before))
         return found
 
     monkeypatch.setattr(auto, "settle", noted)

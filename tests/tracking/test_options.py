@@ -32,7 +32,6 @@ DEFINITIONS = {
     "people/foreground.py": {"OTHER"},  # code of a label
     "registry.py": {"COLOUR_NEIGHBOURS"},  # of the paper's method
     "permissions.py": {"FEWEST"},  # part of the label store's contract
-    "steps/grow.py": {"LABELS"},  # uint16
     "sensors/visual_odometry.py": {"SPREAD"},  # 1.4826
     "sensors/view.py": {"WHITE"},  # 3 * 255
 }

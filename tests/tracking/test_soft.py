@@ -119,32 +119,6 @@ def test_a_snake_that_no_rigid_fit_explains_is_bent_all_the_same() -> None:
     assert both > 0.7 * (np.count_nonzero(truth) + len(found) - both)
 
 
-def board(frames: int, painted: float) -> list[scenes.Frame]:
-    """A board without colours that comes nearer; a strip ``painted`` metres wide of it is known."""
-    rng = np.random.default_rng(8)
-    camera = scenes.Camera(scenes.Sensor(origin=np.zeros(3)), scenes.room())
-    side, result = (0.4 - painted) / 2, []
-    for number in range(frames):
-        turn = Rotation.from_euler("zy", [0.03 * number, 0.3 + 0.02 * number]).as_matrix()
-        at = np.array([0.02 * number, 0.0, 1.4 - 0.03 * number])
-        parts = []
-        for way in (-1, 0, 1):
-            wide = (painted if way == 0 else side) / 2
-            middle = at + turn @ [way * (painted + side) / 2, 0.0, 0.0]
-            half = np.array([wide, 0.15, 0.02])
-            parts.append(scenes.Part(int(way == 0), (200, 200, 200), middle, half, rot=turn))
-        frame = camera.shoot([part for part in parts if part.b[0] > 0.001], rng)
-        frame.rgb = None
-        result.append(frame)
-    return result
-
-
-def test_what_is_cut_through_its_own_surface_is_not_sure_of_itself() -> None:
-    strip, whole = (follow(board(8, painted))[-1].tracks[1] for painted in (0.06, 0.4))
-    assert strip.confidence < 0.5
-    assert whole.confidence > 0.9
-
-
 def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.MonkeyPatch) -> None:
     frame = snake(1, bend=0.0)[0]
     view = View(3, frame, find_lens(frame, options=OPTIONS), options=OPTIONS)

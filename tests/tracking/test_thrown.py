@@ -12,7 +12,7 @@ import scenes
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import solid
 from pointbrush.tracking.model.registration import Registration
-from pointbrush.tracking.model.track import Bending, OtherMovers, SeenAlone, begin
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.depth import ImageBackground
 from pointbrush.tracking.scene.images import DepthNoise, measure_noise
@@ -174,53 +174,7 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
     assert flight.given.isolated == isolated
 
 
-@pytest.mark.parametrize("pliant", [True, False])
-def test_what_goes_along_with_what_is_pliant_is_what_holds_it(pliant: bool) -> None:
-    flight = Flight(upper=True)
-    if pliant:
-        flight.track.bending = Bending(strain=2 * OPTIONS.track.soft_strain)
-        flight.track.size = 2.0 * OPTIONS.track.dense_points
-    missed = np.setdiff1d(flight.mine, flight.painted)
-    flight.track.other_movers = rivals_of(flight, flight.first, missed, beside=False)
-    flight.grown()
-    assert flight.given.isolated != pliant
-
-
-def test_what_was_not_yet_seen_alone_may_go_on_far_beyond_what_is_known() -> None:
-    for seen_alone, isolated in ((0, True), (OPTIONS.growth.known_frames, False)):
-        flight = Flight(upper=True)
-        flight.track.size = float((flight.view.frame.truth == 1).sum())
-        flight.track.unit = 0.006  # over 20 steps to its other end
-        flight.track.seen_alone = SeenAlone(seen_alone, OPTIONS.confidence.usual_cost)
-        flight.grown()
-        assert flight.given.isolated == isolated
-
-
-@pytest.mark.parametrize("held", [False, True])
-@pytest.mark.parametrize("seen_alone", [0, OPTIONS.growth.known_frames])
-def test_what_ends_all_round_twice_is_a_part_that_was_missed(held: bool, seen_alone: int) -> None:
-    flight = Flight(upper=True)
-    track, view = flight.track, flight.view
-    truth = view.frame.truth == 1
-    own = flight.core.indices
-    flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.5))
-    track.size, track.seen_alone = (
-        0.2 * float(truth.sum()),
-        SeenAlone(seen_alone, OPTIONS.confidence.usual_cost),
-    )
-    if held:  # a hand hardly turns: it was there in the last frame too
-        missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
-        xyz = view.xyz[missed].astype(np.float64)
-        track.other_movers = OtherMovers(xyz, view.colour(missed), track.weight)
-    flight.grown()
-    assert not flight.given.isolated
-    assert flight.given.growth_refused == (seen_alone == 0 and not held)
-    track.last = replace(track.last, growth_refused=flight.given.growth_refused)
-    flight.grown()
-    assert flight.given.isolated == flight.given.growth_refused
-
-
-@pytest.mark.parametrize("frames", [0, OPTIONS.growth.known_frames])
+@pytest.mark.parametrize("frames", [0, OPTIONS.growth.ended_frames])
 @pytest.mark.parametrize("moved", [False, True])
 def test_a_new_side_that_ended_all_round_for_long_is_its_unless_it_is_on_its_way(
     frames: int, moved: bool
@@ -228,7 +182,7 @@ def test_a_new_side_that_ended_all_round_for_long_is_its_unless_it_is_on_its_way
     flight = Flight(upper=True)
     track, truth = flight.track, flight.view.frame.truth == 1
     track.size = float(truth.sum())
-    track.last = replace(track.last, frames_alone=frames)
+    track.last = replace(track.last, frames_ended=frames)
     missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
     xyz = flight.view.xyz[missed].astype(np.float64)
     track.other_movers = OtherMovers(xyz, flight.view.colour(missed), track.weight)

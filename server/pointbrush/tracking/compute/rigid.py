@@ -22,7 +22,7 @@ from pointbrush.tracking.compute.columns import (
     spans,
     toned,
 )
-from pointbrush.tracking.compute.grid import bounds, within
+from pointbrush.tracking.compute.grid import bounds
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options.steps import RegistrationOptions
 
@@ -131,15 +131,6 @@ class Target:
     xyz: F64
     colour: F32
     weight: float
-
-    def around(self, xyz: F64, margin: float, options: RegistrationOptions) -> Target:
-        """Cut the target to the box around ``xyz`` (M, 3) and ``margin`` metres beside it; all of
-        it where that is most."""
-        lo, hi = bounds(xyz)
-        part = np.flatnonzero(within(self.xyz, lo - margin, hi + margin))
-        if len(part) > options.uncut_share * len(self.xyz) or not len(part):
-            return self
-        return Target(self.xyz[part], self.colour[part], self.weight)
 
     @cached_property
     def columns(self) -> Columns:
@@ -252,7 +243,7 @@ def _robust_fits(
 def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
     """See ``best_rigid_motion``; each pair counts by its ``weight`` (M,).
 
-    It does not turn by fewer than ``fewest`` pairs that have some.
+    A mere shift where fewer than ``fewest`` pairs have a weight other than 0.
     """
     count = len(source)
     total, used = 0.0, 0

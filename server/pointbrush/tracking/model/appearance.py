@@ -58,8 +58,8 @@ class ColourHistogram:
         return replace(self, alone=alone)
 
     def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
-        """The same, with no colour its alone that is not more points' of an object of ``size``
-        points than of those that have the colours (M, 3)."""
+        """The same, where a colour is its alone only if more of its ``size`` points have about that
+        colour than of the points with the colours (M, 3)."""
         other = ColourHistogram.of(colour, self.options)
         return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
 

@@ -29,10 +29,9 @@ class Evidence:
     less like what it wore a large object looks, a mean logarithm, 0 or less; ``usual`` what
     ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
     whether the sensor has a pixel grid; ``scans`` whether it is a lidar; ``soft`` whether the
-    object bends; ``left`` and ``others`` points that move beside it and are no track's, and
-    another's, over its own; ``tall`` its height over its model's; ``bend`` share that one motion
-    does not explain; ``coarse`` its unit, over its radius; ``border`` share of its points that
-    touch moving ones that are no track's.
+    object bends; ``left`` and ``others`` points that move beside it and are
+    no track's, and another's, over its own; ``tall`` its height over its model's; ``bend`` share
+    that one motion does not explain; ``coarse`` its unit, over its radius.
     """
 
     inliers: float
@@ -56,7 +55,6 @@ class Evidence:
     tall: float = 1.0
     bend: float = 0.0
     coarse: float = 0.05
-    border: float = 0.0
 
 
 def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOptions) -> float:
@@ -71,7 +69,6 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
         odds = options.body_weights.odds(features) + options.body_offset - options.body_middle
         return squashed(odds, options.stretch, options=options)
     odds = options.weights.odds(features) + options.offset - options.middle
-    odds -= options.colourless_border_weight * evidence.border
     if evidence.soft:
         odds -= options.bent_change_weight * features["size"]
     if evidence.pixels:

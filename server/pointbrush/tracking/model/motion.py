@@ -39,8 +39,8 @@ class Motion:
         poses = self.poses
         if self.gap > 1:
             poses = (_between(poses[-1], pose, self.centre, 1 - 1 / self.gap),)
-        kept = poses[-(self.options.remembered_poses - 1) :]
-        return replace(self, poses=(*kept, pose), gap=1)
+        kept = (*poses, pose)[-self.options.remembered_poses :]
+        return replace(self, poses=kept, gap=1)
 
     def begin(self, pose: F64) -> Motion:
         """The object was found where no motion led: what it was doing is unknown."""

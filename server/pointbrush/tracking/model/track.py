@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.tracking.compute.columns import NONE, columns, nearer_than, nearest
+from pointbrush.tracking.compute.columns import nearer_than
 from pointbrush.tracking.compute.graph import solid
 from pointbrush.tracking.compute.grid import within
 from pointbrush.tracking.compute.rigid import Target, inverse, transform
@@ -45,16 +45,6 @@ class OtherMovers:
     def target(self) -> Target:
         """The points as a search target."""
         return Target(self.xyz, self.colour, self.weight)
-
-    def along(self, before: F64, now: F64, within: float) -> OtherMovers:
-        """Move the points along with the surface beside them.
-
-        That was at ``before`` (M, 3), and is at ``now`` (M, 3); what is farther than ``within``
-        metres from it stays.
-        """
-        _, near = nearest(columns(before, NONE, 0.0), self.xyz, NONE, within)
-        step = np.where((near >= 0)[:, None], (now - before)[near], 0.0)
-        return OtherMovers(self.xyz + step, self.colour, self.weight)
 
     def asked(self, xyz: NDArray[np.floating]) -> Mask:
         """Mark the positions (M, 3) inside the searched box; of the others nothing is known."""
@@ -105,31 +95,17 @@ class Bending:
 
 
 @dataclass(frozen=True, slots=True)
-class SeenAlone:
-    """Statistics of an object where it was alone in the air, all round.
-
-    ``frames`` how many it was so in; ``cost`` mean distance of its points to the model there, in
-    place and colour, in reaches.
-    """
-
-    frames: int
-    cost: float
-
-
-@dataclass(frozen=True, slots=True)
 class LastObservation:
     """Outcome of an object in the last frame that showed it.
 
     ``points`` number of them; ``alternatives_failed`` whether other poses were tried, its fit being
-    in doubt, and were no better; ``growth_refused`` whether it ended all round with new surface
-    that makes it much longer, which it did not get; ``frames_alone`` how many in a row it ended so
-    with any.
+    in doubt, and were no better; ``frames_ended`` how many in a row it ended all round with a part
+    that it did not get.
     """
 
     points: int
     alternatives_failed: bool = False
-    growth_refused: bool = False
-    frames_alone: int = 0
+    frames_ended: int = 0
     evidence: Evidence | None = None
     """Evidence from its fit."""
 
@@ -163,7 +139,8 @@ class Track:
     last: LastObservation
     size: float
     """The most points that it had."""
-    seen_alone: SeenAlone
+    usual_cost: float
+    """Mean distance of its points to the model where it was alone in the air, in reaches."""
     extent: float = 0.0
     """Metres, the greatest radius that it had."""
     frames_unseen: int = 0
@@ -372,5 +349,5 @@ def _made(
         ColourHistogram.of(colour, options.appearance),
         LastObservation(count),
         float(count),
-        SeenAlone(0, options.confidence.usual_cost),
+        options.confidence.usual_cost,
     )

@@ -75,10 +75,8 @@ class ConfidenceOptions(Options):
     few_weight: float = 2.5  # weight of the log share of them that there are
     pointlike_ratio: float = 1.0  # units over radius from which an object is one place
     bent_change_weight: float = 3.5  # weight of a changed size of what bends
-    colourless_border_weight: float = 13.0  # weight of the border of an object without colours
-    usual_cost: PositiveFloat = (
-        1.2  # usual cost from which a track's cost counts as a multiple of it
-    )
+    # Usual cost from which a track's cost counts as a multiple of it.
+    usual_cost: PositiveFloat = 1.2
     max_log_size: float = 2.0  # greatest log ratio of size and height
     max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
     max_log_left: float = 4.0  # greatest log ratio of what is left beside it over its own

@@ -113,7 +113,7 @@ class StrideOptions(Options):
     body_m: float = 0.25  # metres from the middle, along the ground, that hold a body
     body_sigma_m: PositiveFloat = 0.2  # metres of deviation beyond
     body_max_cost: float = 2.0  # cost beyond at most
-    rounds: int = 3  # times at most that strides are corrected
+    rounds: PositiveInt = 3  # times at most that strides are corrected
     settled_m: float = 0.02  # metres up to which one correction is enough
     visible_doubt: float = 0.15  # visible share at which a correction is half believed
     corrected_share: float = 0.03  # share of their cells that a person has to have for a correction

@@ -33,7 +33,7 @@ class SearchOptions(Options):
     explained_units: float = 3.0  # units from a prediction within which it explains a point
     # Share of the own distance within which another's is clearly nearer.
     clearly_nearer_share: float = 0.5
-    remembered_poses: int = 4  # poses that are remembered
+    remembered_poses: PositiveInt = 4  # poses that are remembered
     pivot_ridge: float = 0.2  # weight with which the pivot leans on the centre
 
 
@@ -70,8 +70,6 @@ class ProposalOptions(Options):
 class RelocationOptions(Options):
     """Search in the whole frame for a track that went astray."""
 
-    above_one: ClassVar[frozenset[str]] = frozenset({"alone_size_share"})
-
     kept_share: float = 0.85  # share of its claim under which a track is looked for elsewhere
     gain: float = 1.1  # times as much that it must have there
     others_share: float = 0.5  # share of its claim under which a place is another track's
@@ -90,12 +88,6 @@ class RelocationOptions(Options):
     size_share_max: float = 3.0  # greatest size of a cluster over the track's
     # Share of its size that shows at least beyond its radius from predictions.
     shown_far_share: float = 0.4
-    alone_cost: float = 0.5  # cost up to which it fits what is alone where it should be
-    alone_radii: float = 2.2  # radii around its predictions in which what is alone ends
-    alone_size_share: float = 1.2  # share of its size that what is alone has at most
-    # Share of the colours of what is alone that it showed where painted.
-    alone_colours_share: float = 0.7
-    claimed_share: float = 0.1  # share of what is alone that others may have claimed
     clusters: int = 4  # clusters that are looked at
     tries: int = 2  # clusters that the track is fitted to
     patient_frames: int = 2  # frames for which it is looked for in each
@@ -121,7 +113,6 @@ class RegistrationOptions(Options):
     anywhere_scales: tuple[PositiveFloat, ...] = (10.0, 7.0, 5.0, 4.0, 3.0, 3.0)
     # Scales in units of the iterations of the best hypothesis.
     final_scales: tuple[PositiveFloat, PositiveFloat, PositiveFloat] = (2.5, 2.0, 2.0)
-    target_scales: float = 4.0  # first final scales around the best pose that are left of a target
     tries: int = 6  # hypotheses that are fitted beside the predictions
     tries_unknown_motion: int = 18  # hypotheses that are fitted while the motion is unknown
     rest_units: float = 1.0  # units by which a resting object seems to move at most
@@ -139,7 +130,6 @@ class RegistrationOptions(Options):
     # Cost over the best one's up to which the next hypothesis is tried.
     try_next_ratio: float = 1.25
     nodes_per_radius: PositiveInt = 5  # deformation nodes along the radius
-    nodes_per_radius_soft: PositiveInt = 8  # the same, of soft objects
     node_units: float = 3.0  # units between nodes at least
     pull_units: float = 4.0  # units within which nodes are pulled to the data
     judged_units: PositiveFloat = 3.0  # scale in units that fits are judged by
@@ -159,7 +149,6 @@ class RegistrationOptions(Options):
     on_units: float = 3.0  # units from a surface within which points are on it
     beside_units: float = 6.0  # units within which points are beside it
     excess_cost: float = 0.3  # cost of as many points beside a surface as on it
-    uncut_share: float = 0.8  # share of a target from which it does not pay to cut it
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,18 +180,16 @@ class ClaimOptions(Options):
     still_reaches: float = 1.5
     # Reaches from confirmed surface within which a point is claimed in any case.
     firm_reaches: float = 0.9
-    foot_reaches: float = 0.6  # the same for points on the ground before a lidar on the move
     sharp_cost: float = 0.2  # cost of a fit up to which its pose tells places beside it apart
+    foot_reaches: float = 0.6  # the same for points on the ground before a lidar on the move
     new_reaches: float = 5.0  # reaches within which new points are not held against it later
-    uncovered_steps: int = 20  # steps by which the surface that another object uncovers may go on
+    own_colour_steps: int = 20  # steps by which surface of colours that nothing else has goes on
     min_claim_points: int = 5  # points of a claim beside which new surface is looked for
     coloured_units: float = 2.0  # units in place and colour between points of new surface
     coloured_units_bent: float = 3.0  # the same, of what bends
     bent_colour_weight: float = 0.2  # share of the weight of colour for what bends
     bent_steps: int = 8  # steps by which new surface of what bends goes on in a frame
-    border_points: PositiveInt = 2000  # points of an object of which its border is told
     touching_units: float = 3.0  # units within which others touch them
-    uncovered_share: float = 0.3  # share of uncovered surface from which it may be an object's
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,8 +200,8 @@ class GrowthOptions(Options):
 
     step_units: float = 2.5  # units from point to point of connected surface in the air
     max_steps: int = 20  # such steps from known surface to its end at most
-    max_steps_unknown: int = 40  # the same, before it was seen alone often enough
-    known_frames: int = 4  # frames alone in the air from which its length is known
+    # Frames after which new surface that ends all round with an object that stays is its own.
+    ended_frames: int = 4
     new_share: float = 0.5  # share of the known points that new surface has at most
     new_share_moving_scanner: float = 1.2  # the same, before a lidar on the move
     new_points: int = 10  # points of new surface that are allowed in any case
@@ -224,8 +211,6 @@ class GrowthOptions(Options):
     # Share of new surface that was there unlabelled, where it is cut off.
     was_there_share_cut: float = 0.2
     was_there_share_open: float = 0.7  # the same, where it stands free
-    was_there_share_missed: float = 0.6  # the same, of a part that was missed
-    end_on_ratio: float = 2.0  # times its known length of what was painted end on
     painted_colours_share: float = 0.7  # share of new surface with the colours it was painted with
     # Share of new colours that it never showed, of what may be a hand.
     strange_colours_share: float = 0.5
@@ -263,7 +248,6 @@ class ContextOptions(Options):
     explained_units: float = 4.0  # units from unlabelled surface within which it explains a point
     yield_ratio: float = 0.7  # share of its cost at which it takes a point from a claim
     stayed_units: float = 7.0  # units within which unlabelled surface is where it was
-    along_units: float = 12.0  # units from a soft object within which surface goes along with it
     rest_units: float = 0.25  # units by which an object that stays moves at most
     reach_m: float = 1.0  # metres about an object within which whoever may hold it is
     beside_radii: float = 0.5  # radii about an object within which unlabelled surface is beside it
@@ -348,7 +332,6 @@ class UpdateOptions(Options):
     new_surface_units: float = 8.0
     left_over_units: float = 8.0  # units around an object within which what is left over may be its
     colour_points: PositiveInt = 1000  # points whose colours are compared with the painted ones
-    soft_step: float = 0.7  # share of its way to the measured points that soft surface goes
     teach_units: float = 3.0  # units from the model within which points and new surface teach it
     teach_units_alone: float = 8.0  # the same, where nothing else is beside it, or before a lidar
     size_matched_share: float = 0.8  # share of the model found from which its size is learnt

@@ -28,7 +28,6 @@ from pointbrush.tracking.scene.pixels import (
     scenery,
     stood,
     take_in,
-    uncovered,
 )
 from pointbrush.tracking.sensors.view import View
 
@@ -50,12 +49,6 @@ class Background(Protocol):
         """Mark the points (M,), labelled or not, whose depth has not changed for so many
         ``frames``."""
 
-    def revealed(self, view: View, indices: I64, /) -> Mask:
-        """Mark the points (M,) behind every depth ever seen there.
-
-        They are the scene behind something that has moved on, or what that had hidden.
-        """
-
     def scenery(self, view: View, indices: I64, frames: int, /) -> Mask:
         """Mark the points (M,) of the background, by the noise of each pixel.
 
@@ -68,14 +61,6 @@ class Background(Protocol):
 
     def drawn_on(self, view: View, indices: I64, /) -> Mask:
         """Mark the points (M,) on the scene as continued behind the first objects."""
-
-    def uncovered(self, view: View, /) -> tuple[I64, I64]:
-        """The points (M,) that something labelled hid until two frames ago, and its label (M,).
-
-        From the first frame on: what only passed there hid nothing that had not been seen before.
-        They were there in the last frame too: who passes with what they hold is not.
-        Without background, and what lies where the scene goes on behind the first objects.
-        """
 
     def again(self, view: View, indices: I64, /) -> I64:
         """(M,) label of which the points (M,) show again, just as deep, what was last seen there.
@@ -128,22 +113,13 @@ class ImageBackground:
     """The last frame's depth, labelled or not."""
     owner: NDArray[np.int32] = field(init=False)
     """The last frame's label of each cell, 0 for none."""
-    hiding: F32 = field(init=False)
-    """The depth in the frame before the last."""
-    hider: NDArray[np.int32] = field(init=False)
-    """The label of each cell in the frame before the last that has hidden it from the first on."""
-    covered: Mask = field(init=False)
-    """Cells that have shown nothing but labels, and what is nearer, from the first frame on."""
     held: LastSeen = field(init=False)
 
     def __post_init__(self) -> None:
         """Nothing is known of hidden places before the first frame."""
         self.hidden = self.previous = self.scene = np.full_like(self.depth, np.nan)
-        self.hiding = self.hidden
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
         self.owner = np.zeros(len(self.depth), np.int32)
-        self.hider = np.zeros(len(self.depth), np.int32)
-        self.covered = np.zeros(len(self.depth), np.bool_)
         self.held = LastSeen.nothing(len(self.depth))
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
@@ -171,13 +147,6 @@ class ImageBackground:
             depth - self.anchor[cell]
         ) < self.options.background.near_sigmas * self.noise(depth)
         return np.asarray(as_deep & (self.age[cell] >= frames))
-
-    def revealed(self, view: View, indices: I64) -> Mask:
-        """See ``Background``."""
-        cell, depth = view.cells.pick(indices)
-        return np.asarray(
-            depth > self.depth[cell] + self.options.background.near_sigmas * self.noise(depth)
-        )
 
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
@@ -291,8 +260,6 @@ class ImageBackground:
             previous=self.previous,
             anchor=self.anchor,
             age=self.age,
-            hider=self.hider,
-            hiding=self.hiding,
         )
 
     def drawn_on(self, view: View, indices: I64) -> Mask:
@@ -304,12 +271,6 @@ class ImageBackground:
             > options.hidden_share * self.hidden[cell] - options.near_sigmas * self.noise(depth)
         )
 
-    def uncovered(self, view: View) -> tuple[I64, I64]:
-        """See ``Background``."""
-        options = self.options.background
-        points = uncovered(view.cells, self._images, options.hidden_share, options.near_sigmas)
-        return points, self.hider[view.cells.cell[points]].astype(np.int64)
-
     def again(self, view: View, indices: I64) -> I64:
         """See ``Background``."""
         sigmas = self.options.background.near_sigmas
@@ -320,8 +281,6 @@ class ImageBackground:
         options = self.options.background
         seen = view.depth.copy()
         cell = view.cells.cell
-        self.owner, self.hider = self.hider, self.owner
-        self.hider[~self.covered] = 0
         self.owner[:] = 0
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
@@ -329,10 +288,6 @@ class ImageBackground:
         # What shows behind a depth, and is an object's, shows that something had only passed there.
         limit = np.float32(options.near_sigmas) * self.noise(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
-        if first:
-            self.covered = labelled.copy()
-        else:
-            self.covered &= labelled | ~(seen > self.previous - limit)
         labelled |= self.held.learn(seen, self.owner, limit, self._known, options=options)
         if keep is not None and len(keep):
             labelled[view.project(keep).cell] = True
@@ -340,7 +295,7 @@ class ImageBackground:
         if first:
             beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=options)
             self.hidden = np.append(beyond, np.float32(np.nan))
-        self.hiding, self.previous = self.previous, view.depth
+        self.previous = view.depth
         keep_up(self.anchor, self.age, seen, limit, self.scale)
         if not first and labelled[:-1].any():  # the last entry is what lies outside the picture
             # What a run missed at an object's rim must not become background.

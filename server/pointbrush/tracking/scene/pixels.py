@@ -90,8 +90,6 @@ class Images(NamedTuple):
     previous: F32
     anchor: F32
     age: I32
-    hider: I32
-    hiding: F32
 
 
 @innermost
@@ -188,26 +186,6 @@ def scenery(
         stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
         result[i] = goes_on or stuck
     return result
-
-
-@compiled
-def uncovered(points: Projection, images: Images, hidden_share: float, near_sigmas: float) -> I64:
-    """See ``Background.uncovered``: the points (M,)."""
-    cells, depths = points
-    found = np.empty(len(cells), np.int64)
-    count = 0
-    for i in range(len(cells)):
-        cell, depth = cells[i], depths[i]
-        if images.hider[cell] == 0:
-            continue
-        limit = _limit(images.noise, depth, near_sigmas)
-        there = abs(depth - images.previous[cell]) < limit
-        shown = there and depth > images.hiding[cell] + limit
-        goes_on = depth > hidden_share * images.hidden[cell] - limit
-        if shown and not goes_on and not depth - images.depth[cell] > -limit:
-            found[count] = i
-            count += 1
-    return found[:count].copy()
 
 
 @compiled

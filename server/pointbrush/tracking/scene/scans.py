@@ -63,10 +63,6 @@ class PointBackground:
         """See ``Background``; what a sensor on the move sees does not stay."""
         return np.zeros(len(indices), np.bool_)
 
-    def revealed(self, _view: View, indices: I64) -> Mask:
-        """See ``Background``; without a depth image nothing is known to lie behind."""
-        return np.zeros(len(indices), np.bool_)
-
     def scenery(self, _view: View, indices: I64, _frames: int) -> Mask:
         """See ``Background``; without a depth image there is no more to know."""
         return np.zeros(len(indices), np.bool_)
@@ -85,10 +81,6 @@ class PointBackground:
     def drawn_on(self, _view: View, indices: I64) -> Mask:
         """See ``Background``; without a depth image no scene is drawn on."""
         return np.zeros(len(indices), np.bool_)
-
-    def uncovered(self, _view: View) -> tuple[I64, I64]:
-        """See ``Background``; without a depth image nothing is known to have hidden a point."""
-        return np.empty(0, np.int64), np.empty(0, np.int64)
 
     def again(self, _view: View, indices: I64) -> I64:
         """See ``Background``; without a depth image no place is held."""

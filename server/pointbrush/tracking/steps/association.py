@@ -71,14 +71,10 @@ class LabelledPoints:
     """See ``Association``; also what may be another's."""
     isolated: bool = False
     """The moving points that hang together there are the object and nothing else."""
-    growth_refused: bool = False
-    """The part that makes it much longer ends all round with it, and may be what holds it."""
-    alone: bool = False
+    ends_all_round: bool = False
     """The part that it did not get, and that may be what holds it, ends all round with it."""
-    uncovered: I64 = field(default_factory=no_points)
-    """Points of ``grown`` that another label hid a moment ago."""
-    border: float = 0.0
-    """Share of its points that touch moving points that are no track's; of what has no colours."""
+    missed: I64 = field(default_factory=no_points)
+    """Points of ``grown`` that are pieces which the registration missed."""
     rim: I64 = field(default_factory=no_points)
     """Its points in this frame of which it learns nothing."""
     beside: I64 | None = None

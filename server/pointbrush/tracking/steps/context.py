@@ -46,22 +46,13 @@ def _explained(track: Track, view: View, fit: Registration, points: I64, reach: 
     if view.roams:  # What stands still is known, and no one holds what is seen from the road.
         return np.zeros(len(points), np.bool_)
     xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
-    explained = track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
-    if track.soft and len(track.other_movers.xyz):  # Each part of it has a motion of its own.
-        before = transform(track.motion.poses[-1], track.model.xyz)
-        bent = track.other_movers.along(
-            before, fit.world, track.options.context.along_units * track.unit
-        )
-        explained |= bent.explain(xyz, colour, reach)
-    return explained
+    return track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
 
 
 def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
     """Mark the points where an unlabelled mover was in the last frame, or would be by ``step``."""
-    reach, xyz = (
-        np.full(len(points), track.options.context.stayed_units * track.unit),
-        view.xyz[points].astype(np.float64),
-    )
+    reach = np.full(len(points), track.options.context.stayed_units * track.unit)
+    xyz = view.xyz[points].astype(np.float64)
     return track.other_movers.explain(xyz, view.colour(points), reach, step)
 
 

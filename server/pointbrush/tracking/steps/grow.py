@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import carved
@@ -18,9 +17,6 @@ from pointbrush.tracking.steps.claim import claim, cut_off, flying, outline, tog
 from pointbrush.tracking.steps.connectivity import Limits, blob, connected
 from pointbrush.tracking.steps.context import contested, step_of, unexplained, was_there
 from pointbrush.tracking.steps.pieces import lost_pieces
-
-LABELS = 2**16
-"""Labels that there can be."""
 
 
 def own_points(track: Track, view: View, fit: Registration) -> Association:
@@ -63,6 +59,13 @@ def _hardly(view: View, fit: Registration) -> Mask:
     return hardly
 
 
+def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
+    """Mark the points (M,) where earlier views looked through; none where the pose is not sure."""
+    if not track.stiff or fit.cost > track.options.claim.sharp_cost:
+        return np.zeros(len(points), np.bool_)
+    return carved(track.carving_views, view, fit.pose, points, track.unit)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Grown:
     """Label → points of each track; ``taken`` (N,) those that some track has."""
@@ -76,25 +79,19 @@ def grow(tracks: Mapping[int, Track], associations: Associations) -> Grown:
 
     Of all but large objects.  Claims lose their flying pixels, which are other movers of nothing.
     """
-    view, background = associations.view, associations.background
+    view = associations.view
     taken = ~associations.unclaimed()
-    uncovered = background.uncovered(view)
     labelled = {n: LabelledPoints.of(view, one) for n, one in associations.found.items()}
     grown: list[int] = []
     for label, association in associations.found.items():
         track, few = tracks[label], view.options.claim.min_claim_points
         if len(association.claim.indices) >= few and not track.large:
-            found = _with_new(track, associations, labelled[label], uncovered, taken)
+            found = _with_new(track, associations, labelled[label], taken)
             taken[found.grown] = True
             labelled[label] = _solid(track, view, found)
             grown.append(label)
     for label in grown:
         labelled[label] = _outlined(tracks[label], associations, labelled[label], taken)
-    for label in grown:
-        if not tracks[label].has_colour_key:
-            found, rest = labelled[label], associations.found[label].registration.moving
-            border = _border(view, found.points, rest[~taken[rest]], tracks[label].unit)
-            labelled[label] = replace(found, border=border)
     return Grown(labelled, taken)
 
 
@@ -102,12 +99,11 @@ def _with_new(
     track: Track,
     associations: Associations,
     found: LabelledPoints,
-    uncovered: tuple[I64, I64],
     taken: Mask,
 ) -> LabelledPoints:
-    """New surface beside a claim: a closed component, or what adjoins and what was ``uncovered``.
+    """New surface beside a claim: a closed component, or what adjoins and missed pieces.
 
-    ``uncovered``: see ``Background``; ``taken`` (N,) points that some track has.
+    ``taken`` (N,) points that some track has.
     """
     view, background = associations.view, associations.background
     fit, core = associations.found[track.label].registration, found.claim.indices
@@ -120,30 +116,13 @@ def _with_new(
             found,
             neutral=np.concatenate([found.neutral, component.neutral]),
             isolated=component.isolated,
-            growth_refused=component.growth_refused,
-            alone=component.alone,
+            ends_all_round=component.ends_all_round,
         )
     if new is not None:
         return replace(found, grown=new)
     new = _adjoin(track, view, fit, core, rest)
-    shown, hider = uncovered
-    mine = (hider != track.label) & ~taken[shown]
-    known = together(
-        _shown(track, view, core, shown[mine], hider[mine]),
-        lost_pieces(track, view, fit, core, taken, background),
-    )
-    return replace(found, grown=together(new, known), uncovered=known)
-
-
-def _border(view: View, own: I64, rest: I64, unit: float) -> float:
-    """Share of an object's points ``own`` (M,) that touch some of the ``rest`` (N,)."""
-    options = view.options.claim
-    some = view.xyz[own[:: max(1, len(own) // options.border_points)]]
-    return (
-        float(close_to(some, view.xyz[rest], options.touching_units * unit).mean())
-        if len(some)
-        else 0.0
-    )
+    missed = lost_pieces(track, view, fit, core, taken, background)
+    return replace(found, grown=together(new, missed), missed=missed)
 
 
 def _solid(track: Track, view: View, found: LabelledPoints) -> LabelledPoints:
@@ -195,12 +174,6 @@ def _outlined(
     return found
 
 
-def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    if not track.stiff or fit.cost > track.options.claim.sharp_cost:
-        return np.zeros(len(points), np.bool_)
-    return carved(track.carving_views, view, fit.pose, points, track.unit)
-
-
 def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -> I64:
     """Points beside the core, of its colour, that nothing unlabelled explains."""
     options = track.options.claim
@@ -220,27 +193,9 @@ def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -
         front = np.concatenate([core, rest[joined]])
         more = np.flatnonzero(own & ~joined)
         at, beside = (view.xyz[points].astype(np.float64) for points in (front, rest[more]))
-        on = connected(at, beside, options.coloured_units * track.unit, options.uncovered_steps)
+        on = connected(at, beside, options.coloured_units * track.unit, options.own_colour_steps)
         joined[more[on]] = True
     return rest[joined]
-
-
-def _shown(track: Track, view: View, core: I64, shown: I64, hider: I64) -> I64:
-    """Collect the points of an object at rest that others have uncovered: connected with it, alike
-    in colour.
-
-    It has to be a good part of all that the other, its ``hider``, uncovered: beside an object in
-    a hand that is mostly what holds it, and whom.
-    """
-    options = track.options
-    if track.bends or not track.motion.rests(track.unit):
-        return shown[:0]
-    front, rest = (_place_and_colour(view, points, track.weight) for points in (core, shown))
-    joined = connected(
-        front, rest, options.growth.step_units * track.unit, options.claim.uncovered_steps
-    )
-    own, every = (np.bincount(h, minlength=LABELS) for h in (hider[joined], hider))
-    return np.asarray(shown[joined & (own > options.claim.uncovered_share * every)[hider]])
 
 
 def _place_and_colour(view: View, indices: I64, weight: float) -> F64:
@@ -258,8 +213,7 @@ class ClosedComponent:
 
     points: I64 | None
     isolated: bool = False
-    growth_refused: bool = False
-    alone: bool = False
+    ends_all_round: bool = False
     neutral: I64 = field(default_factory=no_points)
 
 
@@ -276,31 +230,38 @@ def closed_component(
     other[core] = False
     more = options.new_share_moving_scanner if view.roams else options.new_share
     most = int(
-        max(more * len(core) + options.new_points, options.new_size_share * track.size - len(core))
+        max(
+            more * len(core) + options.new_points,
+            options.new_size_share * track.size - len(core),
+        )
     )
     new = blob(view, core, *_searched(track, view, fit, other, most))
     if new is None or not len(new):
         return ClosedComponent(new, isolated=new is not None)
-    step = step_of(track, fit)
-    # What bends beyond doubt is held by a person, who goes along with it.
-    before = was_there(track, view, new, step if track.surely_soft else None)
-    # Painted end on, it has many times the points that are known.
-    along = len(new) <= most or was_there(track, view, new, step).mean() >= options.along_share
-    others = taken[new].any()
-    its = along and not (others or _may_be_a_hand(track, view, fit, core, new, before))
-    refused = alone = False
-    if view.lens is not None and not (its or others):
-        # A hand goes on behind something else than the object.
-        whole = not cut_off(view, new, track.unit, ~view.marked(np.concatenate([core, new])))
-        refused = whole and _ends_all_round(track, view, core, new, before)
-        its = refused and track.last.growth_refused
-        # What turns in its place shows new sides.
-        alone = whole and along and not track.away
-        its |= alone and track.last.frames_alone >= options.known_frames
-    if its:
-        return ClosedComponent(new, isolated=True, growth_refused=refused)
-    neutral = new[~before] if along else new[:0]
-    return ClosedComponent(None, growth_refused=refused, alone=alone, neutral=neutral)
+    before = was_there(track, view, new)
+    # Painted in part, it has many times the points that are known.
+    along = len(new) <= most or (
+        was_there(track, view, new, step_of(track, fit)).mean() >= options.along_share
+    )
+    if not along:
+        return ClosedComponent(None)
+    if taken[new].any():
+        return ClosedComponent(None, neutral=new[~before])
+    if not _may_be_a_hand(track, view, fit, core, new, before):
+        return ClosedComponent(new, isolated=True)
+    ends = view.lens is not None and not track.away and _ends_all_round(track, view, core, new)
+    if ends and track.last.frames_ended >= options.ended_frames:
+        return ClosedComponent(new, isolated=True)
+    return ClosedComponent(None, ends_all_round=ends, neutral=new[~before])
+
+
+def _ends_all_round(track: Track, view: View, core: I64, new: I64) -> bool:
+    """Test whether nothing but the object itself hides how its ``new`` surface (M,) goes on.
+
+    A hand goes on behind something else than the object; what turns in its place shows new sides.
+    """
+    others = ~view.marked(np.concatenate([core, new]))
+    return not cut_off(view, new, track.unit, others)
 
 
 def _searched(
@@ -320,31 +281,9 @@ def _searched(
         around = view.box(lo, hi)
     near = around[other[around]]
     flies = view.lens is not None and not (track.motion.fresh or slow)
-    known = track.seen_alone.frames >= options.known_frames
-    steps = options.max_steps if known else options.max_steps_unknown
     reach = options.step_units * track.unit
-    return near, Limits(reach, steps, len(near) if flies else most, lo + reach, hi - reach)
-
-
-def _ends_all_round(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
-    """Whether new surface that makes an object on the move much longer ends all round, while the
-    object was not yet seen alone: then it may have been painted end on.
-
-    A part that was missed was there, unlabelled, in the last frame (``before`` (M,)), and would
-    be taken for a hand from then on.  A hand was there for the most part.
-    """
-    options = track.options.growth
-    if track.seen_alone.frames >= options.known_frames or track.motion.slow(track.unit):
-        return False
-    if _share_there(track, view, new, before) >= options.was_there_share_missed:
-        return False
-    whole = _length(view, np.concatenate([core, new]))
-    return whole > options.end_on_ratio * _length(view, core)
-
-
-def _length(view: View, points: I64) -> float:
-    """Standard deviation (m) of ``points`` (M,) along the way in which they are longest."""
-    return float(np.sqrt(np.linalg.norm(np.cov(view.xyz[points].T), 2)))
+    most = len(near) if flies else most
+    return near, Limits(reach, options.max_steps, most, lo + reach, hi - reach)
 
 
 def _may_be_a_hand(

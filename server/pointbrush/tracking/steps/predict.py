@@ -163,13 +163,11 @@ def _before_background(
         )
         rest = np.flatnonzero(~far)
         far[rest] = background.scenery(view, around[rest], stay)
-    # Only what is slow can be where something else was; what has just been revealed was not
-    # seen there before, and may be the object.
+    # Only what is slow can be where something else was.
     slow = track.motion.slow(track.unit)
     own = ~far if slow else ~(far | still)
     hardly = np.zeros(len(around), np.bool_)
     if slow and not track.large:
-        own = own | background.revealed(view, around)
         hardly = far & background.faint(view, around)
     return around[own | hardly], around[~(far | still)], around[hardly]
 

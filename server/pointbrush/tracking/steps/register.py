@@ -54,25 +54,11 @@ def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:
     """Surface of an object, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
     options = track.options
     apart = max(
-        track.model.radius
-        / (
-            options.register.nodes_per_radius_soft
-            if track.soft
-            else options.register.nodes_per_radius
-        ),
+        track.model.radius / options.register.nodes_per_radius,
         options.register.node_units * track.unit,
     )
-    return np.asarray(
-        world
-        + warp(
-            world,
-            colour,
-            target,
-            apart,
-            options.register.pull_units * track.unit,
-            options=options.deform,
-        )
-    )
+    pull = options.register.pull_units * track.unit
+    return world + warp(world, colour, target, apart, pull, options=options.deform)
 
 
 class Registered(NamedTuple):
@@ -91,7 +77,7 @@ class Registered(NamedTuple):
 def register(search: Search) -> Registered:
     """Take the best of the robust fits from the likeliest hypotheses."""
     options = search.options.register
-    motion, model = search.track.motion, search.track.model
+    motion = search.track.motion
     poses, scores = _repeated(search)
     doubt = options.doubt if search.track.rigid else options.doubt_body
     doubtful = min(scores) > doubt and _asked(search)
@@ -120,12 +106,7 @@ def register(search: Search) -> Registered:
         best = motion.resting_pose
         rest = _fits(search, search.many, best[None], (options.judged_units_rest,))
         return Registered(best, float(rest.cost[0]), poses, scores, bool(failed))
-    # What no point can be paired with is left out.
-    world = transform(best, model.xyz)
-    near = search.target.around(
-        world, options.target_scales * options.final_scales[0] * search.track.unit, options=options
-    )
-    fit = _fits(search, search.many, best[None], options.final_scales, target=near)
+    fit = _fits(search, search.many, best[None], options.final_scales)
     return Registered(fit.T[0], float(fit.cost[0]), poses, scores, bool(failed))
 
 
@@ -315,12 +296,10 @@ def _fits(
     scales: Sequence[float],
     *,
     seen: Mask | None = None,
-    target: Target | None = None,
 ) -> Fits:
     """Fit what the sensor should see of the object at each of ``poses``; ``scales`` in units.
 
-    ``seen`` (K, M): which of the sample that is, where it is known; ``target`` in place of the
-    search's.
+    ``seen`` (K, M): which of the sample that is, where it is known.
     """
     model = search.track.model
     if seen is None:
@@ -330,8 +309,8 @@ def _fits(
         | (np.count_nonzero(seen, axis=1) < search.options.register.min_visible_points)[:, None]
     )
     steps = [s * search.track.unit for s in scales]
-    source, target = Source(model.xyz[sample], model.colour[sample]), target or search.target
-    return robust_fits(source, seen, target, poses, steps, options=search.options.register)
+    source = Source(model.xyz[sample], model.colour[sample])
+    return robust_fits(source, seen, search.target, poses, steps, options=search.options.register)
 
 
 def _surprise(search: Search, poses: F64) -> F64:

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from pointbrush.tracking.compute.graph import pieces
-from pointbrush.tracking.compute.grid import within
 from pointbrush.tracking.compute.rigid import excess, transform, transform_each
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration
@@ -41,9 +40,7 @@ def find_astray(
     points = points[~(far | still)]
     for track in some:
         before = _own(track, associations)
-        found = _alone(track, background, view, associations.unclaimed(), before)
-        if found is None:
-            found = _best(track, background, view, left, points[left[points]], before)
+        found = _best(track, background, view, left, points[left[points]], before)
         if found is not None and not (track.carrier and _beyond(track, found)):
             associations = associations.put(track.label, found)
             left[found.claim.indices] = False
@@ -110,64 +107,9 @@ def _scrap(track: Track, found: Association) -> bool:
     )
 
 
-def _alone(
-    track: Track, background: Background, view: View, nobodys: Mask, before: Registration | None
-) -> Association | None:
-    """The object where it should be, if something like it is alone there that no one has.
-
-    It has to fit better than ``before``.
-    """
-    options = track.options.relocate
-    most = options.alone_cost if before is None else min(options.alone_cost, before.cost)
-    middle = _lone_piece(track, background, view, nobodys)
-    if middle is None:
-        return None
-    hypotheses = turned_at(track.model, track.motion.poses[-1], middle)
-    search = crop(track, view, background, nobodys, hypotheses)
-    if search is None:
-        return None
-    fit = find(search)
-    found = own_points(track, view, fit)
-    seen = judge(track, view, fit.pose, fit.world, found.claim).found
-    seen = seen and not _scrap(track, found)
-    return found if seen and fit.cost < most else None
-
-
 def _expected(track: Track) -> F64:
     """(K, 3) where the middle of an object is predicted."""
     return transform_each(track.motion.predictions, track.motion.centre[None])[:, 0]
-
-
-def _lone_piece(track: Track, background: Background, view: View, nobodys: Mask) -> F64 | None:
-    """Middle (3,) of what is alone, of the object's size and colours, nearest to a prediction."""
-    options = track.options
-    at = _expected(track)
-    margin = options.relocate.alone_radii * track.model.radius
-    lo, hi = at.min(axis=0) - margin, at.max(axis=0) + margin
-    around = view.box(lo, hi)
-    around = around[~background.static(view, around)[0]]
-    if not len(around):
-        return None
-    xyz = view.xyz[around].astype(np.float64)
-    piece = pieces(xyz, track.unit, options=options.link)
-    size = np.bincount(piece)
-    ends = within(xyz, lo + track.unit, hi - track.unit)
-    likely = (size >= options.relocate.size_share_min * track.size) & (
-        size <= options.relocate.alone_size_share * track.size
-    )
-    likely &= np.bincount(piece[~ends], minlength=len(size)) == 0
-    likely &= (
-        np.bincount(piece[~nobodys[around]], minlength=len(size))
-        <= options.relocate.claimed_share * size
-    )
-    best, nearest = None, track.model.radius
-    for one in np.flatnonzero(likely).tolist():
-        middle = xyz[piece == one].mean(axis=0)
-        away = float(np.linalg.norm(at - middle, axis=1).min())
-        like = track.appearance.share(view.colour(around[piece == one]))
-        if away < nearest and like > options.relocate.alone_colours_share:
-            best, nearest = middle, away
-    return best
 
 
 def _best(

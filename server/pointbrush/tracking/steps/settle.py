@@ -13,7 +13,7 @@ from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import Evidence, likelihood
 from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import remember
-from pointbrush.tracking.model.track import LastObservation, SeenAlone, Track
+from pointbrush.tracking.model.track import LastObservation, Track
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Association, LabelledPoints
 from pointbrush.tracking.steps.claim import together
@@ -52,7 +52,7 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         appearance=track.appearance.likeness(view.colour(some)) - track.appearance.usual
         if track.body
         else 0.0,
-        usual=track.seen_alone.cost,
+        usual=track.usual_cost,
         points=count,
         pixels=view.lens is not None,
         scans=track.scanned,
@@ -62,7 +62,6 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         tall=_height(track, view, fit, points),
         bend=track.bending.share,
         coarse=track.unit / max(track.model.radius, track.unit),
-        border=given.border,
     )
 
 
@@ -120,10 +119,8 @@ def settle(
     points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)
     _trust(track, observation, features, _strays(track, view, found), confidence_cap)
-    frames_alone = track.last.frames_alone + 1 if given.alone else 0
-    track.last = LastObservation(
-        len(points), fit.alternatives_failed, given.growth_refused, frames_alone, features
-    )
+    frames_ended = track.last.frames_ended + 1 if given.ends_all_round else 0
+    track.last = LastObservation(len(points), fit.alternatives_failed, frames_ended, features)
     _move(track, found, verdict)
     if fit.cost < options.motion_cost:
         note_strain(track, observation)
@@ -159,9 +156,8 @@ def _trust(
     options, isolated = track.options, observation.given.isolated
     here = likelihood(features, track.body, options=options.confidence)
     if isolated and observation.fit.cost < options.update.teach_cost:
-        cost = track.seen_alone.cost
-        cost += options.update.usual_cost_rate * (features.cost - cost)
-        track.seen_alone = SeenAlone(track.seen_alone.frames + 1, cost)
+        more = features.cost - track.usual_cost
+        track.usual_cost += options.update.usual_cost_rate * more
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
     track.astray = (track.astray and not isolated) or (
         strays and (not isolated or bool(observation.view.people))

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.compute.columns import NONE, columns, nearest
 from pointbrush.tracking.compute.grid import close_to
 from pointbrush.tracking.compute.rigid import inverse, transform
 from pointbrush.tracking.interface import F64, I64, Mask
@@ -105,8 +104,6 @@ def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     """Let a rigid model take in what was found on it and beside it, and drop what was not there."""
     view, fit, given = observation.view, observation.fit, observation.given
     back = inverse(fit.pose)
-    if track.soft:
-        track.model.xyz = transform(back, _settled_on(fit.world, view, given.claim))
     number = track.model.miss(observation.verdict.through)
     if not was_rigid:  # the claim was made by the model as it was bent
         number[:] = -1
@@ -124,7 +121,6 @@ def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     sure = track.distinct(colour) | (given.isolated or view.roams)
     own_eye = _eye_of(back, view)
     track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
-    _take_in_uncovered(track, view, given.uncovered, back, own_eye)
 
 
 def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim:
@@ -151,30 +147,6 @@ def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim
     )
 
 
-def _settled_on(world: F64, view: View, found: Claim) -> F64:
-    """The model at ``world`` (M, 3), each point moved to the middle of the points nearest to it."""
-    count = np.bincount(found.nearest, minlength=len(world))
-    away = view.xyz[found.indices] - world[found.nearest]
-    sums = [np.bincount(found.nearest, weights=away[:, a], minlength=len(world)) for a in range(3)]
-    return np.asarray(
-        world
-        + view.options.update.soft_step * np.stack(sums, axis=1) / np.maximum(count, 1)[:, None]
-    )
-
-
-def _take_in_uncovered(track: Track, view: View, points: I64, back: F64, eye: F64 | None) -> None:
-    """Confirm the surface of an object at rest that another hid until now, as surely as if painted.
-
-    Beside what is on the move it may be the hand.
-    """
-    if not len(points):
-        return
-    xyz = transform(back, view.xyz[points].astype(np.float64))
-    gap, number = nearest(columns(track.model.xyz, NONE, 0.0), xyz, NONE, np.inf)
-    sure = track.motion.slow(track.unit)
-    track.model.gather(xyz, view.colour(points), gap, number, eye, sure=sure)
-
-
 def _eye_of(back: F64, view: View) -> F64 | None:
     """(3,) the sensor in the model's coordinates, None where its place is not known."""
     return None if view.eye is None else transform(back, view.eye[None])[0]
@@ -186,7 +158,7 @@ def note_looseness(track: Track, observation: Observation) -> None:
     given, verdict = observation.given, observation.verdict
     found, grown = given.claim, given.grown
     total = len(found.indices) + len(grown)
-    unlike = 0 if given.isolated else len(grown) - len(given.uncovered)
+    unlike = 0 if given.isolated else len(grown) - len(given.missed)
     loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * track.unit)) / max(
         total, 1
     )
