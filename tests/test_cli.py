@@ -280,7 +280,15 @@ def test_help_of_serve_is_in_groups(capsys: pytest.CaptureFixture[str]) -> None:
         run("serve", "--help")
     printed = capsys.readouterr().out
     heads = [line for line in printed.splitlines() if line.endswith(":") and line[0] != " "]
-    assert heads == ["options:", "workspace:", "address and TLS:", "access:", "work:", "limits:"]
+    assert heads == [
+        "options:",
+        "workspace:",
+        "address and TLS:",
+        "access:",
+        "work:",
+        "backups:",
+        "limits:",
+    ]
 
 
 def test_tokens_are_added_listed_and_revoked(capsys: pytest.CaptureFixture[str]) -> None:

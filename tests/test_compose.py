@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +22,17 @@ SERVICE_KEYS = {
     "tmpfs", "cap_drop", "security_opt", "depends_on", "healthcheck", "user", "profiles",
     "secrets", "networks", "deploy", "logging", "stop_grace_period", "shm_size",
 }  # fmt: skip
-EXACT = re.compile(r"\d+\.\d+(\.\d+)?([-.][a-z0-9]+)*")
+EXACT = re.compile(r"v?\d+\.\d+(\.\d+)?([-.][a-z0-9]+)*")
 COMPOSE: dict[str, Any] = yaml.safe_load((ROOT / "docker-compose.yml").read_text())
 SERVICES: dict[str, dict[str, Any]] = COMPOSE["services"]
-LASTING = {name: each for name, each in SERVICES.items() if "profiles" not in each}
+LASTING = {name: each for name, each in SERVICES.items() if each.get("profiles") != ["by-hand"]}
 each_service = pytest.mark.parametrize("name", sorted(SERVICES))
 
 
 def test_the_topology_is_that_of_a_lab() -> None:
     assert set(LASTING) == {
         "caddy", "pointbrush-1", "pointbrush-2", "scheduler", "worker", "postgres",
+        "prometheus",
     }  # fmt: skip
     top = {key for key in COMPOSE if not key.startswith("x-")}
     assert top == {"name", "services", "volumes", "networks", "secrets"}
@@ -76,18 +79,23 @@ def test_secrets_come_by_file_alone() -> None:
 
 def test_only_the_proxy_is_published_and_on_loopback_unless_told() -> None:
     published = {name: each["ports"] for name, each in SERVICES.items() if "ports" in each}
-    assert published == {"caddy": ["${POINTBRUSH_LISTEN:-127.0.0.1}:8443:8443"]}
+    assert published == {
+        "caddy": ["${POINTBRUSH_LISTEN:-127.0.0.1}:8443:8443"],
+        "prometheus": ["127.0.0.1:9090:9090"],
+    }
     assert COMPOSE["networks"]["inside"]["internal"] is True
-    assert [name for name, each in SERVICES.items() if "outside" in each["networks"]] == ["caddy"]
+    assert {name for name, each in SERVICES.items() if "outside" in each["networks"]} == {
+        *published
+    }
 
 
 def test_options_and_commands_are_those_of_the_program() -> None:
     known = {each.variable for each in options()}
     for name in ("pointbrush-1", "pointbrush-2", "backup"):
         assert set(SERVICES[name]["environment"]) <= known | {"TMPDIR"}
-    said = re.search(r"pointbrush (backup \S+)", " ".join(SERVICES["backup"]["command"]))
-    assert said is not None
-    assert parser().parse_args(said[1].split()).command == "backup"
+    assert parser().parse_args(SERVICES["backup"]["command"][1:]).command == "backup"
+    for name in ("pointbrush-1", "backup"):
+        assert mounts(SERVICES[name])[SERVICES[name]["environment"]["POINTBRUSH_BACKUP_TO"]]
     restore = re.search(r"pointbrush (restore \S+)'", (DEPLOY / "restore.sh").read_text())
     assert restore is not None
     assert parser().parse_args(restore[1].split()).command == "restore"
@@ -122,6 +130,36 @@ def test_archives_unpack_on_the_volume_that_workers_share_with_the_servers() -> 
     backup = SERVICES["backup"]
     assert backup["environment"]["TMPDIR"] in mounts(backup)
     assert backup["environment"].keys() - {"TMPDIR"} == servers[0]["environment"].keys()
+
+
+def test_prometheus_scrapes_both_servers_with_its_secret_and_knows_its_rules() -> None:
+    config = yaml.safe_load((DEPLOY / "prometheus.yml").read_text())
+    (scraped,) = config["scrape_configs"]
+    hosts = SERVICES["pointbrush-1"]["environment"]["POINTBRUSH_ALLOWED_HOSTS"]
+    targets = [target for one in scraped["static_configs"] for target in one["targets"]]
+    assert targets == ["pointbrush-1:8080", "pointbrush-2:8080"]
+    assert all(target.partition(":")[0] in hosts.split(",") for target in targets)
+    secret = scraped["authorization"]["credentials_file"]
+    assert secret.removeprefix("/run/secrets/") in SERVICES["prometheus"]["secrets"]
+    assert {f"/etc/prometheus/{name}" for name in config["rule_files"]} < set(
+        mounts(SERVICES["prometheus"])
+    )
+
+
+def test_systemd_accepts_the_unit_whose_options_are_those_of_the_program(tmp_path: Path) -> None:
+    text = (DEPLOY / "pointbrush.service").read_text()
+    asked = re.findall(r"^Environment=(POINTBRUSH_\w+)=", text, re.MULTILINE)
+    assert set(asked) <= {each.variable for each in options()}
+    command = re.search(r"^ExecStart=\S+/pointbrush (.+)$", text, re.MULTILINE)
+    assert command is not None
+    assert parser().parse_args(command[1].split()).command == "serve"
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("no systemd here")
+    unit = tmp_path / "pointbrush.service"
+    unit.write_text(re.sub(r"^ExecStart=\S+", f"ExecStart={sys.executable}", text, flags=re.M))
+    checked = subprocess.run(["systemd-analyze", "verify", unit], capture_output=True, text=True)
+    ours = [line for line in checked.stderr.splitlines() if "pointbrush" in line]
+    assert (checked.returncode, ours) == (0, [])
 
 
 def test_certificate_files_that_the_proxy_is_told_of_are_mounted() -> None:
@@ -173,7 +211,7 @@ def test_secrets_are_made_once(tmp_path: Path) -> None:
         subprocess.run(["sh", script], check=True)
         made.append({path.name: path.read_text() for path in script.parent.glob("secrets/*")})
     assert made[0] == made[1]
-    assert set(made[0]) == set(COMPOSE["secrets"])
+    assert set(made[0]) == set(COMPOSE["secrets"]) - {"prometheus_token"}
     assert all(len(secret) > 30 for secret in made[0].values())
     assert (script.parent / "secrets").stat().st_mode & 0o077 == 0
 

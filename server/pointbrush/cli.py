@@ -259,7 +259,15 @@ def parser() -> argparse.ArgumentParser:
     headset_.add_argument("file", type=Path, metavar="FILE", help="downloaded from that page")
 
     backup_ = _command(commands, "backup", "copy a workspace, also one that is in use")
-    backup_.add_argument("target", type=Path, help="a folder that does not exist yet")
+    backup_.add_argument(
+        "target",
+        nargs="?",
+        type=Path,
+        help="a folder that does not exist yet; none: a dated one in --backup-to",
+    )
+    backup_.add_argument(
+        "--if-older", metavar="TIME", help="only if the newest there is older, as 90m, 24h or 7d"
+    )
 
     restore_ = _command(commands, "restore", "make a workspace from a backup")
     restore_.add_argument("source", type=Path, help="the folder of a backup")

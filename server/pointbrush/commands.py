@@ -19,8 +19,9 @@ from pointbrush.labels import check_database
 from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import Answer
-from pointbrush.settings import Settings
+from pointbrush.settings import Settings, seconds_of
 from pointbrush.work.backup import move_labels, own_url, restore_backup
+from pointbrush.work.backup_series import BackupSeries
 from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
@@ -327,12 +328,17 @@ def headset_report(given: argparse.Namespace, settings: Settings) -> Answer:  # 
 
 
 def backup(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Copy recordings and labels into a new folder."""
-    from pointbrush.work.backup import make_backup
-
+    """Copy recordings and labels into a new folder, perhaps one of a series."""
+    if given.target is None and not settings.backup_to:
+        raise BadInputError("backup: expected a new folder, or --backup-to with one of backups")
     with closing(Workspace(settings)) as workspace:
-        make_backup(workspace.labels, workspace.library, given.target)
-    return printing.said(f"backed up to {given.target}", target=str(given.target))
+        if given.target is None:
+            series = BackupSeries(Path(settings.backup_to), settings.backup_keep)
+            age = None if given.if_older is None else seconds_of("--if-older", given.if_older)
+            target = series.add(workspace.back_up, age)
+        else:
+            workspace.back_up(target := given.target)
+    return printing.said(f"backed up to {target}", target=str(target))
 
 
 def restore(given: argparse.Namespace, settings: Settings) -> Answer:

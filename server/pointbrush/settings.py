@@ -19,6 +19,8 @@ from pointbrush.options import WORKSPACE, Option, markdown, option, options_of
 
 EVERYWHERE: tuple[str, ...] = ()
 SERVERS = ("demo", "serve")
+KEEPERS = ("backup", *SERVERS)
+"""Commands that make backups."""
 READERS = ("import", "import-labels", *SERVERS)
 """Commands that read points of files."""
 RUNNERS = ("track", "example", *SERVERS)
@@ -29,8 +31,11 @@ REMOTE = (
 )  # fmt: skip
 """Commands that work on the workspace of a server as well."""
 ADDRESS, ACCESS, JOBS, LIMITS = "address and TLS", "access", "work", "limits"
-GROUPS = (WORKSPACE, ADDRESS, ACCESS, JOBS, LIMITS)
+BACKUPS = "backups"
+GROUPS = (WORKSPACE, ADDRESS, ACCESS, JOBS, BACKUPS, LIMITS)
 """Headings in the help of commands, in their order."""
+
+UNIT_SECONDS = {"m": 60.0, "h": 3_600.0, "d": 86_400.0}
 
 DOCS = Path(__file__).parents[2] / "docs" / "options.md"
 BEGIN, END = "<!-- Written by `python -m pointbrush.settings`. -->\n", "<!-- End. -->\n"
@@ -151,6 +156,21 @@ class Settings:
         "services that score classes for label by example: NAME=http://host:port, several with "
         "commas; plug-ins are there by their names",
         where=SERVERS,
+    )
+    backup_to: str = option(
+        "",
+        "folder of dated backups, which share the files of recordings; a server makes them",
+        where=KEEPERS,
+        group=BACKUPS,
+    )
+    backup_every: str = option(
+        "24h",
+        "time between them, as 90m, 24h or 7d",
+        where=SERVERS,
+        group=BACKUPS,
+    )
+    backup_keep: int = option(
+        7, "newest of them that are kept; older ones are removed", where=KEEPERS, group=BACKUPS
     )
     tls: bool = option(
         False,
@@ -326,6 +346,14 @@ class Settings:
         return [Path.cwd().resolve(), Path.home().resolve()]
 
 
+def seconds_of(name: str, text: str) -> float:
+    """Return the seconds of a time such as 24h; raises BadInputError, which names ``name``."""
+    number, unit = text[:-1], text[-1:]
+    if unit not in UNIT_SECONDS or not number.isdecimal() or not int(number):
+        raise BadInputError(f"{name}: expected a time as 90m, 24h or 7d, got {text[:20]!r}")
+    return int(number) * UNIT_SECONDS[unit]
+
+
 def _secret(name: str, file: str) -> str:
     """Read the file of option ``name``, without its end of line."""
     try:
@@ -337,6 +365,12 @@ def _secret(name: str, file: str) -> str:
 def options() -> tuple[Option, ...]:
     """Return all options, for the command line and the docs."""
     return options_of(Settings)
+
+
+def variables(settings: Settings, command: str) -> dict[str, str]:
+    """Return the environment that gives ``command``, in another process, the same options."""
+    taken = [each for each in options() if each.taken_by(command)]
+    return {each.variable: str(getattr(settings, each.name)) for each in taken}
 
 
 def documented(text: str) -> str:

@@ -28,7 +28,14 @@ from pointbrush.work.annotate.accepting import Verdicts
 from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
-from pointbrush.work.backup import note_made, require_here, require_labels, restore_one
+from pointbrush.work.backup import (
+    CLASSIFIERS,
+    make_backup,
+    note_made,
+    require_here,
+    require_labels,
+    restore_one,
+)
 from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
@@ -179,9 +186,14 @@ class Workspace:
         from pointbrush.classify.models import Models
         from pointbrush.work.classifiers.front import ClassifierFront
 
-        folder = self.settings.workspace.absolute() / "classifiers"
         models = Models.parse(self.settings.models)
-        return ClassifierFront(self.labels, self.library, self.runner, self.jobs, folder, models)
+        return ClassifierFront(
+            self.labels, self.library, self.runner, self.jobs, self._classifier_folder, models
+        )
+
+    @property
+    def _classifier_folder(self) -> Path:
+        return self.settings.workspace.absolute() / CLASSIFIERS
 
     @once
     def fitting(self) -> Fitting:
@@ -327,6 +339,10 @@ class Workspace:
             "sequences": self.library.store.require_answer,
             "scheduler": self.runner.require_scheduler,
         }
+
+    def back_up(self, target: Path, earlier: Path | None = None) -> None:
+        """Copy everything into the new folder ``target``; see ``backup.make_backup``."""
+        make_backup(self.labels, self.library, target, self._classifier_folder, earlier)
 
     def restore_from_backup(self, source: Path, sequence: str) -> str:
         """Bring one recording of a backup back, also while in use; returns its id here."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import yaml
 from prometheus_client import CollectorRegistry
 from waiting import eventually
 
@@ -20,7 +21,8 @@ from tests.faults.clients import SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.serving import add_sequence, settings_in
 
-DASHBOARD = Path(__file__).parents[2] / "deploy" / "grafana.json"
+DEPLOY = Path(__file__).parents[2] / "deploy"
+DASHBOARD, ALERTS = DEPLOY / "grafana.json", DEPLOY / "alerts.yml"
 SUFFIXES = {
     "counter": ("_total",), "gauge": ("",), "histogram": ("_bucket", "_count", "_sum"),
 }  # fmt: skip
@@ -84,6 +86,7 @@ def names_of(registry: CollectorRegistry) -> set[str]:
 def test_the_dashboard_asks_for_metrics_that_are_served() -> None:
     metrics = Metrics()
     metrics.watch_queues(dict)
+    metrics.watch_backups(float, float)
     metrics.job(Job("import", None, state="done"))
     panels = json.loads(DASHBOARD.read_text())["panels"]
     asked = {
@@ -92,6 +95,8 @@ def test_the_dashboard_asks_for_metrics_that_are_served() -> None:
         for target in panel["targets"]
         for name in re.findall(r"(?:pointbrush|process)_\w+", target["expr"])
     }
+    rules = yaml.safe_load(ALERTS.read_text())["groups"][0]["rules"]
+    asked |= {name for rule in rules for name in re.findall(r"pointbrush_\w+", rule["expr"])}
     served = names_of(metrics.registry)
     assert asked <= served
     own = {name for name in served if re.fullmatch(r"pointbrush_\w+(?<!_sum)(?<!_count)", name)}

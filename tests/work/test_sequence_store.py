@@ -117,7 +117,15 @@ def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: P
     make_backup(workspace.labels, workspace.library, tmp_path / "backup")
     kept = open_sequence(tmp_path / "backup" / "sequences" / "room")
     assert kept[3].source_xyz().tobytes() == first[3].source_xyz().tobytes()
-    assert workspace.restore_from_backup(tmp_path / "backup", "room") == "room-2"
+    workspace.update_sequence("room", name="Room")
+    workspace.back_up(tmp_path / "later", tmp_path / "backup")
+    first, later = (
+        {path.relative_to(root): path for path in root.rglob("*") if path.is_file()}
+        for root in (tmp_path / "backup" / "sequences", tmp_path / "later" / "sequences")
+    )
+    copied = {path.name for path, file in later.items() if not file.samefile(first[path])}
+    assert copied <= {"manifest.json", "checksums.json", "sensor.json"}
+    assert workspace.restore_from_backup(tmp_path / "later", "room") == "room-2"
     assert workspace.listing.problems("room-2") == []
     assert workspace.annotations.read("room-2", 0)[0].all()
 

@@ -16,6 +16,7 @@ from pointbrush.sequences.frame_files import FRAMES
 from pointbrush.sequences.manifest import FILE, Manifest, parse_manifest
 from pointbrush.sequences.octree.arrays import file_digest
 from pointbrush.sequences.read_ahead import ReadAhead
+from pointbrush.sequences.recording_files import KeptFiles
 
 OPEN_FRAMES = 64
 """Frames of a recording that may be open at once: each holds its files, 3 descriptors."""
@@ -161,9 +162,11 @@ class BucketFiles:
         """See RecordingFiles."""
         self._bucket.write(f"{self._name}/{name}", data)
 
-    def copy_to(self, target: Path) -> None:
+    def copy_to(self, target: Path, earlier: Path | None = None) -> None:
         """See RecordingFiles."""
-        for name in self._sizes:
+        kept = KeptFiles(self.checksums(), earlier)
+        for name, size in self._sizes.items():
             place = target / name
             place.parent.mkdir(parents=True, exist_ok=True)
-            self._bucket.fetch(f"{self._name}/{name}", place)
+            if not kept.link(name, size, place):
+                self._bucket.fetch(f"{self._name}/{name}", place)

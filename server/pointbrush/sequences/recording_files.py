@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -59,8 +60,12 @@ class RecordingFiles(Protocol):
         """Put ``data`` in place of a file in one step."""
         raise NotImplementedError
 
-    def copy_to(self, target: Path) -> None:
-        """Copy all files into the new folder ``target``."""
+    def copy_to(self, target: Path, earlier: Path | None = None) -> None:
+        """Copy all files into the new folder ``target``.
+
+        Those that the folder ``earlier``, a copy from before, has with the same checksum become
+        links to its files.
+        """
         raise NotImplementedError
 
 
@@ -103,9 +108,39 @@ class FolderFiles:
         """See RecordingFiles."""
         replace_file(self.path / name, data)
 
-    def copy_to(self, target: Path) -> None:
+    def copy_to(self, target: Path, earlier: Path | None = None) -> None:
         """See RecordingFiles."""
-        shutil.copytree(self.path, target)
+        kept = KeptFiles(self.checksums(), earlier)
+
+        def copy(source: str, place: str) -> None:
+            name = str(Path(source).relative_to(self.path))
+            if not kept.link(name, Path(source).stat().st_size, Path(place)):
+                shutil.copy2(source, place)
+
+        shutil.copytree(self.path, target, copy_function=copy)
+
+
+class KeptFiles:
+    """The files of a recording that an earlier copy of it has."""
+
+    def __init__(self, checksums: dict[str, str] | None, earlier: Path | None) -> None:
+        """``checksums``: of the files as they are; ``earlier``: the folder of the copy."""
+        self._folder = earlier
+        self._now = checksums or {}
+        self._then = {} if earlier is None else FolderFiles(earlier).checksums() or {}
+
+    def link(self, name: str, size: int, place: Path) -> bool:
+        """Link the copy's file to ``place`` and return True, if it is the same."""
+        if self._folder is None or self._now.get(name, "") != self._then.get(name):
+            return False
+        file = self._folder / name
+        try:
+            if file.stat().st_size == size:
+                os.link(file, place)
+                return True
+        except OSError:  # gone, or a disk that knows no links, or no more of them to one file
+            pass
+        return False
 
 
 def files_of(place: Path | RecordingFiles) -> RecordingFiles:

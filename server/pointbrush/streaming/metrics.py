@@ -73,6 +73,15 @@ class Metrics:
         if job.state in ENDED:
             self.jobs.labels(job.kind, job.state).observe(max(0.0, time.time() - job.created))
 
+    def watch_backups(self, newest_at: Callable[[], float], failures: Callable[[], float]) -> None:
+        """Ask for the time of the newest backup, and how many failed, with the metrics."""
+        for name, text, ask in (
+            ("timestamp_seconds", "time of the newest backup, since 1970; 0 for none", newest_at),
+            ("failures", "backups that this server could not make", failures),
+        ):
+            gauge = Gauge(f"pointbrush_backup_{name}", text, registry=self.registry)
+            gauge.set_function(ask)
+
     def watch_queues(self, lengths: Callable[[], Mapping[str, int]]) -> None:
         """Ask ``lengths`` how long each queue is, whenever somebody reads the metrics."""
         self.registry.register(_Queues(lengths))

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
@@ -16,7 +17,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.openapi.utils import get_openapi
 
 from pointbrush import __version__
-from pointbrush.settings import Settings
+from pointbrush.settings import Settings, variables
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket
@@ -30,6 +31,7 @@ from pointbrush.web.routes import RESOURCES, meta, objects, oidc, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.web.watching import Watching
+from pointbrush.work.backup_series import BackupSchedule, BackupSeries
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.work.objects import StaleCandidateError
 from pointbrush.workspace import Workspace
@@ -62,6 +64,7 @@ def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
     app.state.metrics = Metrics()
     app.state.uploads = Uploads(settings.workspace.absolute(), workspace.jobs.uploads)
     app.state.kept_uploads = KeptUploads()
+    app.state.backups = _backups(settings, app.state.metrics)
     app.state.exports = Exports(settings.exports, settings.exports_per_person)
     app.state.ready_probe = ReadyProbe(workspace.ready_checks())
     problems.install(app)
@@ -81,6 +84,9 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     uploads.open()
     await run_in_threadpool(app.state.workspace.keep_jobs)
     threading.Thread(target=_import_ahead, name="import-ahead", daemon=True).start()
+    backups: BackupSchedule | None = app.state.backups
+    if backups is not None:
+        backups.begin()
     try:
         async with Hub(app.state.workspace, app.state.metrics).running() as hub:
             app.state.hub = hub
@@ -91,7 +97,19 @@ async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
             ):
                 yield
     finally:
+        if backups is not None:
+            await run_in_threadpool(backups.close)
         uploads.close()
+
+
+def _backups(settings: Settings, metrics: Metrics) -> BackupSchedule | None:
+    """Plan the backups that the server is to make, if any; raises BadInputError."""
+    if not settings.backup_to:
+        return None
+    series = BackupSeries(Path(settings.backup_to), settings.backup_keep)
+    schedule = BackupSchedule(series, settings.backup_every, variables(settings, "backup"))
+    metrics.watch_backups(series.newest_at, lambda: schedule.failures)
+    return schedule
 
 
 def _import_ahead() -> None:

@@ -31,6 +31,7 @@ DATABASE = "labels.sqlite"
 MADE = "labels.made"
 """Note that there is, or was, a database of labels in the workspace."""
 RECORDINGS = "sequences"
+CLASSIFIERS = "classifiers"
 
 
 def own_url(workspace: Path) -> str:
@@ -100,17 +101,34 @@ def _place(url: str) -> tuple[Any, ...]:
     return "postgresql", parsed.host, parsed.port or 5432, parsed.database
 
 
-def make_backup(store: LabelStore, library: Library, target: Path) -> None:
+def is_backup(folder: Path) -> bool:
+    """Return whether a folder is a backup."""
+    return (folder / DATABASE).is_file()
+
+
+def make_backup(
+    store: LabelStore,
+    library: Library,
+    target: Path,
+    classifiers: Path | None = None,
+    earlier: Path | None = None,
+) -> None:
     """Copy everything into the new folder ``target``, while the workspace is in use.
 
     The database is copied last, so that it never knows of a recording that is not there.
-    Raises ConflictError when ``target`` exists.
+    ``classifiers``: their folder; files that ``earlier``, a backup on the same disk, has already
+    become links to its own.  Raises ConflictError when ``target`` exists.
     """
     partial = _partial(target)
     try:
         for manifest in library.manifests():
-            library.store.files(manifest.id).copy_to(partial / RECORDINGS / manifest.id)
+            place = Path(RECORDINGS, manifest.id)
+            before = None if earlier is None else earlier / place
+            library.store.files(manifest.id).copy_to(partial / place, before)
+        if classifiers is not None:
+            _copy(classifiers, partial / CLASSIFIERS)
         back_up(store.database, partial / DATABASE)
+        os.sync()  # its name must not outlive its bytes
         partial.rename(target)
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
@@ -123,11 +141,12 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
     Without ``url`` they are in the workspace.  Raises NotFoundError when ``source`` is none,
     ConflictError when ``target`` exists or the database is not empty.
     """
-    if not (source / DATABASE).is_file():
+    if not is_backup(source):
         raise NotFoundError(f"backup: expected a folder with {DATABASE}, got {source}")
     partial = _partial(target)
     try:
-        _copy(source / RECORDINGS, partial / RECORDINGS)
+        for part in (RECORDINGS, CLASSIFIERS):
+            _copy(source / part, partial / part)
         if url:
             note_database(partial, url)
             restore(source / DATABASE, url)
