@@ -257,7 +257,7 @@ def test_what_one_looks_at_is_predicted(large: tuple[Desk, LiveServer]) -> None:
         "**/classifiers", lambda r: r.fulfill(json=[known | {"taught_by": {}, "examples": {}}])
     )
     desk.page.route("**/prediction?*", predict)
-    desk.until("pb.state.sequence.value !== null")
+    desk.until("pb?.state.sequence.value")
     stand(desk, [0.0, -12.0, 6.0], [0.0, 0.0, 1.0])
     desk.page.get_by_role("button", name="By example").click()
     expect(desk.page.get_by_text("near what you look at")).to_be_visible()

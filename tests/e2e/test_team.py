@@ -122,6 +122,7 @@ def paint(client: Client, sequence: str, *, half: bool = False) -> None:
 def returned(server: LiveServer, lead: Desk, ada: Desk, place: list[float]) -> None:
     """Send a task back with a note and a place; its person is led there, and hands it in again."""
     own = tasks_of(ada).get_by_role("region", name="My task")
+    own.get_by_text("Hall").first.wait_for()
     ada.press("Shift+N")
     eventually(lambda: states(server)["hall"] == "done")
     panel = tasks_of(lead)

@@ -47,7 +47,9 @@ def test_outlines_in_a_plan_take_what_they_show(
     desk.press("f")
     wide, high = desk.ask("[view.clientWidth, view.clientHeight]")
     at = f"pb.project({middle})"
-    desk.until(f"Math.hypot({at}[0] - {wide / 2}, {at}[1] - {high / 2}) < 2")
+    desk.until(
+        f"Math.hypot({at}[0] - {wide / 2}, {at}[1] - {high / 2}) < 2 && !pb.engine.camera.flying"
+    )
     desk.press("p")
     desk.until("!pb.engine.viewer.camera.orthographic && !pb.engine.camera.flying")
     desk.page.get_by_role("button", name="Views to come back to").click()

@@ -68,6 +68,12 @@ export async function refresh(): Promise<void> {
   });
 }
 
+/** Take in what the server says of a task. */
+function note(task: Task): void {
+  const others = tasks.peek().filter(({ number }) => number !== task.number);
+  tasks.value = [...others, task].sort((a, b) => a.number - b.number);
+}
+
 /** Open the panel, which takes the place of the review. */
 export function openTeam(tab: TeamTab = teamTab.peek()): void {
   reviewOpen.value = false;
@@ -117,7 +123,7 @@ export async function change(task: Task, patch: TaskPatch): Promise<boolean> {
   await attempt('The task was not changed', async () => {
     const path = `${projectPath(of!.id)}/tasks/${task.number}`;
     const next = await api<Task>('PATCH', path, patch);
-    tasks.value = tasks.peek().map((each) => (each.number === next.number ? next : each));
+    note(next);
     done = true;
   });
   return done;
@@ -128,6 +134,7 @@ export async function begin(of: string, work: 'label' | 'review' = 'label'): Pro
   await attempt('There is no next task', async () => {
     const task = await api<Task | null>('POST', `${projectPath(of)}/tasks/next`, { work });
     if (task) {
+      note(task);
       openTeam('tasks');
       goToTask(task);
     } else {
