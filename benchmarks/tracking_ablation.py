@@ -61,7 +61,7 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "bending": {"track": {"bent_share": 1.0, "bent_share_large": 1.0}},
     "soft surface": {"track": {"soft_strain": float(NEVER)}},
     "rims behind outlines": {"strain": {"outline_offsets_px": (0, 0, 0)}},
-    "exchanged tracks": {"identity": {"alike_share": 1.0}},
+    "exchanged tracks": {"identity": {"alike_radius_ratio": 0.0}},
     # People
     "people together": {"body": {"limb_m": 0.0}},
     "strides by depth": {"step": {"evidence_weight": 0.0}},

@@ -30,6 +30,7 @@ DEFINITIONS = {
     "icp.py": {"LONE", "FINEST", "SAMPLE"},  # of the paper's method, not of `auto`
     "people/strides.py": {"GRID"},  # nodes of a search grid
     "people/foreground.py": {"OTHER"},  # code of a label
+    "scene/depth.py": {"NEVER"},  # more than any number of frames
     "registry.py": {"COLOUR_NEIGHBOURS"},  # of the paper's method
     "permissions.py": {"FEWEST"},  # part of the label store's contract
     "sensors/visual_odometry.py": {"SPREAD"},  # 1.4826

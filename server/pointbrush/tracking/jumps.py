@@ -126,9 +126,8 @@ def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | Non
         T, found = register(one, other.tree, start, options=options.scan_odometry)
         if found > share:
             best, share = T, found
-    better = share > options.jumps.agreed_share and 1 - share < options.jumps.left_share * (
-        1 - before
-    )
+    odometry = options.scan_odometry
+    better = share > odometry.agreed_share and 1 - share < odometry.left_share * (1 - before)
     return best if better and _displaced(one, best) > options.jumps.least_cells else None
 
 

@@ -107,13 +107,9 @@ class PersonWeights(Weights):
 class PersonConfidenceOptions(Options):
     """Confidence of a person, the same way."""
 
-    signed: ClassVar[frozenset[str]] = frozenset({"min_log_clothes"})
-
     weights: PersonWeights = field(default_factory=PersonWeights)
     offset: float = 3.0  # log odds that are added
     max_log_size: float = 4.0  # greatest log ratio of size
-    max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
-    min_log_clothes: float = -3.0  # least log ratio of clothes
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,9 +24,7 @@ class BodyOptions(Options):
     # Radii from where a person is expected within which clothes are looked for.
     clothes_radii: float = 0.2
     clothes_radii_per_frame: float = 0.2  # radii more for each frame unseen
-    clothes_max_frames: int = 8  # frames unseen for which that adds up
     sampled_points: PositiveInt = 4000  # moving points of which it is told what they touch
-    min_claim_points: int = 5  # points of a claim from which it counts
     touching_cells: float = 1.7  # distance of cells that touch, in cells
     thin_share: float = 0.15  # share of the usual number of points under which a cell leads nowhere
     unlike_colour: PositiveFloat = 0.08  # colour difference that makes a way twice as long
@@ -103,7 +101,6 @@ class StrideOptions(Options):
     slowest_m: float = 0.02  # metres of that step at least
     fastest_m: float = 0.3  # metres of that step at most
     limbs_m_per_frame: float = 0.04  # metres more for each frame unseen
-    limbs_max_frames: int = 8  # frames unseen for which that adds up
     shade: PositiveFloat = 0.06  # difference of colour that counts as much as that distance
     cap: float = 4.0  # cost of a cell that is nowhere near a person
     clothes_weight: float = 0.35  # weight of clothes
@@ -158,8 +155,6 @@ class ArrivalOptions(Options):
     exchange_log: float = 0.5  # mean log ratio by which each must be more like the other's clothes
     exchange_usual_log: float = 0.7  # mean log ratio by which each may be less so than usual
     exchange_frames: int = 3  # frames in which that has to be so, one after the other
-    return_alike_share: float = 0.7  # share of a figure's colours that show that it is the same
-    return_points: PositiveInt = 400  # points whose colours are compared
     # Mean log ratio by which it may look less like one's clothes than another's.
     return_log: float = 0.1
     # Radii from where a person was expected within which they may come out.

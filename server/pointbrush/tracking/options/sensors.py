@@ -185,7 +185,7 @@ class ScanOdometryOptions(Options):
     rest_pose: float = 0.0001  # metres and radians between the poses of a sensor told to be at rest
     on_plane_cells: float = 0.2  # cells off its plane up to which a point lies on it
     rest_share: float = 0.95  # share of the planes in place above which the sensor rests
-    agreed_share: float = 0.5  # share that has to be in place after a motion
+    agreed_share: float = 0.5  # share that has to be in place after a motion, or a jump
     left_share: float = 0.75  # share of those out of place before that may still be
     restart_share: float = 0.95  # share in place from which no other start is tried
     restart_drop: float = 0.05  # fall of that share since the last frames that is no reason to

@@ -12,8 +12,6 @@ from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 class SearchOptions(Options):
     """Prediction, and what is cut out of a frame around it."""
 
-    # Frames after which what rests beside a resting object is scenery: never.
-    never_frames: int = 1_000_000
     coarse_points: PositiveInt = 120  # model points that a hypothesis is judged by
     fine_points: PositiveInt = 400  # model points of the last iterations
     target_points: PositiveInt = 1200  # points of the frame at most that a model is fitted to
@@ -23,7 +21,8 @@ class SearchOptions(Options):
     units: float = 4.0  # units added
     speed_share: float = 0.4  # share of its speed by which an object may be off its predictions
     units_per_frame: float = 2.0  # units a frame unseen by which it may be
-    max_growing_frames: int = 8  # frames unseen for which both add up
+    # Frames unseen for which both add up, and so do reaches of people's clothes and limbs.
+    max_growing_frames: int = 8
     judged_units: float = 4.0  # scale in units that hypotheses are compared by
     # Radii that a large object goes on until what stayed is no part of it.
     scenery_radii: float = 0.5
@@ -88,7 +87,6 @@ class RelocationOptions(Options):
     size_share_max: float = 3.0  # greatest size of a cluster over the track's
     # Share of its size that shows at least beyond its radius from predictions.
     shown_far_share: float = 0.4
-    clusters: int = 4  # clusters that are looked at
     tries: int = 2  # clusters that the track is fitted to
     patient_frames: int = 2  # frames for which it is looked for in each
     retry_frames: PositiveInt = 3  # frames between two searches after that
@@ -102,7 +100,6 @@ class RegistrationOptions(Options):
     nearer_radii: float = 1.0
     # Units nearer or farther from which a measurement hides or sees through.
     occlusion_units: float = 4.0
-    cap_scales: PositiveFloat = 3.0  # scales beyond which a distance costs no more
     unseen_cost: float = 0.6  # cost of a pose that shows nothing of the model
     unseen_weight: float = 0.1  # weight of that cost, in models
     # Visible model points from which the hidden ones are left out of a fit.
@@ -144,7 +141,8 @@ class RegistrationOptions(Options):
     limit_radii_unknown: float = 1.5  # the same, while its motion is unknown
     limit_units: float = 3.0  # units a frame unseen that add to it
     beyond_cost: float = 2.0  # cost of a pose beyond that limit
-    pair_scales: PositiveFloat = 3.0  # scales of a fit within which points are paired
+    # Scales of a fit within which points are paired, and beyond which a distance costs no more.
+    pair_scales: PositiveFloat = 3.0
     min_pairs: int = 6  # pairs that tell a turn
     on_units: float = 3.0  # units from a surface within which points are on it
     beside_units: float = 6.0  # units within which points are beside it
@@ -198,7 +196,7 @@ class GrowthOptions(Options):
 
     above_one: ClassVar[frozenset[str]] = frozenset({"new_size_share"})
 
-    step_units: float = 2.5  # units from point to point of connected surface in the air
+    step_units: float = 2.5  # units from point to point of connected surface
     max_steps: int = 20  # such steps from known surface to its end at most
     # Frames after which new surface that ends all round with an object that stays is its own.
     ended_frames: int = 4
@@ -211,7 +209,6 @@ class GrowthOptions(Options):
     # Share of new surface that was there unlabelled, where it is cut off.
     was_there_share_cut: float = 0.2
     was_there_share_open: float = 0.7  # the same, where it stands free
-    painted_colours_share: float = 0.7  # share of new surface with the colours it was painted with
     # Share of new colours that it never showed, of what may be a hand.
     strange_colours_share: float = 0.5
     strange_size_share: float = 0.05  # share of its size that such new surface has at least
@@ -227,12 +224,8 @@ class PieceOptions(Options):
     slow_frames: PositiveInt = 4  # frames between two questions of what is slow
     min_size_share: float = 0.01  # share of its size that a piece has at least
     min_points: float = 5.0  # points that it has at least
-    touching_units: float = 2.5  # units between an object and what touches it
     lonely_units: float = 6.0  # units around a piece where nothing else may be
     few_share: float = 0.2  # share of its points up to which others may be near a piece
-    sharp_cost: float = 0.2  # cost of a fit up to which space looked through can be told
-    # Share of a piece's colours that the object showed where painted.
-    alike_colours_share: float = 0.7
     # Share of a resting object that a piece of other colours may be.
     other_colour_share: float = 0.1
     rested_frames: int = 8  # frames for which it must have rested
@@ -328,12 +321,12 @@ class UpdateOptions(Options):
     correction_min_points: int = 20  # painted points from which a pose is found among them
     correction_max_cost: float = 0.3  # cost up to which a model is what a person painted
     correction_explained_share: float = 0.6  # share of the painted points that it has to explain
-    # Units from the model within which a painted point is new surface.
+    # Units from the model within which a point that is surely the object's is new surface:
+    # painted, alone, or before a lidar.
     new_surface_units: float = 8.0
     left_over_units: float = 8.0  # units around an object within which what is left over may be its
     colour_points: PositiveInt = 1000  # points whose colours are compared with the painted ones
     teach_units: float = 3.0  # units from the model within which points and new surface teach it
-    teach_units_alone: float = 8.0  # the same, where nothing else is beside it, or before a lidar
     size_matched_share: float = 0.8  # share of the model found from which its size is learnt
     forgotten_frames: int = 15  # frames out of sight after which bending surface is given up
     lost_frames: int = 45  # frames that an object is looked for before it is lost

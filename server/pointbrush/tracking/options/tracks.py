@@ -52,10 +52,6 @@ class JumpOptions(Options):
     """Cells by which the scenery lies elsewhere after a jump."""
     rest_share: float = 0.25
     """Share of that by which it may between the frames before and after it."""
-    agreed_share: float = 0.5
-    """Share of the surfaces that have to be in place after a jump was undone."""
-    left_share: float = 0.75
-    """Share of those that were out of place which may still be."""
     patience: int = 2
     """Times that the scenery goes away without a jump after which the sensor is one that moves."""
     sure: float = 0.8
@@ -119,6 +115,7 @@ class AppearanceOptions(Options):
     signed: ClassVar[frozenset[str]] = frozenset({"strange_share"})
     rather_ratio: float = 10.0  # times as common among painted colours that is rather the track's
     coarse_bins: PositiveInt = 3  # bins, each way, of the cells of a histogram of few colours
+    alike_share: float = 0.7  # share of colours that it showed from which a surface may be its
     common_share: float = 0.02  # share of colours from which they are common
     # Mean log ratio by which colours may be rarer than its own and still like them.
     rarer_log: float = 2.0
@@ -176,7 +173,6 @@ class IdentityOptions(Options):
     even_ratio: float = 0.7  # the same, from which it is as likely as not
     unsure_confidence: float = 0.85  # confidence at most after the one
     doubted_confidence: float = 0.45  # confidence at most after the other
-    alike_share: float = 0.7  # share of the other's colours from which two look alike
     alike_radius_ratio: float = 1.5  # ratio of radii up to which two look alike
     compared_frames: int = 4  # frames before and after that are compared
     smooth_ratio: float = 0.25  # unevenness as found over swapped, up to which they are right

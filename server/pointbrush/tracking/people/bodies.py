@@ -14,7 +14,7 @@ from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F32, I64, Mask
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import OtherMovers, Track
-from pointbrush.tracking.options.people import ArrivalOptions, BodyOptions
+from pointbrush.tracking.options.people import BodyOptions
 from pointbrush.tracking.options.sensors import BackgroundOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
 from pointbrush.tracking.sensors.view import View
@@ -31,7 +31,7 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
     of where it should be, that shows its colours, or of whose colours the object showed some.
     """
     options = view.options
-    if len(moving) < options.body.min_claim_points or not tracks:
+    if len(moving) < options.claim.min_claim_points or not tracks:
         return {}
     foreground = Foreground.of(view, moving, _cell_size(tracks.values(), options.body))
     bodies = foreground.bodies(2 * options.body.min_part_cells)
@@ -70,7 +70,7 @@ def _alike_bodies(
     reach = track.span * (
         options.arrivals.return_radii
         + options.arrivals.return_radii_per_frame
-        * min(track.frames_unseen, options.body.clothes_max_frames)
+        * min(track.frames_unseen, options.search.max_growing_frames)
     )
     least = options.track.hardly_share * options.arrivals.return_scrap_share * track.size
     for number, cells in enumerate(bodies):
@@ -80,24 +80,25 @@ def _alike_bodies(
         points = foreground.indices[np.isin(foreground.cell, cells)]
         if len(points) < least:
             continue
-        colour = view.colour(points[:: _step(len(points), options=options.arrivals)])
-        if track.appearance.share(colour) > options.arrivals.return_alike_share:
+        colour = view.colour(points[:: _step(len(points), options=options.body)])
+        if track.appearance.share(colour) > options.appearance.alike_share:
             edge = options.arrivals.return_edge_cost * gap / reach
             yield track.appearance.likeness(colour) - edge, number, points
 
 
 def recognised(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
     """Whether ``points`` show the clothes of an object, and not rather those of another."""
-    options = view.options.arrivals
-    colour = view.colour(points[:: _step(len(points), options=options)])
+    options = view.options
+    colour = view.colour(points[:: _step(len(points), options=options.body)])
     appearance = tracks[label].appearance
     others = [t.appearance.likeness(colour) for n, t in tracks.items() if n != label and t.large]
-    alike = appearance.share(colour) > options.return_alike_share
-    return alike and appearance.likeness(colour) > max(others, default=-np.inf) - options.return_log
+    alike = appearance.share(colour) > options.appearance.alike_share
+    least = max(others, default=-np.inf) - options.arrivals.return_log
+    return alike and appearance.likeness(colour) > least
 
 
-def _step(count: int, options: ArrivalOptions) -> int:
-    return max(1, count // options.return_points)
+def _step(count: int, options: BodyOptions) -> int:
+    return max(1, count // options.colour_points)
 
 
 def undisputed(
@@ -140,7 +141,7 @@ def hang_together(
     cores = {
         n: found.claim.indices
         for n, found in labelled.items()
-        if tracks[n].large and len(found.claim.indices) >= options.body.min_claim_points
+        if tracks[n].large and len(found.claim.indices) >= options.claim.min_claim_points
     }
     if not cores:
         return {}
@@ -247,7 +248,7 @@ def _by_clothes(
     Changes ``seeds``.  Who has no seeds yet gets some under its negative number, which keep the
     others off; gives the longest ways of those, label → metres.
     """
-    options = foreground.options.body
+    options, longest = foreground.options.body, foreground.options.search.max_growing_frames
     dressed = {n: t for n, t in tracks.items() if t.large and not t.lost}
     labels = list(dressed)
     if len(labels) < 2:
@@ -260,7 +261,7 @@ def _by_clothes(
         track = dressed[label]
         reach = track.span * (
             options.clothes_radii
-            + options.clothes_radii_per_frame * min(track.frames_unseen, options.clothes_max_frames)
+            + options.clothes_radii_per_frame * min(track.frames_unseen, longest)
         )
         expected = transform(track.motion.predictions[0], track.model.xyz)
         cells = np.flatnonzero(best == at)

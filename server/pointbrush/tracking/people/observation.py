@@ -12,7 +12,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.foreground import Foreground
-from pointbrush.tracking.scene.depth import PictureBackground
+from pointbrush.tracking.scene.depth import NEVER, PictureBackground
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import flying
 
@@ -52,9 +52,7 @@ class PersonObservation:
         """Build the cells, ``size`` metres, of the ``free`` points (N,) that are no scenery."""
         some = np.flatnonzero(free)
         some = some[~background.furniture(view, some)]
-        moving = ~background.scenery(view, some, view.options.search.never_frames) | (
-            background.again(view, some) != 0
-        )
+        moving = ~background.scenery(view, some, NEVER) | (background.again(view, some) != 0)
         some = some[moving]
         loose = flying(view, some, unit)
         return PersonObservation(

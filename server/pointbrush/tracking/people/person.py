@@ -12,7 +12,6 @@ from pointbrush.tracking.interface import F32, F64, I64
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.confidence import log_ratio, squashed
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.options.confidence import PersonConfidenceOptions
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.stature import Stature, top_of
 
@@ -39,14 +38,15 @@ class PersonEvidence:
     wider: float
     astray: float
 
-    def features(self, options: PersonConfidenceOptions) -> dict[str, float]:
+    def features(self, options: TrackerOptions) -> dict[str, float]:
         """Compute the features that have weights, by name."""
+        limits = options.confidence
         return {
             "fit": self.fit,
             "disputed": self.disputed,
-            "size": abs(log_ratio(self.size, options.max_log_size)),
-            "change": abs(log_ratio(self.change, options.max_log_change)),
-            "like": max(min(self.like, 0.0), options.min_log_clothes),
+            "size": abs(log_ratio(self.size, options.person_confidence.max_log_size)),
+            "change": abs(log_ratio(self.change, limits.max_log_change)),
+            "like": max(min(self.like, 0.0), limits.min_log_clothes),
             "back": float(self.back),
             "touching": self.touching,
             "wider": self.wider,
@@ -56,7 +56,7 @@ class PersonEvidence:
     def likelihood(self, options: TrackerOptions) -> float:
         """0..1, of this frame by itself."""
         learnt = options.person_confidence
-        odds = learnt.weights.odds(self.features(learnt)) + learnt.offset
+        odds = learnt.weights.odds(self.features(options)) + learnt.offset
         return squashed(odds, stretch=1.0, options=options.confidence)
 
 

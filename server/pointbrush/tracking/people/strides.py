@@ -213,7 +213,7 @@ class _Surface:
     def of(person: Person, swing: float, *, coloured: bool) -> _Surface:
         options = person.options.step
         within = swing + options.limbs_m_per_frame * min(
-            person.frames_unseen, options.limbs_max_frames
+            person.frames_unseen, person.options.search.max_growing_frames
         )
         own = person.xyz / within
         if coloured:

@@ -31,6 +31,9 @@ from pointbrush.tracking.scene.pixels import (
 )
 from pointbrush.tracking.sensors.view import View
 
+NEVER = 1_000_000
+"""More frames than a recording has."""
+
 
 class Background(Protocol):
     """Background model: learns each frame after its labels were decided.

@@ -309,9 +309,8 @@ def _may_be_a_hand(
         and track.strange(colour).mean() > options.strange_colours_share
     ):
         return True
-    if track.appearance.share(colour) < options.painted_colours_share or track.appearance.unlike(
-        colour
-    ):
+    painted, least = track.appearance, track.options.appearance.alike_share
+    if painted.share(colour) < least or painted.unlike(colour):
         before = was_there(track, view, new, step_of(track, fit))
     return _share_there(track, view, new, before) >= options.was_there_share_cut
 

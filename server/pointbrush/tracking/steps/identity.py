@@ -151,7 +151,7 @@ def _look_alike(one: Track, other: Track) -> bool:
     if sizes[1] > options.alike_radius_ratio * sizes[0]:
         return False
     shares = (a.appearance.share(b.model.colour) for a, b in ((one, other), (other, one)))
-    return min(shares) > options.alike_share
+    return min(shares) > one.options.appearance.alike_share
 
 
 def _ways(one: Track, other: Track) -> F64:

@@ -43,7 +43,7 @@ def lost_pieces(
     size = np.bincount(piece)
     number = len(size)
     lo, hi = fit.box
-    edge = options.pieces.touching_units * track.unit
+    edge = options.growth.step_units * track.unit
     outside = np.bincount(piece[~within(xyz, lo + edge, hi - edge)], minlength=number)
     found, left = [_NONE], options.pieces.max_size_share * track.size - len(core)
     for one in np.flatnonzero((size >= least) & (size <= left) & (outside == 0)).tolist():
@@ -74,7 +74,7 @@ def _looks_like(track: Track, view: View, core: I64, points: I64, background: Ba
     colour = view.colour(points)
     if track.appearance.share(
         colour
-    ) >= options.alike_colours_share and not track.appearance.unlike(colour):
+    ) >= track.options.appearance.alike_share and not track.appearance.unlike(colour):
         return True
     if not track.motion.rests(track.unit) or len(points) > options.other_colour_share * len(core):
         return False
@@ -90,7 +90,7 @@ def _is_its(
     """Whether a piece touches the object and no ``others`` (M, 3), and may be a part of it."""
     options = track.options
     xyz = view.xyz[points].astype(np.float64)
-    if not close_to(view.xyz[core], xyz, options.pieces.touching_units * track.unit).any():
+    if not close_to(view.xyz[core], xyz, options.growth.step_units * track.unit).any():
         return False
     if np.count_nonzero(
         close_to(others, xyz, options.pieces.lonely_units * track.unit)
@@ -107,7 +107,7 @@ def _is_its(
     if track.soft or len(track.carving_views) < options.surface.carve_min_views:
         return True
     return (
-        fit.cost < options.pieces.sharp_cost
+        fit.cost < options.claim.sharp_cost
         and float(carved(track.carving_views, view, fit.pose, points, track.unit).mean())
         < options.pieces.few_share
     )

@@ -17,7 +17,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.options.steps import SearchOptions
-from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.scene.depth import NEVER, Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.verdict import Look, costs_of, look
 
@@ -159,7 +159,7 @@ def _before_background(
         stay = (
             int(options.scenery_radii * track.span / speed) + options.scenery_frames
             if speed > track.unit
-            else options.never_frames
+            else NEVER
         )
         rest = np.flatnonzero(~far)
         far[rest] = background.scenery(view, around[rest], stay)

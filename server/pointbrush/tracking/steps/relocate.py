@@ -186,7 +186,7 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
     order = np.argsort(np.abs(np.log(size[fitting] / track.size)), kind="stable")
     return [
         xyz[piece == one].mean(axis=0)
-        for one in fitting[order][: options.relocate.clusters].tolist()
+        for one in fitting[order][: options.propose.clusters].tolist()
     ]
 
 

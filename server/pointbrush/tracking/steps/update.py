@@ -132,7 +132,7 @@ def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim
     view, fit, given = observation.view, observation.fit, observation.given
     found = given.claim
     reach = (
-        options.teach_units_alone if given.isolated or track.scanned else options.teach_units
+        options.new_surface_units if given.isolated or track.scanned else options.teach_units
     ) * track.unit
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)

@@ -69,7 +69,7 @@ def costs_of(track: Track, target: Target, sample: I64, at: Look, scale: float) 
     """
     options = track.options.register
     colour = track.model.colour[sample]
-    total, count = _distances(at, colour, target.columns, options.cap_scales * scale)
+    total, count = _distances(at, colour, target.columns, options.pair_scales * scale)
     lean = options.unseen_weight * len(sample)
     return np.asarray((total + lean * options.unseen_cost) / (count + lean))
 
