@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -29,13 +30,15 @@ from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests import forked
+from tests.formats.test_bags import rosbag1
 from tests.serving import TOKEN, serving, surface
 from tests.waiting import PATIENCE
+from tests.work.test_box_import import sustechpoints
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 ADDRESS = "http://127.0.0.1:8080"
-MOST_NOT_RUN = 18
+MOST_NOT_RUN = 15
 FENCE = re.compile(
     r"(?:^<!-- not run: (?P<reason>.+?) -->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```$", re.M | re.S
 )
@@ -46,7 +49,7 @@ PARSED: dict[str, Callable[[str], object]] = {
     "toml": tomllib.loads,
     "yaml": yaml.safe_load,
 }
-SHOWN = ("text", "http")
+SHOWN = ("text", "http", "ts")
 SERVERS = ("demo", "serve")
 SHELL = frozenset("&|;<>*?$`")
 """Signs of a line that is for a shell."""
@@ -215,6 +218,13 @@ def write_files(folder: Path) -> None:
         Image.fromarray(color).save(folder / f"kinect/color/{i}.png")
     labels.tofile(folder / "000000.label")
     (folder / "classes.txt").write_text("10 car\n40 road\n")
+    (folder / "annotations").mkdir()
+    sustechpoints(folder / "annotations")
+    (folder / "drive.bag").write_bytes(rosbag1())
+    odometry = "".join(f"{100 + k} {k} 0 0 0 0 0 1\n" for k in range(5))
+    (folder / "odometry.txt").write_text(odometry)
+    report = ROOT / "tests" / "golden" / "headset-vive.json"
+    shutil.copy(report, folder / "headset-report-2026-11-27.json")
 
 
 @pytest.mark.parametrize(

@@ -107,9 +107,33 @@ def test_tables_have_heads(pages: dict[Path, Page]) -> None:
 
 
 def test_the_references_are_written_from_the_program(site: Path) -> None:
-    assert "import-labels" in (site / "reference" / "cli.html").read_text()
-    assert "/frames/{i}/strokes" in (site / "reference" / "rest.html").read_text()
-    assert "if_match" in (site / "reference" / "python.html").read_text()
+    reference = site / "reference"
+    assert "import-labels" in (reference / "cli.html").read_text()
+    assert "/frames/{i}/strokes" in (reference / "rest.html").read_text()
+    schemas = (reference / "rest" / "schemas.html").read_text()
+    assert "<code>only_unlabeled</code>" in schemas
+    # What it has is coloured word by word.
+    python = re.sub(r"<[^>]+>", "", (reference / "python.html").read_text())
+    assert "timeout=30.0" in python, "an example of a constructor"
+    assert "if_match=values.etag" in python, "an example of a method"
+    assert "quaternion" in python, "a field"
+
+
+def test_each_example_has_a_page_that_others_lead_to(pages: dict[Path, Page], site: Path) -> None:
+    for example in (ROOT / "docs" / "examples").glob("[a-z]*"):
+        page = site / "examples" / f"{example.stem}.html"
+        assert page in pages
+        linked = [
+            path
+            for path in (ROOT / "docs").rglob("*.md")
+            if f"examples/{example.name}" in path.read_text()
+        ]
+        assert linked, example
+
+
+def test_a_list_for_language_models_has_the_pages(site: Path, pages: dict[Path, Page]) -> None:
+    listed = re.findall(r"^- \[.+?\]\((.+?)\): \S", (site / "llms.txt").read_text(), re.M)
+    assert {site / each for each in listed} == set(pages)
 
 
 def test_search_from_disk_has_the_pages(site: Path, pages: dict[Path, Page]) -> None:

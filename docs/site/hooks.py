@@ -4,70 +4,75 @@ from __future__ import annotations
 
 import argparse
 import re
-import tempfile
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
-from typing import Any
 
+import example_pages
+import rest_pages
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.nav import Navigation
+from mkdocs.structure.pages import Page
+from python_page import python
 
-from pointbrush import client
 from pointbrush.cli import parser
-from pointbrush.settings import Settings
-from pointbrush.web.app import create_app
-from pointbrush.workspace import Workspace
 
 ROOT = Path(__file__).parents[2]
+PAGES: list[Page] = []
+"""Pages in the order of the navigation."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that are no files of docs/."""
     pages = {
         "reference/cli.md": command_line(),
-        "reference/rest.md": rest(),
         "reference/python.md": python(),
         "reference/changelog.md": above("CHANGELOG.md"),
         "explanation/architecture.md": above("ARCHITECTURE.md"),
     }
+    pages |= rest_pages.pages() | example_pages.pages()
     for place, text in pages.items():
         files.append(File.generated(config, place, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, **_: object) -> str:
+    """Lead links to examples to their pages."""
+    return example_pages.linked(markdown)
+
+
+def on_nav(nav: Navigation, **_: object) -> None:
+    """Keep the order of the pages for ``llms.txt``."""
+    PAGES[:] = nav.pages
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """List all pages in ``llms.txt``, with their first words."""
+    lines = [f"# {config.site_name}", "", f"> {config.site_description}", ""]
+    section = None
+    for page in PAGES:
+        above = page.ancestors[-1].title if page.ancestors else "Start"
+        if above != section:
+            lines += ["", f"## {above}", ""]
+            section = above
+        lines.append(f"- [{page.title}]({page.url}): {_opening(page.markdown or '')}")
+    (Path(config.site_dir) / "llms.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _opening(markdown: str) -> str:
+    """Return a page's first sentence as plain text."""
+    prose = re.sub(r"^```.*?^```|^#.*?$|^<!--.*?-->", "", markdown, flags=re.M | re.S)
+    for part in re.split(r"\n\s*\n", prose):
+        if (text := part.lstrip("\n")) and text[0] not in "!|:- ":
+            plain = re.sub(r"\]\([^)]*\)|[\[\]*`]", "", " ".join(text.split()))
+            return re.split(r"(?<=\.) ", plain)[0]
+    return "see there"
 
 
 def above(name: str) -> str:
     """Return a page of the repository's top, whose links into docs/ lead to the site's pages."""
     text = (ROOT / name).read_text(encoding="utf-8")
     return re.sub(r"\]\(docs/", "](../", text)
-
-
-PYTHON = """# The Python client
-
-`Client` blocks; `AsyncClient` has the same calls as coroutines. A method that says `Steps[T]` here
-returns a `T`, which `AsyncClient` awaits. Examples are in [scripting](../scripting.md).
-
-::: pointbrush.client.Client
-    options:
-      inherited_members: true
-
-::: pointbrush.client.AsyncClient
-
-PARTS
-
-## Errors
-What a server refuses raises the error that its problem names.
-
-::: pointbrush.errors
-    options:
-      show_root_heading: false
-"""
-
-
-def python() -> str:
-    """Return the reference of the client, class by class."""
-    parts = [name for name in client.__all__ if not name.endswith("Client")]
-    return PYTHON.replace("PARTS", "\n\n".join(f"::: pointbrush.client.{name}" for name in parts))
 
 
 def command_line() -> str:
@@ -101,70 +106,6 @@ def _arguments(command: argparse.ArgumentParser) -> Iterator[str]:
         if action.choices:
             shown += f" ({', '.join(map(str, action.choices))})"
         yield f"| {_cell(shown)} | {_cell(action.help or '')} |"
-
-
-def rest() -> str:
-    """Return the reference of all calls, from the OpenAPI description."""
-    with tempfile.TemporaryDirectory() as folder:
-        settings = Settings(workspace=Path(folder) / "workspace")
-        with closing(Workspace(settings)) as workspace:
-            described = create_app(workspace, settings).openapi()
-    lines = [
-        "# REST",
-        "",
-        "Every call is below the server's address. A running server shows the same with all",
-        "schemas at `/api/v1/docs`, and as OpenAPI at `/api/v1/openapi.json`. Errors are",
-        "`application/problem+json`.",
-        "The role that a call needs: [security](../security.md#roles).",
-        "",
-    ]
-    groups: dict[str, list[str]] = {}
-    for path, verbs in described["paths"].items():
-        for verb, call in verbs.items():
-            group = groups.setdefault((call.get("tags") or ["server"])[0], [])
-            group += _call(f"{verb.upper()} {path}", call)
-    for tag, group in groups.items():
-        lines += [f"## {tag.capitalize()}", "", *group]
-    return "\n".join(lines)
-
-
-def _call(title: str, call: dict[str, Any]) -> Iterator[str]:
-    yield from (f"### `{title}`", "", call.get("description", call.get("summary", "")), "")
-    parameters = [each for each in call.get("parameters", []) if each["in"] != "path"]
-    rows = [
-        (f"`{each['name']}` ({each['in']})", each.get("description", ""), _kind(each["schema"]))
-        for each in parameters
-    ]
-    content = call.get("requestBody", {}).get("content", {})
-    rows += [(f"body `{kind}`", "", _kind(each["schema"])) for kind, each in content.items()]
-    answers = [
-        f"{status}: {kind.rsplit('/', 1)[-1]} {_kind(each['schema'])}"
-        for status, answer in call["responses"].items()
-        if status.startswith("2")
-        for kind, each in answer.get("content", {}).items()
-    ]
-    rows += [("answer", "", answer) for answer in answers]
-    if rows:
-        yield from ("| part | meaning | type |", "|---|---|---|")
-        yield from (f"| {' | '.join(map(_cell, row))} |" for row in rows)
-        yield ""
-
-
-def _kind(schema: dict[str, Any]) -> str:
-    """Return a schema in a few words."""
-    if "$ref" in schema:
-        return f"`{schema['$ref'].rsplit('/', 1)[-1]}`"
-    for several in ("anyOf", "oneOf", "allOf"):
-        if several in schema:
-            return " or ".join(dict.fromkeys(map(_kind, schema[several])))
-    if "enum" in schema:
-        return ", ".join(f"`{each}`" for each in schema["enum"])
-    if schema.get("type") == "array":
-        return f"list of {_kind(schema.get('items', {}))}"
-    if schema.get("type") == "object":
-        fields = schema.get("properties", {})
-        return ", ".join(f"`{name}`" for name in fields) or "object"
-    return str(schema.get("format") or schema.get("type") or "any")
 
 
 def _cell(text: str) -> str:

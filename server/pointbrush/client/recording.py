@@ -45,7 +45,10 @@ from pointbrush.errors import NotFoundError
 
 
 class Recording(Part[L]):
-    """A recording; ``manifest``: its facts when it was opened."""
+    """A recording; ``manifest``: its facts when it was opened, with ``id`` and ``name``.
+
+    Its parts are ``frames``, ``boxes``, ``review`` and ``by_example``.
+    """
 
     def __init__(self, link: L, manifest: Manifest) -> None:
         super().__init__(link)

@@ -1,6 +1,6 @@
-"""Write docs/messages.md from the models, so that what is written is what is spoken.
+"""Write the pages of messages from the models, so that what is written is what is spoken.
 
-``python -m pointbrush.streaming.reference`` writes it; a test fails when it is stale.
+``python -m pointbrush.streaming.reference`` writes them; a test fails when one is stale.
 """
 
 from __future__ import annotations
@@ -16,28 +16,33 @@ from typing import Any
 from pointbrush.streaming.schema import client_schema, schema_hash, server_schema
 from pointbrush.streaming.typescript import type_of
 
-TARGET = Path(__file__).parents[3] / "docs" / "messages.md"
+TARGET = Path(__file__).parents[3] / "docs"
 SOURCES = Path(__file__).parent / "messages"
-HEAD = """# The socket's messages
+HEAD = """# {title}
 
 Written from `server/pointbrush/streaming/messages/` by `python -m pointbrush.streaming.reference`;
-[protocol.md](protocol.md) says how they play together.  The subprotocol is `pointbrush.{hash}`.
+[protocol.md](protocol.md) says how they play together.  Pages: what the [client](messages.md) says,
+what the [server](messages-server.md) says, and [pieces](messages-pieces.md) of both.
+The subprotocol is `pointbrush.{hash}`.
 Types are TypeScript's; `?` marks a field that may be left out.  Bytes are little-endian.
 """
 
 
-def generate() -> str:
-    """Return the whole page, ending in a newline."""
+def generate() -> dict[str, str]:
+    """Return the pages by their names, each ending in a newline."""
     client, server = client_schema(), server_schema()
-    parts = [HEAD.format(hash=schema_hash())]
-    parts += ["## From the client", *_messages(client, complete=False)]
-    parts += ["## From the server", *_messages(server, complete=True)]
     used = {_name(option) for schema in (client, server) for option in schema["oneOf"]}
     shared = {**server["$defs"], **client["$defs"]}
-    parts.append("## Shared pieces")
-    for name in sorted(shared.keys() - used):
-        parts.append(_section(name, shared[name], complete=False))
-    return "\n".join(parts).rstrip() + "\n"
+    pieces = [_section(name, shared[name], complete=False) for name in sorted(shared.keys() - used)]
+    pages = {
+        "messages.md": ("Messages from the client", _messages(client, complete=False)),
+        "messages-server.md": ("Messages from the server", _messages(server, complete=True)),
+        "messages-pieces.md": ("Pieces of messages", pieces),
+    }
+    return {
+        name: "\n".join([HEAD.format(title=title, hash=schema_hash()), *parts]).rstrip() + "\n"
+        for name, (title, parts) in pages.items()
+    }
 
 
 def _name(option: dict[str, Any]) -> str:
@@ -54,7 +59,7 @@ def _messages(schema: dict[str, Any], *, complete: bool) -> list[str]:
 
 def _section(title: str, definition: dict[str, Any], *, complete: bool) -> str:
     required = set(definition.get("required", ()))
-    lines = [f"### {title}", "", _prose(definition.get("description", "")), ""]
+    lines = [f"## {title}", "", _prose(definition.get("description", "")), ""]
     notes = _notes(definition["title"])
     for name, schema in definition["properties"].items():
         if name == "type":
@@ -99,8 +104,9 @@ def _prose(text: str) -> str:
 
 
 def main() -> None:
-    """Write the file."""
-    TARGET.write_text(generate(), encoding="utf-8")
+    """Write the files."""
+    for name, text in generate().items():
+        (TARGET / name).write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,91 @@
+"""The reference of the Python client: classes with fields, and an example of each method."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import typing
+from collections.abc import Iterator
+
+import griffe
+from examples import calls
+
+from pointbrush import client
+
+HEAD = """# The Python client
+
+`Client` blocks; `AsyncClient` has the same calls as coroutines. A method that says `Steps[T]` here
+returns a `T`, which `AsyncClient` awaits. Names in an example may be of an earlier one; larger
+examples are in [scripting](../scripting.md).
+
+::: pointbrush.client.Client
+    options:
+      inherited_members: true
+
+::: pointbrush.client.AsyncClient
+"""
+ERRORS = """## Errors
+
+What a server refuses raises the error that its problem names.
+
+::: pointbrush.errors
+    options:
+      show_root_heading: false
+"""
+PACKAGE = "pointbrush.client."
+
+
+def python() -> str:
+    """Return the page, class by class."""
+    parts = [HEAD]
+    for name in client.__all__:
+        if name.endswith("Client"):
+            continue
+        parts.append(f"::: {PACKAGE}{name}\n")
+        kind = getattr(client, name)
+        if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+            parts.append("\n".join(_fields(kind)) + "\n")
+    return "\n".join([*parts, ERRORS])
+
+
+def _fields(kind: type) -> Iterator[str]:
+    """Write a table of a dataclass's fields."""
+    yield from ("| field | type | default |", "|---|---|---|")
+    hints = typing.get_type_hints(kind)
+    for field in dataclasses.fields(kind):
+        made = field.default_factory is not dataclasses.MISSING
+        default = "made anew" if made else f"`{field.default!r}`"
+        given = default if made or field.default is not dataclasses.MISSING else "required"
+        shown = inspect.formatannotation(hints[field.name]).replace("|", "\\|")
+        yield f"| `{field.name}` | {_plain(shown)} | {given} |"
+    yield ""
+
+
+def _plain(annotation: str) -> str:
+    """Return an annotation without the names of modules."""
+    for module in (
+        "pointbrush.client.values.",
+        "pointbrush.client.",
+        "collections.abc.",
+        "typing.",
+    ):
+        annotation = annotation.replace(module, "")
+    return f"`{annotation}`" if "|" not in annotation else annotation
+
+
+class Examples(griffe.Extension):
+    """Put the example of a method, or of a class, behind its docstring."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._calls = calls()
+
+    def on_instance(self, *, obj: griffe.Object, **_: object) -> None:
+        """Look for an example of what was read."""
+        if not obj.path.startswith(PACKAGE):
+            return
+        name = obj.name if obj.is_class else ".".join(obj.path.split(".")[-2:])
+        # What both clients do is written in the class of both.
+        code = self._calls.get(name.replace("Server.", "Client."))
+        if code and obj.docstring:
+            obj.docstring.value = f"{obj.docstring.value}\n\n```python\n{code}\n```"
