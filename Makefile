@@ -15,7 +15,7 @@ PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench release-check docs pictures format setup page system peers box-readers clean
+.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
 demo:  ## sample recording in a browser, on loopback
@@ -136,6 +136,18 @@ unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
 	@$(PYTEST) --dist worksteal tests/e2e
+
+# The newest test tools, and of what pointbrush itself needs the oldest; Numba compiles anew for it.
+LOWEST := build/lowest
+lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyproject.toml allows
+	@echo "== the lowest versions of the packages, in $(LOWEST)"
+	@$(PYTHON) -m venv --clear $(LOWEST) && $(LOWEST)/bin/python -m pip install --quiet uv
+	@$(LOWEST)/bin/uv pip compile --quiet --resolution lowest-direct --python $(LOWEST)/bin/python \
+	  --extra dask --extra s3 --output-file $(LOWEST)/lowest.txt pyproject.toml
+	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/lowest.txt -e '.[dev]'
+	@NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
+	  $(LOWEST)/bin/python -m pytest -q -n 2 -W default --dist loadfile -m "not slow" \
+	  --ignore tests/e2e --ignore tests/release
 
 release-check: $(STAMPS)/dev $(STAMPS)/node  ## the published files: built, installed in a fresh environment, and used
 	@$(BIN)/python -m pytest -q tests/release
