@@ -71,6 +71,7 @@ def test_what_fits_no_frame_or_one_twice_is_named(files: list[str], named: str) 
 def test_files_are_taken_in_their_order_only_when_asked() -> None:
     known = frames("a.ply", "c.ply")
     assert match(["x.npy", "y.npy"], known, by_order=True) == [0, 1]
+    assert match(["x.npy", "y.npy"], known, by_order=True, times=[7.0, 5.0]) == [1, 0]
     with pytest.raises(BadInputError, match="expected 2 files, one a frame, got 1"):
         match(["x.npy"], known, by_order=True)
     assert match(["predicted.npy"], frames("hall.las")) == [0]

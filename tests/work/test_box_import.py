@@ -103,8 +103,8 @@ def kitti_tracking(folder: Path) -> None:
     lines = []
     for k in range(2):
         for number, name, center, (length, width, height), turn in (
-            (0, "Car", CAR, (4, 2, 1.5), YAW),
-            (1, "Tree", TREE, (1, 1, 3), 0.0),
+            (3, "Car", CAR, (4, 2, 1.5), YAW),
+            (0, "Tree", TREE, (1, 1, 3), 0.0),
         ):
             x, y, z = T_CAM_VELO[:3, :3] @ center + T_CAM_VELO[:3, 3]
             place = f"{x} {y + height / 2} {z} {-turn - np.pi / 2}"
@@ -119,7 +119,7 @@ FORMATS = {
     "labelcloud": (labelcloud, ["car", "tree"]),
     "sustechpoints": (sustechpoints, ["car 4", "tree 9"]),
     "supervisely": (supervisely, ["car 1", "tree 2"]),
-    "kitti-tracking": (kitti_tracking, ["Car 1", "Tree 2"]),
+    "kitti-tracking": (kitti_tracking, ["Car 3", "Tree 1"]),
 }
 
 

@@ -87,12 +87,17 @@ def match(
     """Find the frame that each file is of, as ``matched`` does.
 
     ``times``: those of the files, seconds, which count in place of their names.  ``by_order`` takes
-    the files one a frame, in their order, and nothing else does but one file for the only frame.
+    the files one a frame, in the order of their times, else as they are, and nothing else does but
+    one file for the only frame.
 
     Raises BadInputError, which lists the files that are of no frame, or several of one frame.
     """
     if by_order or len(files) == len(frames) == 1:
-        return in_their_order(len(files), len(frames))
+        places = in_their_order(len(files), len(frames))
+        if times is None:
+            return places
+        later = sorted(places, key=times.__getitem__)
+        return [later.index(place) for place in places]
     names = [FrameName(file) for file in files]
     if times is not None:
         names = [FrameName("", time) for time in times]

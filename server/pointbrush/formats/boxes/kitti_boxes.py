@@ -54,9 +54,8 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
     T_cam_velo = _camera_from_velodyne(path)
     frames: dict[int, list[FrameBox]] = {}
     for words in _lines(path, TRACKING_WORDS):
-        # Numbers of tracks count from 0, and 0 is no instance; -1 is no track.
-        track = int(words[1])
-        box = _box("kitti", words[2:], str(track + 1) if track >= 0 else "")
+        # A track keeps its number, but 0, which is no instance: it gets one that is left.
+        box = _box("kitti", words[2:], words[1] if int(words[1]) >= 0 else "")
         frames.setdefault(int(words[0]), []).append(box)
     for frame, boxes in sorted(frames.items()):
         yield FrameBoxes(frame, tuple(boxes)).moved_back(T_cam_velo)

@@ -110,14 +110,14 @@ def write_kitti_object(frames: Iterable[SceneFrame], _: Scene) -> Iterator[File]
 def write_kitti_tracking(frames: Iterable[SceneFrame], _: Scene) -> Iterator[File]:
     """Write ``label_02/0000.txt`` and ``calib/0000.txt``, in the first frame's camera.
 
-    The number of a track is its label's id less one, as KITTI counts from 0.
+    The number of a track is its label's id.
     """
     camera: _Rectified | None = None
     lines: list[str] = []
     for frame in frames:
         camera = camera or _Rectified.of(frame)
         lines += (
-            f"{frame.index} {box.label - 1} {_object(box, camera, levels=True)}\n"
+            f"{frame.index} {box.label} {_object(box, camera, levels=True)}\n"
             for box in frame.boxes
         )
     yield "label_02/0000.txt", "".join(lines).encode()
