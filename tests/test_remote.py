@@ -6,13 +6,16 @@ import io
 import json
 import zipfile
 from collections.abc import Iterator
+from inspect import isfunction, signature
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pointbrush import remote
 from pointbrush.cli import main
 from pointbrush.client import Client
+from pointbrush.settings import REMOTE
 from tests.serving import TOKEN, Served, serving, settings_in
 
 
@@ -91,6 +94,15 @@ def test_the_whole_way_on_a_server(
     assert run("info") == ""
     assert run("undelete", "drift") == "drift is back\n"
     assert not (tmp_path / "here").exists()
+
+
+def test_every_command_that_works_on_a_server_can_be_told_its_address() -> None:
+    made = {
+        name.removesuffix("_").replace("_", "-")
+        for name, each in vars(remote).items()
+        if isfunction(each) and [*signature(each).parameters] == ["given", "settings"]
+    }
+    assert made == set(REMOTE)
 
 
 def test_what_is_wrong_is_one_line(

@@ -26,8 +26,8 @@ READERS = ("import", "import-labels", *SERVERS)
 RUNNERS = ("track", "example", *SERVERS)
 """Commands that run jobs."""
 REMOTE = (
-    "import", "import-labels", "track", "example", "export", "info", "labels", "delete", "undelete",
-    "rename", "check-labels", "report",
+    "import", "import-labels", "track", "fit-boxes", "example", "export", "info", "labels",
+    "delete", "undelete", "rename", "check-labels", "compare", "report",
 )  # fmt: skip
 """Commands that work on the workspace of a server as well."""
 ADDRESS, ACCESS, JOBS, LIMITS = "address and TLS", "access", "work", "limits"
