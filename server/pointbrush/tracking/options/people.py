@@ -56,6 +56,7 @@ class BodyOptions(Options):
     head_m: float = 0.2  # metres by which a head is above the highest touch with another
     heads_apart_m: float = 0.25  # metres along the ground between two people at least
     head_lower_m: float = 0.6  # metres by which one's head is lower at most
+    # Without people together: boxes -.010, a crowd -.028.
     limb_m: float = 0.1  # metres between points of one person at most: limbs are no thicker
     colour_change: PositiveFloat = 0.08  # change of colour at which cells agree a third as much
     colour_points: PositiveInt = 400  # points whose colours are compared
@@ -93,7 +94,8 @@ class StrideOptions(Options):
     depth_weight: float = 0.6  # weight of depth where it is measured
     colour_weight: float = 0.7  # weight of colour where it is measured
     other_colour: PositiveFloat = 0.1  # difference of another colour
-    # Weight of the mean cost against half a squared deviation of the stride.
+    # Weight of the mean cost against half a squared deviation of the stride.  Without: a crowd
+    # -.002.
     evidence_weight: float = 14.0
     own_cells: float = 1.5  # cells from a person within which a cell is theirs
     limbs_m: PositiveFloat = 0.06  # metres by which limbs move anyhow
@@ -131,6 +133,7 @@ class StrideOptions(Options):
 class ArrivalOptions(Options):
     """People who come, come back or were exchanged."""
 
+    # Without people who have no label: a crowd -.005.
     min_cells: int = 12  # cells from which a body may be a new person
     min_share: float = 0.12  # share of the usual number of cells likewise
     back_min_cells: int = 6  # cells from which a body may be a missing person
