@@ -25,7 +25,10 @@ DEFINITIONS = {
     "compute/grid.py": {"MOST_ACROSS", "SPARE", "MOST_NEAR", "RUN"},  # likewise
     "interface.py": {"PAINTED"},  # code of a provenance
     "model/appearance.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram
-    "model/confidence.py": {"RATIO_LEAST"},  # keeps a logarithm finite
+    "model/confidence.py": {
+        "RATIO_LEAST",
+        "MOST_LOG_ODDS",
+    },  # keep logarithms and exponentials finite
     "model/track.py": {"SIDES"},  # unit vectors
     "icp.py": {"LONE", "FINEST", "SAMPLE"},  # of the paper's method, not of `auto`
     "people/strides.py": {"GRID"},  # nodes of a search grid

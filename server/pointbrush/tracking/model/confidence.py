@@ -15,6 +15,8 @@ from pointbrush.tracking.options.confidence import ConfidenceOptions
 
 RATIO_LEAST = 1e-3
 """Ratio of which the logarithm is taken at least."""
+MOST_LOG_ODDS = 30.0
+"""Log odds beyond which a probability is 0 or 1: keeps its exponential finite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,17 +66,17 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
     features = _features(evidence, options)
     if evidence.scans:
         odds = options.scan_weights.odds(features) + options.scan_offset
-        return squashed(odds - options.scan_middle, options.scan_stretch, options=options)
+        return squashed(odds - options.scan_middle, options.scan_stretch)
     if body:
         odds = options.body_weights.odds(features) + options.body_offset - options.body_middle
-        return squashed(odds, options.stretch, options=options)
+        return squashed(odds, options.stretch)
     odds = options.weights.odds(features) + options.offset - options.middle
     if evidence.soft:
         odds -= options.bent_change_weight * features["size"]
     if evidence.pixels:
-        few = log_ratio(evidence.points / options.many_points, options.max_log_few)
+        few = log_ratio(evidence.points / options.many_points, np.inf)
         odds += options.few_weight * min(0.0, few)
-    return squashed(odds, options.stretch, options=options)
+    return squashed(odds, options.stretch)
 
 
 def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float]:
@@ -99,11 +101,9 @@ def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float
     }
 
 
-def squashed(odds: float, stretch: float, options: ConfidenceOptions) -> float:
+def squashed(odds: float, stretch: float = 1.0) -> float:
     """The probability 0..1 of log odds that are stretched first: the logistic function."""
-    return 1.0 / (
-        1.0 + float(np.exp(np.clip(-stretch * odds, -options.max_log_odds, options.max_log_odds)))
-    )
+    return 1.0 / (1.0 + float(np.exp(np.clip(-stretch * odds, -MOST_LOG_ODDS, MOST_LOG_ODDS))))
 
 
 def log_ratio(ratio: float, most: float) -> float:

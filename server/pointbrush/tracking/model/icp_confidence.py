@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from pointbrush.tracking.model.confidence import log_ratio
+from pointbrush.tracking.model.confidence import log_ratio, squashed
 from pointbrush.tracking.options.confidence import IcpConfidenceOptions
 
 
@@ -39,4 +37,4 @@ class IcpEvidence:
     def likelihood(self, options: IcpConfidenceOptions) -> float:
         """0..1, of this step by itself."""
         odds = options.weights.odds(self.features(options)) + options.offset
-        return float(1.0 / (1.0 + np.exp(-np.clip(odds, -options.max_odds, options.max_odds))))
+        return squashed(odds)

@@ -29,14 +29,10 @@ class BodyWeights(Weights):
     """Of bodies before a known scene."""
 
     inliers: float = 1.38
-    sure: float = 0.0
     gap: float = -3.28
     cost: float = -0.75
-    fit: float = 0.0
     size: float = -1.73
     change: float = -1.0
-    grown: float = 0.0
-    isolated: float = 0.0
     share: float = 3.03
     appearance: float = 1.76
 
@@ -81,8 +77,6 @@ class ConfidenceOptions(Options):
     max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
     max_log_left: float = 4.0  # greatest log ratio of what is left beside it over its own
     max_log_coarse: float = 6.0  # greatest log of how coarsely it is seen
-    max_log_few: float = 7.0  # greatest log of how few points it has
-    max_log_odds: float = 30.0  # greatest log odds
     min_log_clothes: float = -3.0  # least mean log ratio of clothes
     regain: float = 0.15  # confidence that a frame can give back
     regain_scanned: float = 0.03  # the same for scanned tracks
@@ -131,5 +125,4 @@ class IcpConfidenceOptions(Options):
     offset: float = -1.75  # log odds that are added
     on_spacings: float = 2.0  # spacings from a point within which another lies on it
     max_log_residual: float = 3.0  # greatest log of a residual in spacings
-    max_odds: float = 30.0  # greatest log odds
     regain: float = 0.15  # confidence that a frame can give back

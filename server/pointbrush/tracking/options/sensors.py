@@ -205,8 +205,7 @@ class SwayOptions(Options):
     """A camera that only sways."""
 
     max_parallax: float = 0.03  # tangent of the angle by which near and far move against each other
-    near_percentile: int = 10  # percentile of the depths that are near
-    far_percentile: int = 90  # percentile of the depths that are far
+    near_percentile: int = 10  # percentile of the depths that are near; as many are far
     max_extent: float = 2.0  # sizes of the sensor's picture up to which all that it sees extends
     margin_share: float = 0.1  # share of a picture added on each side for the frames between
 

@@ -57,7 +57,7 @@ class PersonEvidence:
         """0..1, of this frame by itself."""
         learnt = options.person_confidence
         odds = learnt.weights.odds(self.features(options)) + learnt.offset
-        return squashed(odds, stretch=1.0, options=options.confidence)
+        return squashed(odds)
 
 
 @dataclass(eq=False)

@@ -289,7 +289,9 @@ def steadied(lens: Lens, depth: F32, poses: Sequence[F64], options: TrackerOptio
     """
     way = np.array([pose[:3, :3] @ lens.eye + pose[:3, 3] for pose in poses])
     eye = 0.5 * (way.min(axis=0) + way.max(axis=0))
-    near, far = np.percentile(depth, [options.sway.near_percentile, options.sway.far_percentile])
+    near, far = np.percentile(
+        depth, [options.sway.near_percentile, 100 - options.sway.near_percentile]
+    )
     if (
         np.linalg.norm(way - eye, axis=1).max() * (1.0 / near - 1.0 / far)
         > options.sway.max_parallax
