@@ -133,6 +133,15 @@ def object_tool(desk: Desk, middle: list[float]) -> None:
     desk.press("b")
 
 
+def normals(desk: Desk) -> None:
+    """Colour points by the direction of their surface."""
+    chosen = desk.page.get_by_label("Colour points by")
+    chosen.select_option("normal")
+    desk.page.locator("#view").focus()
+    save(desk, "desk-normal", "#stage")
+    chosen.select_option("rgb")
+
+
 def clip(desk: Desk) -> None:
     """Show only what is round the active object."""
     desk.press("y")
@@ -213,6 +222,7 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     person = max(set(truth.tolist()) - {0}, key=lambda label: int((truth == label).sum()))
     desk.ask(f"pb.state.activeLabel.value = {person}")
     save(desk, "desk")
+    normals(desk)
     mine = xyz[truth == person]
     nearest = mine[np.linalg.norm(mine - mine.mean(axis=0), axis=1).argmin()]
     object_tool(desk, nearest.tolist())
@@ -226,10 +236,6 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     desk.page.get_by_role("button", name="Review").first.click()
     last = OPTIONS.frames - 1
     by_example(desk, server, recording.truth[last], recording.frames[last].xyz)
-    desk.ask("pb.engine.closeSequence()")
-    desk.page.locator(".recording img").wait_for()
-    desk.until("document.querySelector('.recording img').complete")
-    save(desk, "desk-home")
     desk.context.close()
     return dust
 

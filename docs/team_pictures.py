@@ -34,6 +34,7 @@ def take(browser: Browser, folder: Path, save: Callable[[Desk, str], None]) -> N
         desk.ready()
         tasks(desk, save)
         agreement(desk, save)
+        home(desk, save)
         desk.context.close()
 
 
@@ -62,6 +63,7 @@ def _work(api: httpx.Client, address: str, workspace: Path, made: TrueTraffic) -
                     client[task.sequence].frames[frame].annotate(values)
                 mine.put_task(task.number, state="done")
         project.add_tasks(["drive"], every=1)
+        lead.projects.create("Car park")
 
 
 def _otherwise(right: NDArray[np.uint16], xyz: NDArray[np.floating]) -> NDArray[np.uint16]:
@@ -100,3 +102,11 @@ def agreement(desk: Desk, save: Callable[[Desk, str], None]) -> None:
     panel.get_by_role("radio", name="Both").click()
     desk.page.wait_for_timeout(SHOWN)
     save(desk, "desk-agreement")
+
+
+def home(desk: Desk, save: Callable[[Desk, str], None]) -> None:
+    """Look at all recordings, by project."""
+    desk.ask("pb.engine.closeSequence()")
+    desk.page.locator(".recording img").first.wait_for()
+    desk.until("document.querySelector('.recording img').complete")
+    save(desk, "desk-home")

@@ -158,6 +158,8 @@ const MORE: readonly KeyBinding[] = [
   colour('rgb', 'their own colour', 'rgb'),
   colour('intensity', 'intensity', 'intensity'),
   colour('height', 'height'),
+  colour('distance', 'distance'),
+  colour('normal', 'the direction of their surface'),
   colour('plain', 'one colour'),
   plain('View', 'Clip to a level slab', () => actions.clipTo(1)),
   plain('View', 'Clip to a slab across the view', () => actions.clipTo(2)),

@@ -149,11 +149,11 @@ export interface PointerSample {
 // ── view ─────────────────────────────────────────────────────────────────────────────────────
 
 /**
- * Colouring of points. `confidence` and `provenance` colour each label by how sure tracking is
+ * Colouring of points. `normal`: by the direction of the surface. `confidence` and `provenance` colour each label by how sure tracking is
  * of it in this frame, and by the share of its points that a person painted.
  */
 export type ColorMode =
-  'rgb' | 'intensity' | 'height' | 'distance' | 'plain' | 'label' | 'confidence' | 'provenance';
+  'rgb' | 'intensity' | 'height' | 'distance' | 'normal' | 'plain' | 'label' | 'confidence' | 'provenance'; // prettier-ignore
 
 /** Colours of values: perceptually even, grey, or of a rainbow. */
 export type Ramp = 'even' | 'grey' | 'rainbow';

@@ -1,8 +1,14 @@
 /** Buffers of our own that three draws from. */
 import { BufferGeometry, GLBufferAttribute, InterleavedBufferAttribute, Sphere } from 'three';
-import type { InterleavedBuffer } from 'three';
+import type { InterleavedBuffer, Matrix4 } from 'three';
 import { STRIDE } from '../../net/chunk/segment';
+import { normalColours } from '../points/normals';
 import type { Piece } from '../points/piece';
+
+/** Offset of the colours in a vertex. */
+const COLOURS = 6;
+/** Colours by normals, of pieces that were shown so; a piece's points never change. */
+const normals = new WeakMap<Piece, { readonly room: Matrix4; readonly colours: Uint8Array }>();
 
 /** Vertices (12 bytes) and labels (uint16) of up to `capacity` points. */
 export class PointBuffers {
@@ -33,6 +39,22 @@ export class PointBuffers {
     gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, segment, byteOffset, count * STRIDE);
   }
 
+  /** Points of pieces that lie together in a segment, in the colours of their normals. */
+  writeNormals(first: number, pieces: readonly Piece[], room: Matrix4): void {
+    const { gl } = this;
+    const { segment, words } = pieces[0]!;
+    const colours = coloursOf(pieces, room);
+    const from = words.byteOffset;
+    const vertices = segment.slice(from, from + (colours.length / 3) * STRIDE);
+    for (let at = COLOURS, i = 0; i < colours.length; at += STRIDE) {
+      vertices[at] = colours[i++]!;
+      vertices[at + 1] = colours[i++]!;
+      vertices[at + 2] = colours[i++]!;
+    }
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.vertices);
+    gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, vertices);
+  }
+
   /** The first `count` values, to the start of the labels. */
   writeLabels(values: Uint16Array, count: number): void {
     const { gl } = this;
@@ -59,6 +81,15 @@ export class PointBuffers {
     this.gl.deleteBuffer(this.vertices);
     this.gl.deleteBuffer(this.labels);
   }
+}
+
+function coloursOf(pieces: readonly Piece[], room: Matrix4): Uint8Array {
+  const [first] = pieces;
+  const known = normals.get(first!);
+  if (known?.room === room) return known.colours;
+  const colours = normalColours(pieces, room);
+  normals.set(first!, { room, colours });
+  return colours;
 }
 
 /**

@@ -1,7 +1,7 @@
 /** A frame too large for memory: its chunks live in pages of the GPU, under a budget of points. */
 import { free } from '../../common/free';
 import { Group, Points, Vector3 } from 'three';
-import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
+import type { BufferGeometry, Matrix4, RawShaderMaterial, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame, type Predicted } from '../points/frame';
 import { lowerBound, type Piece } from '../points/piece';
 import { PointBuffers } from './gpu';
@@ -14,6 +14,7 @@ const REFINED = 0.6;
 class Page {
   readonly points: Points<BufferGeometry, RawShaderMaterial>;
   piece: Piece | null = null;
+  normals: Matrix4 | null = null;
   private labelsVersion = -1;
   /** Values are shown over the server's own. */
   private overlaid = false;
@@ -22,7 +23,7 @@ class Page {
 
   constructor(
     gl: WebGL2RenderingContext,
-    uniforms: PointUniforms,
+    private readonly uniforms: PointUniforms,
     private readonly table: ChunkTable,
     private readonly row: number,
   ) {
@@ -33,7 +34,9 @@ class Page {
   }
 
   load(piece: Piece): void {
-    this.buffers.writeVertices(0, piece, piece.count);
+    this.normals = this.uniforms.normals;
+    if (this.normals) this.buffers.writeNormals(0, [piece], this.normals);
+    else this.buffers.writeVertices(0, piece, piece.count);
     const sphere = this.points.geometry.boundingSphere!;
     sphere.center.fromArray(piece.lo).add(corner.fromArray(piece.hi)).multiplyScalar(0.5);
     sphere.radius = sphere.center.distanceTo(corner);
@@ -131,7 +134,10 @@ export class LargeCloud {
   /** Make the pages hold exactly the frame's chunks. */
   update(frame: CloudFrame): void {
     const here = new Set(frame.pieces);
-    for (const page of this.pages) if (page.piece && !here.has(page.piece)) page.clear();
+    const { normals } = this.uniforms;
+    for (const page of this.pages) {
+      if (page.piece && (!here.has(page.piece) || page.normals !== normals)) page.clear();
+    }
     const shown = new Set(this.pages.map((page) => page.piece));
     for (const piece of frame.pieces) {
       if (!shown.has(piece)) this.freePage().load(piece);

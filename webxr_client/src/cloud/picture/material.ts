@@ -14,6 +14,7 @@ const COLOR_MODES = {
   height: 2,
   plain: 3,
   distance: 4,
+  normal: 5,
   label: 3,
   confidence: 3,
   provenance: 3,
@@ -53,6 +54,8 @@ const [NONE, BALL, RAY] = [0, 1, 2];
 export class PointUniforms {
   readonly settings = { value: new Float32Array(4 * SETTING_ROWS) };
   readonly palette: IUniform<DataTexture>;
+  /** The room by whose axes points are coloured by their normals; null: they have their colours. */
+  normals: Matrix4 | null = null;
   private pointSize = 1;
 
   constructor(palette: DataTexture) {

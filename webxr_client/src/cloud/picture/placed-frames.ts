@@ -1,5 +1,5 @@
 /** The GPU's side of frames that are laid over the one on screen: a slot for each. */
-import type { Group, WebGLRenderer } from 'three';
+import type { Group, Matrix4, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../points/frame';
 import type { PlacedFrame } from '../points/layer';
 import { Placement, type PointUniforms } from './material';
@@ -10,6 +10,7 @@ interface Laid {
   readonly placement: Placement;
   placed: PlacedFrame;
   version: number;
+  normals: Matrix4 | null;
 }
 
 export class PlacedFrames {
@@ -42,6 +43,7 @@ export class PlacedFrames {
 
   private lay(placed: PlacedFrame): boolean {
     const { frame } = placed;
+    const { normals } = this.uniforms;
     let laid = this.laid.get(frame);
     if (!laid) {
       const placement = new Placement();
@@ -49,13 +51,15 @@ export class PlacedFrames {
       slot.points.layers.set(this.layer);
       slot.points.visible = true;
       this.room.add(slot.points);
-      laid = { slot, placement, placed, version: -1 };
+      laid = { slot, placement, placed, version: -1, normals };
       laid.placement.set(placed);
       this.laid.set(frame, laid);
-    } else if (laid.placed === placed && laid.version === frame.version) return false;
+    } else if (laid.placed === placed && laid.version === frame.version && laid.normals === normals)
+      return false;
     if (laid.placed !== placed) laid.placement.set(placed);
     laid.placed = placed;
     laid.version = frame.version;
+    laid.normals = normals;
     laid.slot.upload(frame);
     return true;
   }

@@ -31,7 +31,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define pixelsPerMetre settings[0].x            // at distance 1: viewport height / 2 * point size setting
 #define pixelLimits settings[0].yz
 #define gain settings[0].w
-#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance
+#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance, 5 normal
 #define hasIntensity int(settings[1].y)
 #define labelBlend settings[1].z
 #define hideUnlabeled int(settings[1].w)
@@ -132,6 +132,7 @@ void main() {
     // A lidar's point that no camera saw has the colour 0, 0, 0: its intensity stands in.
     if (hasIntensity != 0 && base == vec3(0.0)) base = vec3(0.22 + 0.6 * sqrt(colour.a));
   }
+  else if (colourMode == 5) base = colour.rgb;
   else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
   else if (colourMode == 4) base = ramp(distance(position, distanceRow.xyz) * distanceRow.w);

@@ -1,7 +1,7 @@
 /** Preallocated GPU buffers for one frame.  Several take turns, so that no upload waits for a draw. */
 import { free } from '../../common/free';
 import { Points } from 'three';
-import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';
+import type { BufferGeometry, Matrix4, RawShaderMaterial, WebGLRenderer } from 'three';
 import { ALL_POINTS, pointsWithin, type CloudFrame } from '../points/frame';
 import { DELETED } from '../points/piece';
 import { PointBuffers } from './gpu';
@@ -18,13 +18,14 @@ export class Slot {
   private shownPoints = 0;
   private limit = ALL_POINTS;
   private blank = false;
+  private normals: Matrix4 | null = null;
   private readonly buffers: PointBuffers;
   private readonly table: ChunkTable;
 
   constructor(
     renderer: WebGLRenderer,
     readonly capacity: number,
-    uniforms: PointUniforms,
+    private readonly uniforms: PointUniforms,
     placement: Placement | null = null,
   ) {
     this.buffers = new PointBuffers(renderer.getContext() as WebGL2RenderingContext, capacity);
@@ -46,8 +47,10 @@ export class Slot {
 
   /** Bring the GPU up to date with a frame: only what is new goes over. */
   upload(frame: CloudFrame): void {
-    if (this.frame !== frame || frame.loaded < this.uploaded) {
+    const { normals } = this.uniforms;
+    if (this.frame !== frame || frame.loaded < this.uploaded || this.normals !== normals) {
       this.frame = frame;
+      this.normals = normals;
       this.uploaded = 0;
       this.pointsVersion = -1;
       this.labelsVersion = -1;
@@ -64,9 +67,12 @@ export class Slot {
       if (first < this.uploaded) continue;
       // Points of one message lie together, and go over in one piece.
       let { count } = piece;
+      const begin = i;
       while (pieces[i + 1]?.segment === segment) count += pieces[++i]!.count;
       if (first + count > this.capacity) break;
-      this.buffers.writeVertices(first, piece, count);
+      const { normals } = this;
+      if (normals) this.buffers.writeNormals(first, pieces.slice(begin, i + 1), normals);
+      else this.buffers.writeVertices(first, piece, count);
       this.uploaded = first + count;
     }
     this.cut(frame);

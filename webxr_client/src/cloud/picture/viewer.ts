@@ -151,7 +151,8 @@ export class Viewer {
     const farthest = [0, 1, 2].map((k) => Math.max(Math.abs(info.lo[k]!), Math.abs(info.hi[k]!)));
     this.uniforms.setDistance(Math.hypot(...farthest));
     this.fitted = null;
-    if (this.shown) this.fitRamps(this.shown);
+    if (this.uniforms.normals) this.uniforms.normals = this.room.matrix.clone();
+    if (this.shown) this.show(this.shown);
     this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
     this.extent = low.distanceTo(high);
     this.middle.copy(low).add(high).multiplyScalar(0.5);
@@ -197,9 +198,18 @@ export class Viewer {
 
   setView(view: ViewSettings, fields: readonly string[]): void {
     this.uniforms.set(view, fields);
+    this.showNormals(view.color === 'normal');
     this.eyeDomeOn = view.eyeDome;
     this.backdrop.showFloor(view.grid);
     this.invalidate();
+  }
+
+  /** Colour points by their normals, or no more; they are computed for what is on screen. */
+  private showNormals(on: boolean): void {
+    const { uniforms, room, shown } = this;
+    if (on === (uniforms.normals !== null)) return;
+    uniforms.normals = on ? room.matrix.clone() : null;
+    if (shown) this.cloud?.update(shown);
   }
 
   /** Draw the edge of what a click would take. */

@@ -18,6 +18,7 @@ const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['intensity', 'Intensity', 'intensity'],
   ['height', 'Height', ''],
   ['distance', 'Distance', ''],
+  ['normal', 'Normal', ''],
   ['plain', 'Plain', ''],
   ['label', 'Label', ''],
   ['confidence', 'Confidence', ''],
@@ -137,6 +138,14 @@ const RAMPS: readonly RadioOption<Ramp>[] = [
 type Legend = readonly (readonly [colour: string, meaning: string])[];
 
 const LEGENDS: Partial<Record<ColorMode, Legend>> = {
+  normal: [
+    ['#80ff80', 'faces up'],
+    ['#800080', 'faces down'],
+    ['#ff8080', 'faces right, from the front'],
+    ['#008080', 'faces left'],
+    ['#8080ff', 'faces the front'],
+    ['#808000', 'faces the back'],
+  ],
   confidence: [
     [SURE, 'sure, or painted'],
     [BETWEEN, 'between'],
