@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from functools import partial
 from typing import Any
@@ -15,7 +15,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from pointbrush.errors import UnavailableError
+from pointbrush.job import Job
 from pointbrush.labels import effect
+from pointbrush.streaming import hub as hub_module
 from pointbrush.streaming import outbox, sender
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
@@ -67,8 +70,9 @@ class PageLike(Viewer):
 class Person:
     """Somebody at a page whose link breaks now and then."""
 
-    def __init__(self, hub: Hub, name: str) -> None:
-        self.hub, self.name = hub, name
+    def __init__(self, hub: Hub, name: str, sees: Callable[[Job], bool] | None = None) -> None:
+        self.hub, self.name, self.sees = hub, name, sees
+        self.jobs: set[str] = set()
         self.frames: dict[int, HeldFrame] = {}
         self.revision: int | None = None
         self.gaps = 0
@@ -87,6 +91,7 @@ class Person:
             role="admin",
             shared=True,
             require_admitted=lambda: None,
+            sees=self.sees,
         )
         self.view = PageLike(pipe, on_message=self._heard, frames=self.frames)  # type: ignore[arg-type]
         self._tasks = [
@@ -119,6 +124,8 @@ class Person:
             await self.view._apply(msgpack.unpackb(data), len(data))
 
     def _heard(self, message: Message) -> None:
+        if message["type"] == "job":
+            self.jobs.add(message["id"])
         if message["type"] == "sequence" and self.revision is None:
             self.revision = message["revision"]
         if message["type"] == "annotation" and message["base"] is not None:
@@ -278,6 +285,31 @@ def test_no_delta_overtakes_what_is_owed_to_a_slow_viewer(workspace: Workspace) 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outbox, "MOST_DELTA_BYTES", 1_500)
         asyncio.run(asyncio.wait_for(scenario(), 2 * PATIENCE))
+
+
+def test_a_job_is_told_once_the_database_says_whom_it_is_for(workspace: Workspace) -> None:
+    asked: list[Job] = []
+
+    def sees(job: Job) -> bool:
+        asked.append(job)
+        if len(asked) == 1:
+            raise UnavailableError("its server cannot be reached")
+        return True
+
+    async def scenario() -> None:
+        async with Hub(workspace, Metrics()).running() as hub:
+            person = Person(hub, "ada", sees)
+            await person.connect()
+            await comes_true(lambda: person.revision is not None)
+            job = Job("tracking", "wall", state="done")
+            workspace._listeners.tell(job)
+            await comes_true(lambda: job.id in person.jobs)
+            await person.leave()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hub_module, "AGAIN_SECONDS", 0.01)
+        asyncio.run(asyncio.wait_for(scenario(), 2 * PATIENCE))
+    assert len(asked) == 2
 
 
 async def settled(person: Person) -> None:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import anyio
 import anyio.to_thread
 
-from pointbrush.errors import NotFoundError, PointbrushError
+from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
 from pointbrush.job import Job
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
@@ -35,6 +35,8 @@ VALUES_BYTES = 32 * 2**20
 """Memory for values of frames, run-length encoded: of an unlabelled frame 1 kB each."""
 READ_THREADS, EDIT_THREADS, LONG_THREADS = 4, 8, 2
 PRESENCE_HZ = 30.0
+AGAIN_SECONDS = 1.0
+"""Pause before a job is told again that could not be, while the database was away."""
 
 
 class Hub:
@@ -51,6 +53,7 @@ class Hub:
         self._counted = (0, 0, 0)
         self._opening = asyncio.Lock()
         self._events: asyncio.Queue[Event] = asyncio.Queue()
+        self._untold: dict[str, Job] = {}
         self._reads = anyio.CapacityLimiter(READ_THREADS)
         self._edits = anyio.CapacityLimiter(EDIT_THREADS)
         self._long = anyio.CapacityLimiter(LONG_THREADS)
@@ -62,6 +65,8 @@ class Hub:
 
         def forward(event: Event) -> None:
             # Called from any thread, also in the moment that the loop ends.
+            if isinstance(event, Job):
+                self.metrics.job(event)
             if not loop.is_closed():
                 loop.call_soon_threadsafe(self._events.put_nowait, event)
 
@@ -215,8 +220,7 @@ class Hub:
 
     async def _dispatch(self, event: Event) -> None:
         if isinstance(event, Job):
-            self.metrics.job(event)
-            await self.tell_job(event, self.viewers)
+            await self._tell_all(event)
             return
         if isinstance(event, SequencesChanged):
             await self._sequence_changed(event.sequence)
@@ -235,6 +239,20 @@ class Hub:
         elif isinstance(event, Retracted):
             for viewer in room.viewers:
                 viewer.stale(event.frames)
+
+    async def _tell_all(self, job: Job) -> None:
+        """Tell all viewers of a job, later when the database is away."""
+        self._untold.pop(job.id, None)
+        try:
+            await self.tell_job(job, self.viewers)
+        except UnavailableError:
+            # Whom it is for stands there, and its last state must not be missed.
+            self._untold[job.id] = job
+            asyncio.get_running_loop().call_later(AGAIN_SECONDS, self._tell_again, job)
+
+    def _tell_again(self, job: Job) -> None:
+        if self._untold.get(job.id) is job:  # nothing newer is known of it
+            self._events.put_nowait(job)
 
     async def tell_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
         """Queue a job's state for those whom it is for; a newer one replaces it."""
