@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pointbrush.errors import BadInputError
-from pointbrush.printing import Entry
+from pointbrush.printable import Entry
 
 
 def report_suffix(out: Path) -> str:

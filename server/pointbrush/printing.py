@@ -7,7 +7,18 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, is_dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
+
+from pointbrush.printable import (
+    About,
+    Agreeing,
+    ComparedClass,
+    Entry,
+    ExportFormat,
+    Suspicious,
+    Taught,
+    TokenEntry,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,110 +51,6 @@ class Answer:
 def _plain(value: object) -> object:
     """Turn a value that JSON does not know into one that it does."""
     return asdict(value) if is_dataclass(value) and not isinstance(value, type) else str(value)
-
-
-class About(Protocol):
-    """Facts of a recording."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def source(self) -> str: ...  # noqa: D102
-    @property
-    def frames(self) -> int: ...  # noqa: D102
-    @property
-    def fps(self) -> float: ...  # noqa: D102
-    @property
-    def points(self) -> Sequence[int]: ...  # noqa: D102
-    @property
-    def fields(self) -> Sequence[str]: ...  # noqa: D102
-
-
-class Entry(Protocol):
-    """A label of a palette."""
-
-    @property
-    def id(self) -> int: ...  # noqa: D102
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def color(self) -> str: ...  # noqa: D102
-    @property
-    def category(self) -> str: ...  # noqa: D102
-
-
-class TokenEntry(Protocol):
-    """A token's record."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def role(self) -> str: ...  # noqa: D102
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def valid(self) -> bool: ...  # noqa: D102
-    @property
-    def revoked(self) -> float | None: ...  # noqa: D102
-
-
-class ExportFormat(Protocol):
-    """An export format."""
-
-    @property
-    def title(self) -> str: ...  # noqa: D102
-    @property
-    def cannot_hold(self) -> Sequence[str]: ...  # noqa: D102
-
-
-class Suspicious(Protocol):
-    """A suspicious thing in the labels of a recording."""
-
-    @property
-    def first(self) -> int | None: ...  # noqa: D102
-    @property
-    def last(self) -> int | None: ...  # noqa: D102
-    @property
-    def text(self) -> str: ...  # noqa: D102
-    @property
-    def settled(self) -> bool: ...  # noqa: D102
-
-
-class Agreeing(Protocol):
-    """A label of two recordings."""
-
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def iou(self) -> float: ...  # noqa: D102
-
-
-class Scored(Protocol):
-    """Scores of boxes that are the same from a 3D IoU on."""
-
-    @property
-    def iou(self) -> float: ...  # noqa: D102
-    @property
-    def ap(self) -> float: ...  # noqa: D102
-    @property
-    def precision(self) -> float: ...  # noqa: D102
-    @property
-    def recall(self) -> float: ...  # noqa: D102
-
-
-class ComparedClass(Protocol):
-    """Boxes of a class in two recordings."""
-
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def first(self) -> int: ...  # noqa: D102
-    @property
-    def second(self) -> int: ...  # noqa: D102
-    @property
-    def scores(self) -> Sequence[Scored]: ...  # noqa: D102
 
 
 def preview(found: Mapping[str, Any]) -> Answer:
@@ -432,23 +339,13 @@ def exported(sequence: str, out: Path, entry: ExportFormat) -> Answer:
 # ── labels by example ────────────────────────────────────────────────────────────────────────
 
 
-class Taught(Protocol):
-    """A classifier as the workspace and the client have it."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def examples(self) -> Mapping[str, int]: ...  # noqa: D102
-    @property
-    def taught_by(self) -> Mapping[str, int]: ...  # noqa: D102
-    @property
-    def score(self) -> float | None: ...  # noqa: D102
-
-
 def classifiers(found: Iterable[Taught]) -> Answer:
     """List classifiers with their examples, teachers and scores."""
     listed = list(found)
-    return Answer(listed, [_classifier(each) for each in listed])
+    if not listed:
+        return Answer(listed, ["no classifiers; `pointbrush example SEQ` teaches one"])
+    lines = [_classifier(each) for each in listed]
+    return Answer(listed, lines, head="ID\tEXAMPLES\tTAUGHT BY\tSCORE")
 
 
 def classifier(found: Taught) -> Answer:

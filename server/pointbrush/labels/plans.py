@@ -89,7 +89,12 @@ def change(entry: Entry, label_id: int, fields: dict[str, Any]) -> Plan:
 
 
 def arrange(entry: Entry, order: Sequence[int]) -> Plan:
-    """Put labels in an order; those not named follow as they are.  Raises NotFoundError."""
+    """Put labels in an order; those not named follow as they are.
+
+    Raises BadInputError for an id that comes twice, NotFoundError.
+    """
+    if len(set(order)) < len(order):
+        raise BadInputError("order: expected each label once, got one of them twice")
 
     def plan(draft: Draft) -> Entry:
         for label_id in order:
@@ -123,7 +128,14 @@ def remove(entry: Entry, label_id: int) -> Plan:
 
 
 def merge(entry: Entry, label_id: int, others: Sequence[int]) -> Plan:
-    """Give the points of ``others`` to a label, and remove them."""
+    """Give the points of ``others`` to a label, and remove them.
+
+    Raises BadInputError where one comes twice or is the label itself.
+    """
+    if not others or label_id in others or len(set(others)) < len(others):
+        raise BadInputError(
+            f"labels: expected other labels than {label_id}, each once, got {list(others)[:20]}"
+        )
 
     def plan(draft: Draft) -> Entry:
         named = [palette.require(draft.palette, one) for one in (label_id, *others)]

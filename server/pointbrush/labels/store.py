@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from pointbrush.errors import BadInputError
 from pointbrush.labels import check, integrity, palette, plans, reading
 from pointbrush.labels.accounts import Accounts, SignIns, Tokens
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
@@ -165,11 +164,10 @@ class LabelStore:
 
         ``distinct``: a name or colour that another label has gives way to a free one.
         """
-        fields |= {"name": name, "category": category, "color": color}
-        fields = palette.check_fields(fields)
+        given = fields | {"name": name, "category": category, "color": color}
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
-        plan = plans.create(entry, number, fields, distinct)
+        plan = plans.create(entry, number, palette.check_fields(given), distinct)
         commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # without another look at a database that may have gone away meanwhile
             return commit.label
@@ -204,11 +202,9 @@ class LabelStore:
 
         Raises BadInputError (an id twice), NotFoundError.
         """
-        numbers = [palette.check_id(number) for number in order]
-        if len(set(numbers)) < len(numbers):
-            raise BadInputError("order: expected each label once, got one of them twice")
         entry = new_entry(edit_id, author, "label", "arrange labels")
-        return self._writer.commit(sequence, entry.id, plans.arrange(entry, numbers))
+        plan = plans.arrange(entry, [palette.check_id(number) for number in order])
+        return self._writer.commit(sequence, entry.id, plan)
 
     def delete_label(
         self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None
@@ -233,10 +229,6 @@ class LabelStore:
 
         Raises LockedLabelError.
         """
-        if not others or label_id in others or len(set(others)) < len(others):
-            raise BadInputError(
-                f"labels: expected other labels than {label_id}, each once, got {list(others)[:20]}"
-            )
         entry = new_entry(edit_id, author, "label", "merge labels")
         return self._writer.commit(sequence, entry.id, plans.merge(entry, label_id, others))
 
