@@ -67,16 +67,15 @@ def _work(api: httpx.Client, address: str, workspace: Path, made: TrueTraffic) -
 
 
 def _otherwise(right: NDArray[np.uint16], xyz: NDArray[np.floating]) -> NDArray[np.uint16]:
-    """Miss the second largest object, call the third as the largest, take half of the fourth."""
+    """Miss the second largest object, call the third by its name, take half of the fourth."""
     values = right.copy()
     numbers, counts = np.unique(right[right > 0], return_counts=True)
     by_size = numbers[counts.argsort()[::-1]].tolist()
-    largest, missed, renamed, half = by_size[:4]
+    _, missed, renamed, half = by_size[:4]
     values[right == missed] = 0
     values[right == renamed] = missed
     mine = right == half
     values[mine & (xyz[:, 0] > np.median(xyz[mine, 0]))] = 0
-    values[right == largest] = largest
     return values
 
 

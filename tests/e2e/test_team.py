@@ -22,8 +22,10 @@ from tests.e2e.conftest import DATA
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import PERSON, SEQUENCE, Truth
 from tests.e2e.server import LiveServer
+from tests.e2e.test_accessibility import faults
 from tests.waiting import eventually
 
+FLOWN = "(([x, y], v) => Math.hypot(x - v.clientWidth / 2, y - v.clientHeight / 2) < 20)"
 NAMES = {SEQUENCE: "Juggling", "hall": "Hall", "yard": "Yard"}
 
 
@@ -136,6 +138,7 @@ def returned(server: LiveServer, lead: Desk, ada: Desk, place: list[float]) -> N
     lead.page.mouse.click(*lead.place(place))
     verdict.get_by_role("button", name="Pinned").wait_for()
     lead.screenshot("team-lead")
+    assert faults(lead.page, "tasks", "#team") == []
     verdict.get_by_role("button", name="Send back").click()
     eventually(lambda: states(server)["hall"] == "returned")
     ada.press("Shift+N")
@@ -144,6 +147,7 @@ def returned(server: LiveServer, lead: Desk, ada: Desk, place: list[float]) -> N
     own.get_by_role("button", name="Go to the place in frame 0").wait_for()
     ada.until("pb.state.sequence.value?.id === 'hall'")
     ada.page.locator(".review-mark").wait_for()
+    ada.until(f"{FLOWN}(pb.project({place}), document.querySelector('#view'))")
     ada.screenshot("team-returned")
     ada.press("Shift+N")
     eventually(lambda: states(server)["hall"] == "done")
@@ -167,6 +171,7 @@ def agreed(server: LiveServer, lead: Desk) -> None:
     looks.get_by_role("radio", name="bob").click()
     lead.until("pb.labels()[1] > 0")
     lead.screenshot("team-agreement")
+    assert faults(lead.page, "agreement", "#team") == []
     looks.get_by_role("radio", name="Recording").click()
     lead.until("!(pb.labels()[1] > 0)")
     panel.get_by_role("button", name="Take bob’s").click()
@@ -185,6 +190,7 @@ def versions(lead: Desk, server: LiveServer) -> None:
     difference = panel.get_by_role("region", name="Difference")
     difference.get_by_role("button", name="Go to frame 0").wait_for()
     lead.screenshot("team-versions")
+    assert faults(lead.page, "versions", "#team") == []
     with lead.page.expect_download() as saved:
         panel.get_by_label("Export this recording as it was").select_option("npz")
     archive = ZipFile(BytesIO(saved.value.path().read_bytes()))

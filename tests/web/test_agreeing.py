@@ -145,6 +145,8 @@ def test_who_labels_cannot_tell_a_copy_from_a_recording(people: dict[str, Client
     assert dict(info.tasks) == {"done": 1, "taken": 1}
     assert info.recordings == (task.sequence, scored.sequence)
     assert ada["room"].id == task.sequence, "what she calls by its name is hers"
+    assert [each.id for each in ada.search("room")] == [task.sequence]
+    assert [each.id for each in lead.search("room")] == ["room"]
     with pytest.raises(NotFoundError):
         hers.task(bobs.number)
     (edit,) = ada[task.sequence].edits()

@@ -39,10 +39,14 @@ class Search:
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """A recording that was found: the revision of its labels, and its project."""
+    """A recording that was found: the revision of its labels, its project.
+
+    ``copy_of``: the recording that it is one person's copy of, or None.
+    """
 
     revision: int
     project: str
+    copy_of: str | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +134,11 @@ class Summaries:
 
     def matching(self, search: Search) -> dict[str, Match]:
         """Find the recordings that a search is about, by id."""
-        chosen = select(sequences.c.id, sequences.c.revision, PROJECT_OF)
-        chosen = chosen.where(LIVE, *_conditions(search))
+        whole = sequences.alias()
+        original = select(whole.c.id).where(whole.c.number == sequences.c.copy_of)
+        chosen = select(
+            sequences.c.id, sequences.c.revision, PROJECT_OF, original.scalar_subquery()
+        ).where(LIVE, *_conditions(search))
         with self._database.read() as connection:
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 

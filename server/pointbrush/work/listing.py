@@ -160,6 +160,7 @@ class Listing:
                 None,
                 progress.get(sequence, NOTHING),
                 project=matches[sequence].project,
+                copy_of=matches[sequence].copy_of,
             )
             for sequence, manifest in found.items()
         ]

@@ -64,8 +64,6 @@ export class Engine {
   private readonly address: Address;
   private readonly detail: Detail;
   private readonly accumulated: Accumulated;
-  /** The view must still be chosen for the recording just opened. */
-  private unframed = false;
   /** The clip that keeps a ceiling out of a plan. */
   private cut: Clip | null = null;
   /** The frame on screen. */
@@ -136,7 +134,7 @@ export class Engine {
     const parts = { viewer, playback, strokes, objects, regions, following, link };
     const opened = (): void => {
       this.pacing.reset();
-      this.unframed = true;
+      state.framed.value = false;
     };
     const inbox = new Inbox({ ...parts, opened, opening });
     void opening.then((id) => {
@@ -177,7 +175,7 @@ export class Engine {
 
   private tickDesk(now: number): void {
     if (this.viewer.renderer.xr.isPresenting) return;
-    if (this.unframed && this.playback.frame) {
+    if (!state.framed.peek() && this.playback.frame) {
       this.viewFrom('sensor', true);
       this.address.framed();
     }
@@ -262,7 +260,7 @@ export class Engine {
     const info = state.sequence.peek();
     const frame = this.playback.frame;
     if (!info || !frame) return;
-    this.unframed = false;
+    state.framed.value = true;
     const [low, high] = this.viewer.bounds(info);
     const { camera, room } = this.viewer;
     const view = viewOf(preset, frame, room.matrix, camera.fov, camera.aspect, info.shift);

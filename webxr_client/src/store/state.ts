@@ -64,6 +64,8 @@ export const state = {
   sequence: signal<SequenceInfo | null>(null),
   /** Id of the recording being opened, until its first points are on screen. */
   opening: signal<string | null>(null),
+  /** The view has been chosen for the open recording, by its first picture. */
+  framed: signal(false),
 
   /** The playhead, an integer frame number; what is drawn (`shown`) may lag behind it. */
   frame: signal(0),

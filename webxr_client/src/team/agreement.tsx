@@ -61,8 +61,8 @@ function Compared({ of, all }: { of: Pair; all: readonly Pair[] }) {
         <>
           <details>
             <summary>
-              <strong>{percent(of.agreement.same)}</strong> of labelled points agree,{' '}
-              <strong>{percent(of.agreement.miou)}</strong> mean IoU
+              <strong>{percent(of.agreement.same)}</strong> of points agree, mean IoU{' '}
+              <strong>{percent(of.agreement.miou)}</strong>
             </summary>
             <Figures agreement={of.agreement} />
           </details>

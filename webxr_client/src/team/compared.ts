@@ -1,11 +1,12 @@
 /** Shows the labels of a copy, or where two differ, over the frame on screen. */
-import { MOST_OTHERS, OTHERS } from '../cloud/picture/palette';
+import { OTHERS } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Engine } from '../engine/engine';
 import { attempt, sequencePath } from '../engine/recordings';
 import { api, apiBytes } from '../net/rest';
 import type { Label } from '../protocol/messages';
 import { state } from '../store/state';
+import { theme } from '../store/theme';
 import { watch } from '../store/watch';
 import { pair, type Shows, shows } from './copies';
 import { coloursOf, type Copy, idsOf, labelsOf } from './shown-copies';
@@ -22,7 +23,7 @@ export class Compared {
 
   constructor(private readonly engine: Engine) {
     watch([pair], () => (this.known = new WeakMap()));
-    watch([shows, pair, state.shown, state.playing, state.palette], () => this.ask());
+    watch([shows, pair, state.shown, state.playing, state.palette, theme], () => this.ask());
   }
 
   private ask(): void {
@@ -64,7 +65,7 @@ export class Compared {
   private show(frame: CloudFrame, [first, second]: readonly [Copy, Copy], what: Shows): void {
     const { palette } = this.engine.viewer;
     const own = state.palette.peek();
-    palette.setOthers(coloursOf(first.palette, second.palette, own).slice(0, MOST_OTHERS));
+    palette.setOthers(coloursOf(first.palette, second.palette, own, theme.peek()));
     const values = idsOf(first, second, own, what, OTHERS);
     const indices = Uint32Array.from(values, (_, k) => k);
     frame.setOverlay(OVERLAY, { indices, values });

@@ -44,6 +44,7 @@ beforeEach(() => {
   state.sequences.value = [{ id: 'room', project: 'night' } as SequenceSummary];
   state.copies.value = ['room-2', 'room-3'].map((id) => ({ id, project: 'night', copy_of: 'room' }) as SequenceSummary); // prettier-ignore
   state.sequence.value = { id: 'room-2' } as SequenceInfo;
+  state.framed.value = true;
   tasks.value = [{ sequence: 'room-2', assignee: 'ada' } as Task];
   answer = [{ first: 'room-2', second: 'room-3', agreement: { miou: 1, same: 1, labels: [], frames: [] }, places: [place(4), place(2, { points: 30, has: 0 })] }]; // prettier-ignore
   pairs.value = answer;
@@ -101,12 +102,15 @@ test('the tab compares once it is open, and shows the recording again when it is
 test('a copy has the recording’s colours, its own labels theirs, and differences four', () => {
   const label = (id: number, name: string, color: string) => ({ id, name, category: name, color, visible: true, locked: false, instance: 0 }); // prettier-ignore
   const [car, van, tree] = [label(1, 'car', '#111111'), label(2, 'van', '#222222'), label(2, 'tree', '#333333')]; // prettier-ignore
-  const first = { labels: Uint16Array.of(0, 1, 1, 2), palette: [car, van] };
-  const second = { labels: Uint16Array.of(2, 0, 1, 2), palette: [car, tree] };
-  expect(coloursOf(first.palette, second.palette, [car]).slice(4)).toEqual(['#222222', '#333333']);
-  expect([...idsOf(first, second, [car], 'first', 100)]).toEqual([0, 1, 1, 104]);
-  expect([...idsOf(first, second, [car], 'second', 100)]).toEqual([105, 0, 1, 105]);
-  expect([...idsOf(first, second, [car], 'difference', 100)]).toEqual([101, 100, 103, 102]);
+  const first = { labels: Uint16Array.of(0, 1, 1, 2, 0), palette: [car, van] };
+  const second = { labels: Uint16Array.of(2, 0, 1, 2, 0), palette: [car, tree] };
+  expect(coloursOf(first.palette, second.palette, [car], 'dark').slice(5)).toEqual([
+    '#222222',
+    '#333333',
+  ]);
+  expect([...idsOf(first, second, [car], 'first', 100)]).toEqual([0, 1, 1, 105, 0]);
+  expect([...idsOf(first, second, [car], 'second', 100)]).toEqual([106, 0, 1, 106, 0]);
+  expect([...idsOf(first, second, [car], 'difference', 100)]).toEqual([101, 100, 103, 102, 104]);
   const head = new Uint8Array(10 + 6);
   head[8] = 6;
   const bytes = Uint8Array.of(...head, 5, 0, 1, 1);

@@ -105,13 +105,13 @@ export function wordsOf(place: Disagreement, [one, other]: readonly [string, str
     case 'added':
       return `${second}: only ${other} has it`;
     case 'split':
-      return `${first}: of ${other} in ${place.second.length} parts`;
+      return `${first}: ${other} has ${place.second.length} parts`;
     case 'merged':
-      return `${second}: of ${one} in ${place.first.length} parts`;
+      return `${second}: ${one} has ${place.first.length} parts`;
     case 'renamed':
-      return `${first}: ${second} by ${other}`;
+      return `${first}: ${other} calls it ${second}`;
     case 'outline':
-      return `${first}: other points`;
+      return `${first}: other outlines`;
   }
 }
 

@@ -10,6 +10,9 @@ export interface Copy {
 
 /** Only the first has a label, only the second, another one, the same; as the server draws them. */
 const DIFFERENCES = ['#409cff', '#ff9f1c', '#ff4081', '#969ca8'];
+/** Points without a label in either, beside them. */
+const REST = { dark: '#3a3e48', light: '#b4bac5' };
+const OWN = DIFFERENCES.length + 1;
 
 /** Read an array of `numpy.save` of two bytes a value. */
 export function labelsOf(bytes: ArrayBuffer): Uint16Array {
@@ -32,9 +35,10 @@ export function coloursOf(
   first: readonly Label[],
   second: readonly Label[],
   own: readonly Label[],
+  theme: keyof typeof REST,
 ): readonly string[] {
   const more = strangers(first, second, own).flat();
-  return [...DIFFERENCES, ...more.map(({ color }) => color)];
+  return [...DIFFERENCES, REST[theme], ...more.map(({ color }) => color)];
 }
 
 /** Ids that show a copy, or where two differ, in the palette of the recording, `own`. */
@@ -49,7 +53,7 @@ export function idsOf(
   const at = what === 'second' ? 1 : 0;
   const shown = at === 0 ? first : second;
   const more = strangers(first.palette, second.palette, own);
-  const before = base + DIFFERENCES.length + (at === 0 ? 0 : more[0]!.length);
+  const before = base + OWN + (at === 0 ? 0 : more[0]!.length);
   const to = new Map(more[at]!.map(({ id }, k) => [id, before + k]));
   return shown.labels.map((label) => to.get(label) ?? label);
 }
@@ -61,11 +65,10 @@ function classes(palette: readonly Label[]): ReadonlyMap<number, string> {
 
 function differences(first: Copy, second: Copy, base: number): Uint16Array {
   const [one, other] = [classes(first.palette), classes(second.palette)];
-  const NONE = 0;
   return first.labels.map((label, k) => {
     const mine = one.get(label);
     const theirs = other.get(second.labels[k]!);
-    if (mine === undefined && theirs === undefined) return NONE;
+    if (mine === undefined && theirs === undefined) return base + DIFFERENCES.length;
     if (theirs === undefined) return base;
     if (mine === undefined) return base + 1;
     return mine === theirs ? base + 3 : base + 2;

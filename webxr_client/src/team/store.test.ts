@@ -39,6 +39,7 @@ beforeEach(() => {
     { id: 'hall', name: 'Hall', project: 'night' } as SequenceSummary,
   ];
   state.sequence.value = { id: 'room', frames: 9 } as SequenceInfo;
+  state.framed.value = true;
   stop = followTeam();
 });
 afterEach(() => {
@@ -70,7 +71,11 @@ test('what was returned is flown to once its recording is open', async () => {
   next = task(3, { sequence: 'hall', note: 'a handle', frame: 2, place: [1, 2, 3] });
   await begin('night');
   expect(marked.value).not.toEqual([1, 2, 3]);
+  state.framed.value = false;
   state.sequence.value = { id: 'hall', frames: 9 } as SequenceInfo;
+  await Promise.resolve();
+  expect(seek).not.toHaveBeenCalled();
+  state.framed.value = true;
   await Promise.resolve();
   expect(seek).toHaveBeenCalledWith(2);
   expect(marked.value).toEqual([1, 2, 3]);

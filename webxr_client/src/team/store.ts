@@ -96,11 +96,13 @@ export function goTo(sequence: string, frame: number, place: Place | null = null
   if (state.sequence.peek()?.id !== sequence) actions.openSequence(sequence);
 }
 
+/** A flight before the view is chosen would be undone. */
 function arrive(): void {
   const { value } = goal;
-  if (!value || state.opening.value !== null || state.sequence.value?.id !== value.sequence) return;
+  const here = value && state.opening.value === null && state.sequence.value?.id === value.sequence;
+  if (!here || !state.framed.value) return;
   queueMicrotask(() => {
-    if (goal.peek() !== value) return;
+    if (goal.peek() !== value || !state.framed.peek()) return;
     goal.value = null;
     visit(value.frame, value.place);
   });
