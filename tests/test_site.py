@@ -110,9 +110,11 @@ def test_the_references_are_written_from_the_program(site: Path) -> None:
     reference = site / "reference"
     assert "import-labels" in (reference / "cli.html").read_text()
     assert "/frames/{i}/strokes" in (reference / "rest.html").read_text()
+    # What code has is coloured word by word.
+    palette = re.sub(r"<[^>]+>", "", (reference / "rest" / "palette.html").read_text())
+    assert "HTTP/1.1 201 Created" in palette
     schemas = (reference / "rest" / "schemas.html").read_text()
     assert "<code>only_unlabeled</code>" in schemas
-    # What it has is coloured word by word.
     python = re.sub(r"<[^>]+>", "", (reference / "python.html").read_text())
     assert "timeout=30.0" in python, "an example of a constructor"
     assert "if_match=values.etag" in python, "an example of a method"

@@ -1,11 +1,13 @@
 """Frames and labels as a dataset that torch's DataLoader takes; torch itself is not needed here.
 
-python docs/examples/dataset.py http://127.0.0.1:8080 TOKEN juggling juggling.zip
+    python docs/examples/dataset.py http://127.0.0.1:8080 TOKEN juggling juggling.zip
 
-from torch.utils.data import DataLoader
-loader = DataLoader(LabelledFrames("juggling.zip", points=8192), batch_size=4, num_workers=2)
-for batch in loader:
-    batch["xyz"], batch["rgb"], batch["label"]     # (4, 8192, 3), (4, 8192, 3), (4, 8192)
+In a training script:
+
+    from torch.utils.data import DataLoader
+    loader = DataLoader(LabelledFrames("juggling.zip", points=8192), batch_size=4, num_workers=2)
+    for batch in loader:
+        batch["xyz"], batch["rgb"], batch["label"]     # (4, 8192, 3), (4, 8192, 3), (4, 8192)
 """
 
 from __future__ import annotations

@@ -85,6 +85,9 @@ print(juggling.name, len(juggling.frames), juggling.manifest.fps)
 for label in juggling.labels():
     print(label.id, label.name, label.category)
 
+# Recording.categories
+print(juggling.categories())
+
 # Recording.create_label
 pin = juggling.create_label("pin 1", category="pin", color="#e6194b")
 other = juggling.create_label("pin 2", category="pin")
@@ -206,7 +209,6 @@ juggling.boxes.paint(box.id, "0:1", only_unlabeled=True)
 
 # Boxes.frame
 table = juggling.boxes.frame()  # a pandas frame
-print(table.groupby("label").size())
 
 # Recording.export_boxes
 juggling.export_boxes("kitti-tracking", "boxes.zip")
@@ -221,7 +223,12 @@ job = juggling.start_label_import([Path("000000.label")], dry_run=True)
 report = juggling.import_labels([Path("000000.label")], format="semantickitti")
 
 # Recording.import_source_labels
-juggling.import_source_labels()
+from pointbrush.errors import PointbrushError
+
+try:
+    juggling.import_source_labels()
+except PointbrushError as error:
+    print(error)  # its files have none, or they came in with it
 
 # Recording.export
 juggling.export("npz", "labels.zip", frames="0:2")
@@ -378,20 +385,27 @@ pairs = nights.agreement("juggling")
 print(nights.scores())
 
 # Project.merge
-nights.merge("juggling", take=copies[0].sequence)
+try:
+    nights.merge("juggling", take="majority")
+except PointbrushError as error:
+    print(error)  # nobody has handed a copy in yet
 
 # rest
 place = "/sequences/juggling"
 client.call("GET", "/me")
 client.call("POST", "/session", json={"token": token})
-sample = {"origin": [0.0, 0.0, 0.0], "direction": [0.0, 0.0, 1.0]}
+sample = {"origin": [0.0, 0.0, 0.0], "direction": xyz[100].tolist()}
 client.call("POST", f"{place}/floor", json={"frame": 0, "samples": [sample]})
 client.call("DELETE", f"{place}/floor")
 client.call("GET", f"{place}/frames/0/chunks")
 client.call("GET", f"{place}/frames/0/chunks/0")
 client.call("GET", f"{place}/frames/0/placements", params={"after": 1})
 client.call("GET", f"{place}/labels/{pin.id}")
-client.call("POST", f"{place}/labels/{pin.id}/split", json={"frame": 0})
+sides = juggling.frames[1].points()["xyz"]
+sides = sides[[sides[:, 0].argmin(), sides[:, 0].argmax()]]
+juggling.frames[1].stroke(label=pin.id, radius=1.0, samples=sides[:1])
+juggling.frames[1].stroke(label=pin.id, radius=1.0, samples=sides[1:])
+client.call("POST", f"{place}/labels/{pin.id}/split", json={"frame": 1})
 client.call("GET", f"{place}/palette")
 order = [label.id for label in juggling.labels()]
 client.call("PUT", f"{place}/palette/order", json={"labels": order})
@@ -415,8 +429,6 @@ print([each.id for each in client.deleted()])
 garden = client.restore("garden")
 
 # Client.cancel
-from pointbrush.errors import PointbrushError
-
 job = client.start_import([Path("recording")], name="not wanted")
 try:
     client.cancel(job.id)

@@ -15,7 +15,7 @@ CALLS = HERE / "calls.py"
 EXCHANGES = HERE / "exchanges.json"
 """A request and an answer of each call of REST, as a server gave it; texts and bytes are left out.
 
-Written by ``WRITE_EXCHANGES=1 pytest tests/test_reference.py``.
+Written by ``WRITE_EXCHANGES=docs/site/exchanges.json pytest tests/test_reference.py``.
 """
 MOST_ENTRIES = 2
 """Objects of a list that are kept."""
@@ -65,4 +65,5 @@ class Recorder:
             part: shortened(json.loads(message.content))
             for part, message in (("request", answer.request), ("answer", answer))
             if message.headers.get("Content-Type", "").startswith("application/json")
+            and message.content
         }
