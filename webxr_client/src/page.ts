@@ -17,6 +17,7 @@ import { Flight } from './reviewing/flight';
 import { mountReview, ReviewButton } from './reviewing/panel';
 import { Compared } from './team/compared';
 import { mountTeam, TeamButton } from './team/panel';
+import { ProjectSettings } from './team/settings-dialog';
 import { notify, state } from './store/state';
 import { installTheme } from './store/theme';
 import { follow } from './store/watch';
@@ -48,7 +49,7 @@ export function startPage(early: Early): void {
     mountPanels({
       buttons: [ExampleButton, ReviewButton, TeamButton],
       bars: [ExampleBar],
-      dialogs: [Help, CommandPalette],
+      dialogs: [Help, CommandPalette, ProjectSettings],
     });
     new Predicting(engine);
     mountReview();

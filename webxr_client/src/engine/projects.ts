@@ -25,6 +25,8 @@ export interface Project {
   /** The caller's in it. */
   readonly role: Welcome['role'];
   readonly roles: Readonly<Record<string, string>>;
+  /** Numbers of those that are selected; null: all. */
+  readonly categories: readonly number[] | null;
   readonly recordings: readonly string[];
   readonly tasks: Counts;
   /** Tasks by person and state. */
@@ -60,6 +62,8 @@ export const FIRST = 'default';
 
 /** By name; empty until the server has answered. */
 export const projects = signal<readonly Project[]>([]);
+/** Id of the project whose settings are open, or null. */
+export const settled = signal<string | null>(null);
 /** Project that imports go into. */
 export const importInto = signal(FIRST);
 

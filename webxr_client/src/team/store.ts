@@ -172,7 +172,7 @@ export async function sendBack(task: Task, note: string, pinned: Place | null): 
   return change(task, { state: 'returned', note, ...pin });
 }
 
-interface NewTasks {
+export interface NewTasks {
   readonly recordings: readonly string[] | null;
   readonly every: number | null;
   readonly assignee?: string;
@@ -181,12 +181,11 @@ interface NewTasks {
   readonly truth?: boolean;
 }
 
-/** Make tasks; tells whether the server did. */
-export async function addTasks(wanted: NewTasks): Promise<boolean> {
-  const of = project.peek();
+/** Make tasks of a project; tells whether the server did. */
+export async function addTasks(wanted: NewTasks, of = project.peek()?.id ?? ''): Promise<boolean> {
   let done = false;
   await attempt('The tasks were not made', async () => {
-    await api('POST', `${projectPath(of!.id)}/tasks`, { ...wanted, id: crypto.randomUUID() });
+    await api('POST', `${projectPath(of)}/tasks`, { ...wanted, id: crypto.randomUUID() });
     done = true;
   });
   await refresh();

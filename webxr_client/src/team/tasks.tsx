@@ -23,7 +23,7 @@ import {
   taskWords,
 } from './store';
 
-const ORDER = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'];
+export const ORDER = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'];
 export const may = ({ role }: Project, least: string): boolean =>
   ORDER.indexOf(role) >= ORDER.indexOf(least);
 

@@ -1,6 +1,7 @@
 /** Between a drop and an import: what was found, and what a person says it is. */
 import type { ComponentChildren } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
+import { FIRST, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
 import { Button, Check } from '../parts/controls';
@@ -109,6 +110,15 @@ function Recording({ draft }: { draft: ImportDraft }) {
     <>
       {found && <Facts found={found} />}
       <div class="import-fields">
+        {projects.value.length > 1 && (
+          <Row label="Project">
+            <Choice
+              value={options.project ?? FIRST}
+              choices={projects.value.map(({ id, name }) => [id, name] as const)}
+              onChange={(id) => correct({ project: id === FIRST ? null : id })}
+            />
+          </Row>
+        )}
         <Row label="Name">
           <input
             class="field"

@@ -12,6 +12,7 @@ import {
   projects,
   refreshProjects,
   search,
+  settled,
   type Statistics,
   TASK_STATES,
   TASK_WORDS,
@@ -183,6 +184,7 @@ function ProjectGroup({ group: { project, rows }, alone, opened }: GroupProps) {
           />
         )}
         <FiguresButton project={project.id} />
+        {canManage.value && <SettingsButton project={project} />}
       </div>
       {shown && <Rows rows={rows} />}
     </section>
@@ -236,6 +238,17 @@ function Progress({ tasks, rows }: ProgressProps) {
         ))}
       </span>
     </span>
+  );
+}
+
+function SettingsButton({ project: { id, name } }: { project: Group['project'] }) {
+  return (
+    <Button
+      label="Settings"
+      tip={`People, categories, tasks and webhooks of ${name}`}
+      small
+      onClick={() => (settled.value = id)}
+    />
   );
 }
 
@@ -293,10 +306,12 @@ function FiguresTable({ project }: { project: string }) {
 }
 
 function NewProject() {
+  const [only, ...others] = projects.value;
   if (!naming.value) {
     return (
-      <div>
+      <div class="group">
         <Button icon="plus" label="New project" onClick={() => (naming.value = true)} />
+        {only && others.length === 0 && <SettingsButton project={only} />}
       </div>
     );
   }

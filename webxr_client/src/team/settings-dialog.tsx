@@ -1,0 +1,184 @@
+/** The settings of a project: its name, and a tab for each of what its lead decides. */
+import { useEffect, useRef, useState } from 'preact/hooks';
+import { type Project, projects, settled } from '../engine/projects';
+import { Button, Check } from '../panels/parts/controls';
+import {
+  deleteProject,
+  loadTaxonomy,
+  save,
+  selectCategory,
+  secret,
+  setRole,
+  settledProject,
+  type SettingsTab,
+  settingsTab,
+  TABS,
+  taxonomy,
+} from './settings';
+import { Recordings, ProjectTasks } from './settings-work';
+import { ORDER } from './tasks';
+import { Webhooks } from './webhooks';
+
+const BODIES: Readonly<Record<SettingsTab, (props: { of: Project }) => preact.JSX.Element>> = {
+  people: People,
+  categories: Categories,
+  recordings: Recordings,
+  tasks: ProjectTasks,
+  webhooks: Webhooks,
+};
+
+export function ProjectSettings() {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const of = settledProject.value;
+  const open = of !== null;
+  useEffect(() => {
+    if (open) dialog.current?.showModal();
+    else secret.value = null;
+  }, [open]);
+  if (!of) return null;
+  const close = (): void => void (settled.value = null);
+  const Body = BODIES[settingsTab.value];
+  return (
+    <dialog ref={dialog} class="settings" aria-label="Settings of the project" onClose={close}>
+      <header>
+        <input
+          class="field"
+          aria-label="Name of the project"
+          maxLength={200}
+          value={of.name}
+          onChange={({ currentTarget }) => {
+            const name = currentTarget.value.trim();
+            if (name) void save({ name });
+            else currentTarget.value = of.name;
+          }}
+        />
+        {of.recordings.length === 0 && (
+          <Button icon="trash" tip="Delete this project" onClick={() => void deleteProject()} />
+        )}
+        <Button icon="close" tip="Close the settings" onClick={close} />
+      </header>
+      <div class="review-tabs" role="group" aria-label="Settings">
+        {TABS.map(([tab, words]) => (
+          <Button
+            key={tab}
+            label={words}
+            pressed={settingsTab.value === tab}
+            onClick={() => (settingsTab.value = tab)}
+          />
+        ))}
+      </div>
+      <div class="settings-body" key={of.id}>
+        <Body of={of} />
+      </div>
+    </dialog>
+  );
+}
+
+function People({ of }: { of: Project }) {
+  const [account, setAccount] = useState('');
+  const [role, setNewRole] = useState('annotator');
+  const rows = Object.entries(of.roles).sort();
+  const known = projects.value.flatMap(({ roles, people }) => [...Object.keys(roles), ...Object.keys(people)]); // prettier-ignore
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    if (account.trim()) void setRole(account.trim(), role);
+    setAccount('');
+  };
+  return (
+    <>
+      <p class="soft">
+        {rows.length === 0
+          ? 'Everybody has their role of the workspace. With the first person here, it is theirs alone.'
+          : 'Only these people see the project, and managers of the workspace. Whoever has a lower role there keeps it.'}
+      </p>
+      <ul class="settings-rows">
+        {rows.map(([name, own]) => (
+          <li key={name}>
+            <strong class="name">{name}</strong>
+            <Role of={name} value={own} onChange={(next) => void setRole(name, next)} />
+            <Button
+              icon="close"
+              tip={`Take ${name} out of the project`}
+              small
+              onClick={() => void setRole(name, null)}
+            />
+          </li>
+        ))}
+      </ul>
+      <form class="settings-add" onSubmit={submit}>
+        <input
+          class="field"
+          aria-label="Account of a person"
+          placeholder="Name of an account"
+          maxLength={128}
+          list="settings-people"
+          value={account}
+          onInput={(event) => setAccount(event.currentTarget.value)}
+        />
+        <datalist id="settings-people">
+          {[...new Set(known)].filter(Boolean).map((name) => (
+            <option key={name} value={name} />
+          ))}
+        </datalist>
+        <Role of="the new person" value={role} onChange={setNewRole} />
+        <button type="submit" class="button primary" disabled={!account.trim()}>
+          Add
+        </button>
+      </form>
+    </>
+  );
+}
+
+interface RoleProps {
+  of: string;
+  value: string;
+  onChange: (role: string) => void;
+}
+
+function Role({ of, value, onChange }: RoleProps) {
+  return (
+    <select
+      class="field"
+      aria-label={`Role of ${of}`}
+      value={value}
+      onChange={(event) => onChange(event.currentTarget.value)}
+    >
+      {ORDER.map((role) => (
+        <option key={role} value={role}>
+          {role}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+function Categories({ of: { categories } }: { of: Project }) {
+  useEffect(() => void loadTaxonomy(), []);
+  const all = taxonomy.value;
+  return (
+    <>
+      <p class="soft">
+        {all.length === 0
+          ? 'The workspace has no categories yet: they come with labels that are exported or imported.'
+          : 'Labels get these categories and no others; what others have already, stays. Numbers are the workspace’s.'}
+      </p>
+      {categories !== null && (
+        <Button
+          label={`All ${all.length}, and those to come`}
+          kind="outlined"
+          onClick={() => void save({ categories: null })}
+        />
+      )}
+      <div class="settings-categories">
+        {all.map(({ number, name }) => (
+          <Check
+            key={number}
+            label={`${number} ${name}`}
+            checked={categories?.includes(number) ?? true}
+            onChange={(on) => void selectCategory(number, on)}
+          />
+        ))}
+      </div>
+    </>
+  );
+}

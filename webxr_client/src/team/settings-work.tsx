@@ -1,0 +1,184 @@
+/** Settings of a project: its recordings, which are moved in or imported, and its tasks. */
+import { useEffect, useState } from 'preact/hooks';
+import { plural } from '../common/format';
+import {
+  importEach,
+  importInto,
+  type Project,
+  projects,
+  settled,
+  TASK_WORDS,
+} from '../engine/projects';
+import { rowOf } from '../engine/recordings';
+import { pickFiles } from '../panels/importing/files';
+import { Button, Check } from '../panels/parts/controls';
+import { actions } from '../store/actions';
+import { state } from '../store/state';
+import { deleteTask, loadTasks, makeTasks, projectTasks, save } from './settings';
+import { taskWords } from './store';
+
+const titleOf = (recording: string): string => rowOf(recording)?.name ?? recording;
+
+export function Recordings({ of }: { of: Project }) {
+  const others = (state.sequences.value ?? []).filter(({ project }) => project !== of.id);
+  return (
+    <>
+      <ul class="settings-rows">
+        {of.recordings.map((id) => (
+          <li key={id}>
+            <span class="name">{titleOf(id)}</span>
+          </li>
+        ))}
+      </ul>
+      {of.recordings.length === 0 && <p class="soft">No recordings yet.</p>}
+      {others.length > 0 && (
+        <select
+          class="field"
+          aria-label="Move a recording here"
+          value=""
+          onChange={({ currentTarget }) => {
+            void save({ recordings: [currentTarget.value] });
+            currentTarget.value = '';
+          }}
+        >
+          <option value="">Move a recording of another project here…</option>
+          {others.map(({ id, name, project }) => (
+            <option key={id} value={id}>
+              {name} ({projects.value.find((each) => each.id === project)?.name ?? project})
+            </option>
+          ))}
+        </select>
+      )}
+      <Import of={of} />
+    </>
+  );
+}
+
+/** Imports into the project: of files, or of a path on the server. */
+function Import({ of: { id } }: { of: Project }) {
+  const [path, setPath] = useState('');
+  const [each, setEach] = useState(true);
+  const begin = (run: () => void): void => {
+    importInto.value = id;
+    settled.value = null;
+    run();
+  };
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    const given = path.trim();
+    if (given) begin(() => void (each ? importEach(given, id) : actions.importPath(given)));
+  };
+  return (
+    <section class="settings-import" aria-label="Import into the project">
+      <div class="group">
+        <Button label="Import files" kind="outlined" onClick={() => begin(() => pickFiles())} />
+        <Button
+          label="Import a folder"
+          kind="outlined"
+          onClick={() => begin(() => pickFiles(true))}
+        />
+      </div>
+      <form class="settings-add" onSubmit={submit}>
+        <input
+          class="field"
+          aria-label="Path on the server"
+          placeholder="A path on the server"
+          spellcheck={false}
+          value={path}
+          onInput={(event) => setPath(event.currentTarget.value)}
+        />
+        <button type="submit" class="button outlined" disabled={!path.trim()}>
+          Import
+        </button>
+      </form>
+      <Check label="Each file or folder in it is a recording" checked={each} onChange={setEach} />
+    </section>
+  );
+}
+
+export function ProjectTasks({ of }: { of: Project }) {
+  const [every, setEvery] = useState('');
+  const [people, setPeople] = useState(1);
+  const [assignee, setAssignee] = useState('');
+  const [recording, setRecording] = useState('');
+  useEffect(() => void loadTasks(), [of.id]);
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    const recordings = recording ? [recording] : null;
+    void makeTasks({ recordings, every: Number(every) || null, assignee: assignee.trim(), people });
+  };
+  return (
+    <>
+      <form class="settings-tasks" onSubmit={submit}>
+        <label>
+          Of
+          <select
+            class="field"
+            value={recording}
+            onChange={(event) => setRecording(event.currentTarget.value)}
+          >
+            <option value="">all {plural(of.recordings.length, 'recording')}</option>
+            {of.recordings.map((id) => (
+              <option key={id} value={id}>
+                {titleOf(id)}
+              </option>
+            ))}
+          </select>
+        </label>
+        <label>
+          Frames of a task
+          <input
+            class="field"
+            type="number"
+            min={1}
+            placeholder="all"
+            value={every}
+            onInput={(event) => setEvery(event.currentTarget.value)}
+          />
+        </label>
+        <label>
+          For
+          <input
+            class="field"
+            maxLength={128}
+            placeholder="whoever asks first"
+            list="settings-people"
+            value={assignee}
+            onInput={(event) => setAssignee(event.currentTarget.value)}
+          />
+        </label>
+        <label data-tip="Each gets a copy, and does not see the others'">
+          People who label the same
+          <input
+            class="field"
+            type="number"
+            min={1}
+            max={9}
+            value={people}
+            onInput={(event) => setPeople(Number(event.currentTarget.value) || 1)}
+          />
+        </label>
+        <button type="submit" class="button primary" disabled={of.recordings.length === 0}>
+          Make tasks
+        </button>
+      </form>
+      <ul class="settings-rows">
+        {projectTasks.value.map((task) => (
+          <li key={task.number}>
+            <span class="name">{taskWords(task)}</span>
+            <span class="soft">
+              {TASK_WORDS[task.state]}
+              {task.assignee && ` · ${task.assignee}`}
+            </span>
+            <Button
+              icon="trash"
+              tip={`Delete task ${task.number}; labels stay`}
+              small
+              onClick={() => void deleteTask(task)}
+            />
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}

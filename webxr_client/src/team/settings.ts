@@ -1,0 +1,161 @@
+/** Settings of a project for who leads it: what is known of them, and the requests that change them. */
+import { computed, signal } from '@preact/signals';
+import { loadCategories } from '../engine/categories';
+import { type Project, projectPath, projects, refreshProjects, settled } from '../engine/projects';
+import { attempt } from '../engine/recordings';
+import { api } from '../net/rest';
+import { actions } from '../store/actions';
+import { addTasks, type NewTasks, refresh, type Task } from './store';
+
+export const TABS = [
+  ['people', 'People'],
+  ['categories', 'Categories'],
+  ['recordings', 'Recordings'],
+  ['tasks', 'Tasks'],
+  ['webhooks', 'Webhooks'],
+] as const;
+export type SettingsTab = (typeof TABS)[number][0];
+
+export interface Category {
+  readonly number: number;
+  readonly name: string;
+}
+
+export interface Webhook {
+  readonly id: string;
+  readonly url: string;
+  readonly topics: readonly string[];
+}
+
+/** An event that was told to a webhook, or is to be: `delivered` is null until it has arrived. */
+export interface Delivery {
+  readonly id: string;
+  readonly topic: string;
+  /** ISO 8601. */
+  readonly created: string;
+  readonly attempts: number;
+  readonly delivered: string | null;
+  readonly error: string;
+}
+
+/** Values of a project to set. */
+type ProjectPatch = Partial<Pick<Project, 'name' | 'roles' | 'categories' | 'recordings'>>;
+
+export const settingsTab = signal<SettingsTab>('people');
+export const settledProject = computed(
+  () => projects.value.find(({ id }) => id === settled.value) ?? null,
+);
+/** The workspace's, by number. */
+export const taxonomy = signal<readonly Category[]>([]);
+export const projectTasks = signal<readonly Task[]>([]);
+export const webhooks = signal<readonly Webhook[]>([]);
+/** Latest events of each webhook, the newest first. */
+export const deliveries = signal<ReadonlyMap<string, readonly Delivery[]>>(new Map());
+/** The secret of the webhook that was added last, which is told once. */
+export const secret = signal<{ readonly webhook: string; readonly words: string } | null>(null);
+
+function place(rest = ''): string {
+  return `${projectPath(settled.peek() ?? '')}${rest}`;
+}
+
+/** Changes of a project follow each other: each has all people, or all categories. */
+let last: Promise<void> = Promise.resolve();
+let saves = 0;
+
+/** Change the project: what was chosen is shown at once. */
+export function save(patch: ProjectPatch): Promise<void> {
+  const path = place();
+  const { recordings, ...shown } = patch;
+  projects.value = projects.peek().map((each) => each.id === settled.peek() ? { ...each, ...shown } : each); // prettier-ignore
+  const turn = ++saves;
+  last = last.then(async () => {
+    await attempt('The project was not changed', async () => {
+      await api('PATCH', path, patch);
+    });
+    // Later changes are shown already, and the server does not know of them yet.
+    if (turn === saves) await refreshProjects();
+    if (patch.categories !== undefined) await loadCategories();
+    if (recordings) await actions.refreshSequences();
+  });
+  return last;
+}
+
+/** Give a person a role in the project, or (null) take them out of it. */
+export function setRole(account: string, role: string | null): Promise<void> {
+  const before = Object.entries(settledProject.peek()?.roles ?? {});
+  const others = Object.fromEntries(before.filter(([name]) => name !== account));
+  return save({ roles: role === null ? others : { ...others, [account]: role } });
+}
+
+/** Select a category, or leave it out; all selected is no selection. */
+export function selectCategory(number: number, on: boolean): Promise<void> {
+  const all = taxonomy.peek().map((each) => each.number);
+  const before = settledProject.peek()?.categories ?? all;
+  const now = new Set(before);
+  if (on) now.add(number);
+  else now.delete(number);
+  const whole = all.every((each) => now.has(each));
+  return save({ categories: whole ? null : [...now].sort((a, b) => a - b) });
+}
+
+export const loadTaxonomy = (): Promise<void> =>
+  attempt('The categories did not load', async () => {
+    const found = await api<{ categories: readonly Category[] }>('GET', 'taxonomy');
+    taxonomy.value = found.categories;
+  });
+
+export const loadTasks = (): Promise<void> =>
+  attempt('The tasks did not load', async () => {
+    projectTasks.value = await api<Task[]>('GET', place('/tasks?limit=10000'));
+  });
+
+export async function makeTasks(wanted: NewTasks): Promise<void> {
+  await addTasks(wanted, settled.peek() ?? undefined);
+  await loadTasks();
+}
+
+export async function deleteTask({ number }: Task): Promise<void> {
+  await attempt('The task was not deleted', async () => {
+    await api('DELETE', place(`/tasks/${number}`));
+  });
+  await Promise.all([loadTasks(), refresh()]);
+}
+
+export const loadWebhooks = (): Promise<void> =>
+  attempt('The webhooks did not load', async () => {
+    const found = await api<Webhook[]>('GET', place('/webhooks'));
+    const told = found.map(({ id }) => api<Delivery[]>('GET', place(`/webhooks/${id}/deliveries`)));
+    const events = await Promise.all(told);
+    deliveries.value = new Map(found.map(({ id }, k) => [id, events[k]!]));
+    webhooks.value = found;
+  });
+
+/** Add a webhook; tells whether the server took it. */
+export async function addWebhook(url: string, topics: readonly string[]): Promise<boolean> {
+  let done = false;
+  await attempt('The webhook was not added', async () => {
+    const made = await api<Webhook & { secret: string }>('POST', place('/webhooks'), {
+      url,
+      topics,
+    });
+    secret.value = { webhook: made.id, words: made.secret };
+    done = true;
+  });
+  await loadWebhooks();
+  return done;
+}
+
+export async function removeWebhook({ id }: Webhook): Promise<void> {
+  await attempt('The webhook was not removed', async () => {
+    await api('DELETE', place(`/webhooks/${id}`));
+  });
+  await loadWebhooks();
+}
+
+export async function deleteProject(): Promise<void> {
+  await attempt('The project was not deleted', async () => {
+    await api('DELETE', place());
+    settled.value = null;
+  });
+  await refreshProjects();
+}

@@ -1,0 +1,122 @@
+/** Settings of a project: addresses that are told what happens in it. */
+import { useEffect, useState } from 'preact/hooks';
+import { day, plural } from '../common/format';
+import { Button, Check } from '../panels/parts/controls';
+import type { Project } from '../engine/projects';
+import {
+  addWebhook,
+  deliveries,
+  type Delivery,
+  loadWebhooks,
+  removeWebhook,
+  secret,
+  type Webhook,
+  webhooks,
+} from './settings';
+
+const TOPICS = [
+  ['task', 'Steps of tasks'],
+  ['labels', 'Edits, by the minute'],
+  ['job', 'Jobs that ended'],
+] as const;
+/** Events of a webhook that are listed. */
+const LISTED = 5;
+
+export function Webhooks({ of }: { of: Project }) {
+  useEffect(() => void loadWebhooks(), [of.id]);
+  return (
+    <>
+      {webhooks.value.length === 0 && <p class="soft">No address is told what happens here.</p>}
+      <ul class="settings-rows">
+        {webhooks.value.map((each) => (
+          <li key={each.id} class="webhook">
+            <Entry webhook={each} />
+          </li>
+        ))}
+      </ul>
+      <Add />
+    </>
+  );
+}
+
+function Entry({ webhook }: { webhook: Webhook }) {
+  const events = deliveries.value.get(webhook.id) ?? [];
+  const failing = events.filter(({ error, delivered }) => error && !delivered).length;
+  const own = secret.value?.webhook === webhook.id ? secret.value.words : null;
+  return (
+    <>
+      <div class="webhook-head">
+        <strong class="name">{webhook.url}</strong>
+        <span class="soft">{webhook.topics.join(', ')}</span>
+        <Button
+          icon="trash"
+          tip={`Tell ${webhook.url} nothing more`}
+          small
+          onClick={() => void removeWebhook(webhook)}
+        />
+      </div>
+      {own && (
+        <p class="webhook-secret" role="status">
+          Its secret, which is told this once: <code>{own}</code>
+        </p>
+      )}
+      <details open={failing > 0}>
+        <summary>
+          {plural(events.length, 'event')}
+          {failing > 0 && <span class="webhook-bad">, {failing} not delivered</span>}
+        </summary>
+        <ul>
+          {events.slice(0, LISTED).map((each) => (
+            <li key={each.id}>
+              {each.topic} · {day(each.created)} · {outcome(each)}
+            </li>
+          ))}
+        </ul>
+      </details>
+    </>
+  );
+}
+
+function outcome({ delivered, attempts, error }: Delivery): string {
+  if (delivered) return attempts > 1 ? `delivered at attempt ${attempts}` : 'delivered';
+  return error ? `${plural(attempts, 'attempt')}: ${error}` : 'waits';
+}
+
+function Add() {
+  const [url, setUrl] = useState('');
+  const [topics, setTopics] = useState<readonly string[]>(TOPICS.map(([topic]) => topic));
+  const submit = async (event: Event): Promise<void> => {
+    event.preventDefault();
+    if (await addWebhook(url.trim(), topics)) setUrl('');
+  };
+  return (
+    <form class="settings-webhook" onSubmit={(event) => void submit(event)}>
+      <div class="settings-add">
+        <input
+          class="field"
+          type="url"
+          aria-label="Address of the webhook"
+          placeholder="https://lab.example.org/hook"
+          maxLength={2000}
+          value={url}
+          onInput={(event) => setUrl(event.currentTarget.value)}
+        />
+        <button type="submit" class="button primary" disabled={!url.trim() || topics.length === 0}>
+          Add
+        </button>
+      </div>
+      <div class="group">
+        {TOPICS.map(([topic, words]) => (
+          <Check
+            key={topic}
+            label={words}
+            checked={topics.includes(topic)}
+            onChange={(on) =>
+              setTopics(on ? [...topics, topic] : topics.filter((each) => each !== topic))
+            }
+          />
+        ))}
+      </div>
+    </form>
+  );
+}
