@@ -38,10 +38,13 @@ def integral(body: Any) -> Any:
     """JSON does not tell 3.0 from 3, so that both are integers in its schema."""
     if not isinstance(body, dict):
         return body
-    return {
-        name: [_integer(item) for item in value] if isinstance(value, list) else _integer(value)
-        for name, value in body.items()
-    }
+    return {name: _integers(value) for name, value in body.items()}
+
+
+def _integers(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_integer(item) for item in value]
+    return integral(value) if isinstance(value, dict) else _integer(value)
 
 
 def _integer(value: Any) -> Any:
