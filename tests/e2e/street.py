@@ -11,10 +11,9 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from pointbrush.formats.pictures import Camera, Picture
+from pointbrush.formats.pictures import Camera, Picture, PictureSource
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
-from pointbrush.sequences.pictures import write_pictures
 
 FRAMES, SHOWN = 5, 2
 WIDTH, HEIGHT = 480, 270
@@ -81,10 +80,12 @@ def picture(frame: int) -> bytes:
     return packed.getvalue()
 
 
+CAMERA = Camera("front", K, T_camera_frame=T_CAMERA_FRAME)
+
+
 def pictures() -> Iterator[Picture]:
-    camera = Camera("front", K, T_camera_frame=T_CAMERA_FRAME)
     for frame in range(FRAMES):
-        yield Picture(frame, camera, picture(frame), ".jpg", WIDTH, HEIGHT)
+        yield Picture(frame, CAMERA, picture(frame), ".jpg", WIDTH, HEIGHT)
 
 
 def make_street(sequences: Path) -> None:
@@ -95,8 +96,8 @@ def make_street(sequences: Path) -> None:
         sequence_id="street",
         name="Street",
         fps=5.0,
+        pictures=PictureSource((CAMERA,), pictures),
     )
-    write_pictures(sequences / "street", FRAMES, pictures())
 
 
 def make_workspace(factory: pytest.TempPathFactory) -> Path:

@@ -80,3 +80,29 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     assert before["x"] == page.locator("#stage").bounding_box()["x"]  # type: ignore[index]
     large.get_by_role("button", name="Close the large picture").click()
     expect(large).to_have_count(0)
+
+
+SHIFTED = """
+  window.shifted = 0;
+  // Panels take their places in the picture after the recording is known.
+  let known = Infinity;
+  const look = () => {
+    if (window.__pointbrush?.state.sequence.value)
+      requestAnimationFrame(() => (known = performance.now()));
+    else requestAnimationFrame(look);
+  };
+  look();
+  new PerformanceObserver((list) => {
+    for (const { startTime, value } of list.getEntries()) if (startTime > known) shifted += value;
+  }).observe({ type: 'layout-shift', buffered: true });
+"""
+"""Adds up what moves without anybody's doing once a recording is open, as browsers count it."""
+
+
+def test_nothing_moves_when_pictures_of_cameras_come(open_desk: Callable[..., Desk]) -> None:
+    desk = open_desk()
+    desk.page.add_init_script(SHIFTED)
+    desk.page.reload()
+    desk.until("pb && document.querySelector('.cameras img')?.complete && pb.shown().frame === 0")
+    desk.page.wait_for_timeout(300)
+    assert desk.ask("shifted") < 0.002

@@ -48,6 +48,7 @@ SERVER: list[m.Message] = [
         lo=[-1.0, -2.0, 0.0],
         hi=[1.0, 2.0, 3.0],
         room=[float(i) for i in range(16)],
+        cameras=True,
         large=False,
         position_error=0.0005,
         color_error=4.5,

@@ -90,6 +90,11 @@ class Sequence:
         with self.files.hold(index, FIELDS):
             return read_rows(self.path, self._checksums, index, self[index].count)
 
+    @cached_property
+    def has_pictures(self) -> bool:
+        """Whether cameras took pictures of its frames, of all or some; may read a file."""
+        return any(name.startswith(f"{CAMERAS}/") for name in self._checksums)
+
     def projections(self, index: int) -> list[Projection]:
         """Return the pictures that cameras took at a frame, [] where it has none.
 

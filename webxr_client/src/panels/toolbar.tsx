@@ -151,10 +151,11 @@ function TrackButton() {
 
 function VrButton() {
   const { supported, session, passthrough, enters, detail } = state.xr.value;
-  if (supported === null) return null;
   if (!supported) {
+    const looking = supported === null; // its place is kept meanwhile
+    const tip = looking ? 'Looking for a headset…' : `No headset here. ${detail}`;
     const why = (): void => void notify('info', 'No headset here', detail);
-    return <Button icon="headset" tip={`No headset here. ${detail}`} onClick={why} />;
+    return <Button icon="headset" tip={tip} disabled={looking} onClick={why} />;
   }
   if (session === 'running') {
     return (

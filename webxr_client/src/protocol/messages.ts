@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '1869303d7a8d';
+export const SCHEMA_HASH = 'bd0676461d6d';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -461,6 +461,7 @@ export interface SequenceInfo {
   lo: [number, number, number];
   hi: [number, number, number];
   room: number[];
+  cameras: boolean;
   large: boolean;
   position_error: number;
   color_error: number;

@@ -60,6 +60,8 @@ class SequenceInfo(Message):
     """Bounds over all frames, in local coordinates (source minus shift)."""
     room: Matrix4
     """``T_room_local``: stands the recording on the floor, y up, metres."""
+    cameras: bool
+    """True: cameras took pictures of its frames, of all or some."""
     large: bool
     """True: chunks form an octree, ask for them with ``want``; the table comes over HTTP."""
     position_error: float

@@ -1,5 +1,6 @@
 /** The strip of cameras beside the cloud: pictures with the frame's points in their labels' colours. */
-import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { computed } from '@preact/signals';
+import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { Lens, type CameraPicture } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
 import {
@@ -25,9 +26,14 @@ const LARGE_RASTER = 960;
 /** Greatest distance of the pointer from a point's pixel, pixels of the raster. */
 const REACH = 9;
 
+/** Whether the recording has pictures: their room is kept from the start. */
+const pictured = computed(
+  () => state.sequence.value?.cameras || (pictures.value?.cameras.length ?? 0) > 0,
+);
+
 /** In the tool bar's second row, where the recording has pictures. */
 export function CamerasButton() {
-  if ((pictures.value?.cameras.length ?? 0) === 0) return null;
+  if (!pictured.value) return null;
   return (
     <Button
       icon="camera"
@@ -40,22 +46,26 @@ export function CamerasButton() {
 
 export function CameraPanel() {
   const found = pictures.value;
-  const open = stripOpen.value && found !== null && found.cameras.length > 0;
-  useEffect(() => {
+  const open = stripOpen.value && pictured.value;
+  useLayoutEffect(() => {
     const stage = document.getElementById('stage')!;
     stage.classList.toggle('with-cameras', open);
     return () => stage.classList.remove('with-cameras');
   }, [open]);
   if (!open) return null;
+  const cameras = found?.cameras ?? [];
   const sourceOf = ({ name }: CameraPicture): string =>
-    apiUrl(`sequences/${found.sequence}/frames/${found.frame}/images/${encodeURIComponent(name)}`);
-  const large = found.cameras.find(({ name }) => name === largeCamera.value);
+    apiUrl(
+      `sequences/${found!.sequence}/frames/${found!.frame}/images/${encodeURIComponent(name)}`,
+    );
+  const large = cameras.find(({ name }) => name === largeCamera.value);
   return (
     <>
       <section class="cameras" aria-label="Cameras">
-        {found.cameras.map((picture) => (
+        {cameras.map((picture) => (
           <Camera key={picture.name} picture={picture} source={sourceOf(picture)} large={false} />
         ))}
+        {found && cameras.length === 0 && <p class="soft empty">No picture of this frame.</p>}
       </section>
       {large && (
         <section class="camera-large" aria-label={`Camera ${large.name}, large`}>
