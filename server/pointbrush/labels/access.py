@@ -31,7 +31,7 @@ class _Original:
     truth: bool = False
 
     def hides_from(self, account: str) -> bool:
-        """Whether an account has a copy in its place, or might look up what it is scored by."""
+        """Return whether an account has a copy in its place, or might look up its own score."""
         return account not in self.people and (self.truth or account in self.copied)
 
 
@@ -58,7 +58,7 @@ class _Known:
     read: float = -REFRESH_SECONDS
 
     def hides(self, sequence: str, account: str) -> bool:
-        """Whether a recording is another person's copy, or one that an account has a copy of."""
+        """Return whether it is another person's copy, or one that an account has a copy of."""
         people, original = self.copies.get(sequence), self.originals.get(sequence)
         if people is not None:
             return account not in people

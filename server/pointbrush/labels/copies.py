@@ -85,7 +85,7 @@ class Copies:
 
 
 def seen_elsewhere(account: str) -> ColumnElement[bool]:
-    """Whether an account has a task of another copy of the recording that a task is of.
+    """Return whether an account has a task of another copy of the recording of a task.
 
     Or of the recording itself, where one of both has known truth.  It is asked of rows of
     ``tasks`` that are joined with ``sequences``.

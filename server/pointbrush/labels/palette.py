@@ -51,7 +51,7 @@ class Palette:
     allowed: frozenset[str] | None = None
 
     def admits(self, category: str) -> bool:
-        """Whether a new label may have a category."""
+        """Return whether a new label may have a category."""
         return self.allowed is None or category in self.allowed
 
     def free_ids(self) -> FreeIds:

@@ -92,7 +92,7 @@ class Sequence:
 
     @cached_property
     def has_pictures(self) -> bool:
-        """Whether cameras took pictures of its frames, of all or some; may read a file."""
+        """True when cameras took pictures of its frames, of all or some; may read a file."""
         return any(name.startswith(f"{CAMERAS}/") for name in self._checksums)
 
     def projections(self, index: int) -> list[Projection]:

@@ -81,7 +81,6 @@ class Room:
         self._identity = recording.identity
         self.viewers: set[Listener] = set()
         self.revision = 0
-        self.cameras = False
         self.board = Board(workspace.labels, run, self.id)
         self._touched: dict[int, int] = {}
         self._start = 0
@@ -92,7 +91,7 @@ class Room:
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
-        self.cameras = await self._run(lambda: self.recording.has_pictures)
+        await self._run(lambda: self.recording.has_pictures)  # known from then on
         if self.recording.manifest.large:
             self._loading = asyncio.ensure_future(self._run(load_loops))
         self.revision = self._start = max(self.revision, await self.board.load())

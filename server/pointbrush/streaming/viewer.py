@@ -88,7 +88,7 @@ class Viewer(ABC):
 
     @abstractmethod
     def may_see(self, job: Job) -> bool:
-        """Whether a job is for who looks; may read the database."""
+        """Return whether a job is for who looks; may read the database."""
 
     @abstractmethod
     def expel(self) -> None:

@@ -1,6 +1,7 @@
 /** Tasks and versions of a project, at the side, in the place of the review. */
 import { render } from 'preact';
 import { Button } from '../panels/parts/controls';
+import { Tabs } from '../panels/parts/tabs';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
@@ -33,16 +34,7 @@ function TeamPanel() {
         <h2>{project.value?.name ?? 'Tasks'}</h2>
         <Button icon="close" tip="Close the tasks" small onClick={close} />
       </header>
-      <div class="review-tabs" role="group" aria-label="Tasks, agreement or versions">
-        {tabs.map(([tab, words]) => (
-          <Button
-            key={tab}
-            label={words}
-            pressed={teamTab.value === tab}
-            onClick={() => (teamTab.value = tab)}
-          />
-        ))}
-      </div>
+      <Tabs label="Tasks, agreement or versions" tabs={tabs} chosen={teamTab} />
       <div class="review-body">
         <Body />
       </div>

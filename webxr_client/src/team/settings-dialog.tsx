@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { type Project, projects, settled } from '../engine/projects';
 import { Button, Check } from '../panels/parts/controls';
+import { Tabs } from '../panels/parts/tabs';
 import {
   deleteProject,
   loadTaxonomy,
@@ -57,16 +58,7 @@ export function ProjectSettings() {
         )}
         <Button icon="close" tip="Close the settings" onClick={close} />
       </header>
-      <div class="review-tabs" role="group" aria-label="Settings">
-        {TABS.map(([tab, words]) => (
-          <Button
-            key={tab}
-            label={words}
-            pressed={settingsTab.value === tab}
-            onClick={() => (settingsTab.value = tab)}
-          />
-        ))}
-      </div>
+      <Tabs label="Settings" tabs={TABS} chosen={settingsTab} />
       <div class="settings-body" key={of.id}>
         <Body of={of} />
       </div>
