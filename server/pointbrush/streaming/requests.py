@@ -49,7 +49,7 @@ def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
         lo=list(manifest.lo),
         hi=list(manifest.hi),
         room=list(manifest.room),
-        cameras=room.recording.has_pictures,
+        cameras=room.cameras,
         large=manifest.large,
         position_error=manifest.position_error,
         color_error=manifest.color_error,

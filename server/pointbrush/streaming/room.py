@@ -7,7 +7,7 @@ import contextlib
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Any, Protocol
 
-from pointbrush.errors import PointbrushError
+from pointbrush.errors import DamagedError, PointbrushError, UnavailableError
 from pointbrush.labels import Commit, Delta, GapError
 from pointbrush.sequences import Sequence, load_loops
 from pointbrush.streaming.encoding import (
@@ -81,6 +81,8 @@ class Room:
         self._identity = recording.identity
         self.viewers: set[Listener] = set()
         self.revision = 0
+        self.cameras = False
+        """Whether cameras took pictures; False where a store that is away cannot tell."""
         self.board = Board(workspace.labels, run, self.id)
         self._touched: dict[int, int] = {}
         self._start = 0
@@ -91,10 +93,16 @@ class Room:
 
     async def load(self) -> None:
         """Read the state that is kept here; commits that come meanwhile only repeat it."""
-        await self._run(lambda: self.recording.has_pictures)  # known from then on
+        self.cameras = await self._run(self._has_pictures)
         if self.recording.manifest.large:
             self._loading = asyncio.ensure_future(self._run(load_loops))
         self.revision = self._start = max(self.revision, await self.board.load())
+
+    def _has_pictures(self) -> bool:
+        try:
+            return self.recording.has_pictures
+        except (DamagedError, UnavailableError):
+            return False  # the cloud is shown all the same; a frame's pictures tell of themselves
 
     # ── points ───────────────────────────────────────────────────────────────────────────
 
