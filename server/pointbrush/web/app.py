@@ -14,7 +14,9 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.concurrency import run_in_threadpool
+from fastapi.encoders import jsonable_encoder
 from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
 
 from pointbrush import __version__
 from pointbrush.settings import Settings, variables
@@ -22,7 +24,7 @@ from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket
 from pointbrush.web.admissions import Admissions
-from pointbrush.web.auth import Gate
+from pointbrush.web.auth import SCHEMES, Gate, asks_who
 from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
@@ -122,7 +124,7 @@ def _import_ahead() -> None:
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
-    """The OpenAPI, with problem+json in place of FastAPI's own validation error."""
+    """The OpenAPI, with problem+json in place of FastAPI's own error, and how callers are known."""
     if app.openapi_schema:
         return app.openapi_schema
     schema = get_openapi(
@@ -132,5 +134,14 @@ def describe(app: FastAPI) -> dict[str, Any]:
     for unused in ("HTTPValidationError", "ValidationError"):
         parts.pop(unused, None)
     parts["Problem"] = problems.Problem.model_json_schema()
+    schema["components"]["securitySchemes"] = {
+        scheme.scheme_name: jsonable_encoder(scheme.model, by_alias=True, exclude_none=True)
+        for scheme in SCHEMES
+    }
+    for route in app.routes:
+        if isinstance(route, APIRoute) and route.include_in_schema and asks_who(route):
+            for method in route.methods or ():
+                said = schema["paths"][route.path_format][method.lower()]
+                said["security"] = [{scheme.scheme_name: []} for scheme in SCHEMES]
     app.openapi_schema = schema
     return schema

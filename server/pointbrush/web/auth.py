@@ -7,11 +7,13 @@ import ipaddress
 import socket
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
+from fastapi.routing import APIRoute
 from fastapi.security import APIKeyCookie, HTTPBearer
+from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
 from pointbrush.errors import (
@@ -322,15 +324,14 @@ def require_same_origin(connection: HTTPConnection) -> None:
         raise ForbiddenError(f"expected this server's own origin, got {origin[:100]!r}")
 
 
-_bearer = HTTPBearer(auto_error=False, description="a token of `pointbrush token add`")
-_cookie = APIKeyCookie(name=COOKIE, auto_error=False, description="set by the page's sign-in")
+SCHEMES: tuple[SecurityBase, ...] = (
+    HTTPBearer(description="a token of `pointbrush token add`"),
+    APIKeyCookie(name=COOKIE, description="set by the page's sign-in"),
+)
+"""Ways to say who calls, as the OpenAPI describes them; ``caller`` looks for both itself."""
 
 
-async def caller(
-    request: Request,
-    _header: Annotated[Any, Depends(_bearer)],
-    _session: Annotated[Any, Depends(_cookie)],
-) -> Principal:
+async def caller(request: Request) -> Principal:
     """A dependency: who calls, once the table says that their role may.
 
     Raises UnauthorizedError or ForbiddenError.
@@ -344,6 +345,11 @@ async def caller(
 
 
 Caller = Annotated[Principal, Depends(caller)]
+
+
+def asks_who(route: APIRoute) -> bool:
+    """Tell whether a route needs to know who calls."""
+    return any(part.call is caller for part in route.dependant.dependencies)
 
 
 async def gate_of(request: Request) -> Gate:

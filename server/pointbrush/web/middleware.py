@@ -132,7 +132,8 @@ class _Limited:
             return await self._receive()
         left = self._end - time.monotonic()
         try:
-            message = await asyncio.wait_for(self._receive(), min(BODY_PAUSE, max(left, 0.0)))
+            async with asyncio.timeout(min(BODY_PAUSE, max(left, 0.0))):
+                message = await self._receive()
         except TimeoutError:
             if left > BODY_PAUSE:
                 return {"type": "http.disconnect"}

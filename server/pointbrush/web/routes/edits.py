@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Query
+from fastapi.concurrency import run_in_threadpool
 
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
@@ -16,7 +17,7 @@ router = resource("edits")
 
 
 @router.post("/sequences/{seq}/frames/{i}/strokes", responses=responses(404, 409, 413))
-def post_stroke(
+async def post_stroke(
     seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Caller
 ) -> EditOut:
     """Apply a stroke; answered once it is durable.
@@ -24,7 +25,9 @@ def post_stroke(
     Deleted points and those of locked and hidden labels (``visible: false``, or in the stroke's
     ``hidden``) are left alone; painting with such a label is refused (409).
     """
-    return EditOut.of(workspace.strokes.apply(seq, i, stroke.model_dump(), who.author))
+    # Of a function that is not async, FastAPI checks the answer in a thread once more.
+    apply = workspace.strokes.apply
+    return EditOut.of(await run_in_threadpool(apply, seq, i, stroke.model_dump(), who.author))
 
 
 @router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
