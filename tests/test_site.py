@@ -164,7 +164,7 @@ def test_a_browser_searches_from_disk_and_no_page_scrolls_sideways_on_a_phone(
         phone = browser.new_page(viewport={"width": 390, "height": 844}, java_script_enabled=False)
         wide = []
         for path in pages:
-            phone.goto(path.as_uri(), wait_until="commit")
+            phone.goto(path.as_uri())
             if phone.evaluate("document.documentElement.scrollWidth") > 390:
                 wide.append(path.name)
         assert wide == []
