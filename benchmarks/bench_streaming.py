@@ -35,7 +35,7 @@ from light_viewer import Drinker, LightViewer, Puller, connect_light  # noqa: E4
 from pointbrush.frame import PointFrame  # noqa: E402
 from pointbrush.sequences import import_frames, open_sequence  # noqa: E402
 from pointbrush.sequences.manifest import encode_manifest, read_manifest  # noqa: E402
-from pointbrush.streaming.encoding import encode_frame  # noqa: E402
+from pointbrush.streaming.encoding import encode_depth, encode_frame  # noqa: E402
 from tests.streaming.client import Viewer, viewer  # noqa: E402
 from tests.streaming.shaping import shaped  # noqa: E402
 
@@ -134,13 +134,16 @@ def longer(workspace: Path, frames: int) -> str:
     return name
 
 
-async def pull(url: str, sequence: str, frames: int, seconds: float) -> tuple[float, float]:
+async def pull(
+    url: str, sequence: str, frames: int, seconds: float, *, depth: bool
+) -> tuple[float, float]:
     """Complete frames and megabytes a second, one frame after the other as fast as they come.
 
     Counted from the second round on: that somebody has watched the recording is the usual case.
     """
     client = await connect_light(Puller, url, TOKEN)
     client.frames = frames
+    client.send(type="hello", depth=depth)
     client.send(type="open", sequence=sequence)
     while client.done < frames:
         await asyncio.sleep(WARM / 10)
@@ -165,16 +168,18 @@ async def throughput(workspace: Path) -> None:
     """Our server against a bare one that sends the same bytes, in turns."""
     for frames in LENGTHS:
         sequence = longer(workspace, frames)
-        await against_bare(workspace, sequence, frames)
+        await against_bare(workspace, sequence, frames, depth=False)
+        await against_bare(workspace, sequence, frames, depth=True)
         shutil.rmtree(workspace / "sequences" / sequence)
 
 
-async def against_bare(workspace: Path, name: str, frames: int) -> None:
+async def against_bare(workspace: Path, name: str, frames: int, *, depth: bool) -> None:
     """One recording's throughput, and the bare one's, in turns."""
     sequence = open_sequence(workspace / "sequences" / name)
+    encode = encode_depth if depth else encode_frame
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as messages:
         for i in range(frames):
-            parts = encode_frame(name, sequence[i], 0, len(sequence[i].chunks), final=True)
+            parts = encode(name, sequence[i], 0, len(sequence[i].chunks), final=True)
             Path(messages, f"{i:06d}").write_bytes(b"".join(parts))
         with contextlib.ExitStack() as servers:
             bare_url = servers.enter_context(running("bare_websocket.py", messages))
@@ -183,13 +188,13 @@ async def against_bare(workspace: Path, name: str, frames: int) -> None:
             ours, bare, rates = [], [], []
             for _ in range(TURNS):
                 bare.append(await drink(bare_url, SECONDS / 2))
-                rate, megabytes = await pull(our_url, name, frames, SECONDS / 2)
+                rate, megabytes = await pull(our_url, name, frames, SECONDS / 2, depth=depth)
                 rates.append(rate)
                 ours.append(megabytes)
     ratio = statistics.median(o / b for o, b in zip(ours, bare, strict=True))
     print(
-        f"throughput, {frames} frames: {statistics.median(rates):.0f} frames/s, "
-        f"{statistics.median(ours):.0f} MB/s; "
+        f"throughput, {frames} frames{' as depth images' if depth else ''}: "
+        f"{statistics.median(rates):.0f} frames/s, {statistics.median(ours):.0f} MB/s; "
         f"bare uvicorn {statistics.median(bare):.0f} MB/s; ratio {ratio:.2f}",
         flush=True,
     )

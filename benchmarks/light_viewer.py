@@ -20,6 +20,8 @@ from pointbrush.streaming.schema import subprotocol
 PEEK = 96
 """Bytes of a message that are looked at: its type, and a frame's number."""
 FORGET_EVERY = 24
+POINTS = (b"\xa4type\xa5frame", b"\xa4type\xa5depth")
+"""Beginnings of the messages that bring points."""
 
 
 class LightViewer(asyncio.Protocol):
@@ -93,7 +95,7 @@ class LightViewer(asyncio.Protocol):
         return self._skip == 0
 
     def _seen(self, peek: bytes, length: int) -> None:
-        if b"\xa4type\xa5frame" not in peek[:16]:
+        if not any(kind in peek[:16] for kind in POINTS):
             return
         unpacker = msgpack.Unpacker(max_buffer_size=self.peek)
         unpacker.feed(peek)

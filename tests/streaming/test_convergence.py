@@ -107,7 +107,9 @@ class Person:
         await self.view.send(type="open", sequence="wall", **known)
 
     def _sender(self, pipe: Pipe) -> Any:
-        async def send(*parts: bytes | memoryview) -> None:
+        async def send(*parts: bytes | memoryview, before: bytes | None = None) -> None:
+            if before is not None:
+                await send(before)
             data = b"".join(parts)
             await self.flowing.wait()
             if self.lets_through is not None:

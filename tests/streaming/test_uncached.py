@@ -37,8 +37,8 @@ class Reader:
         self._came = asyncio.Event()
         self._hub = hub
 
-    async def send(self, *parts: bytes | memoryview) -> None:
-        self.sent.append(parts)
+    async def send(self, *parts: bytes | memoryview, before: bytes | None = None) -> None:
+        self.sent += [parts] if before is None else [(before,), parts]
         self._came.set()
 
     def say(self, **message: Any) -> None:

@@ -224,8 +224,10 @@ class Sender:
         if room.recording.manifest.large:
             return await self._next_wanted(room)
         now = viewer.now()
+        damaged, depth = viewer.plan.damaged, viewer.depth
         for step, frame in viewer.plan.candidates(now):
-            table = await self._table(room, frame)
+            table = None if frame in damaged else room.stock.known_table(frame, depth=depth)
+            table = table or await self._table(room, frame)
             if table is None:
                 viewer.plan.passed(step)
                 continue
@@ -284,14 +286,13 @@ class Sender:
         else:
             # Older deltas go first: a viewer that applies everything as it comes is always right.
             await self._deltas(revision)
-        await viewer.send(values)
         self._note(room, piece, anew=anew)
         for frame in plan.coming(piece):
             room.expect(frame, plan.level, depth=viewer.depth)
+        await viewer.send(head, data, before=values)
         plan.link.sent(nbytes, viewer.now(), idle=self._idle)
         self._idle = False
         self._hub.sent(nbytes)
-        await viewer.send(head, data)
 
     def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:
         """Note the chunks of a large frame that are on their way."""

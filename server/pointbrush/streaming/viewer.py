@@ -27,8 +27,8 @@ CREDITS = 8
 class Send(Protocol):
     """Send a message; waits while the viewer reads more slowly than it is sent to."""
 
-    async def __call__(self, *parts: bytes | memoryview) -> None:
-        """Send one message whose bytes are ``parts``, one behind the other."""
+    async def __call__(self, *parts: bytes | memoryview, before: bytes | None = None) -> None:
+        """Send one message whose bytes are ``parts``; ``before``: and one ahead of it."""
 
 
 SendEach = Callable[[Sequence[bytes]], Awaitable[None]]

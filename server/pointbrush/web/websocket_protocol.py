@@ -116,19 +116,21 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             return
         await self.deliver(data)
 
-    async def deliver(self, *parts: bytes | memoryview) -> None:
+    async def deliver(self, *parts: bytes | memoryview, before: bytes | None = None) -> None:
         """Send a message of bytes; raises ClientDisconnected once the client has gone.
 
         A part may be a view of a mapped file: the system reads it when the socket takes it.
+        ``before``: a message that leaves ahead of it, in the same piece.
         """
         await self._room()
-        head = header(sum(map(len, parts)))
+        ahead = () if before is None else (header(len(before)), before)
+        pieces = (*ahead, header(sum(map(len, parts))), *parts)
         if self.scheme == "wss":
             # What is encrypted waits in this process, which would end if a mapped file that is
             # looked at then had been cut short; the system only closes the connection.
-            self.transport.write(b"".join((head, *parts)))
+            self.transport.write(b"".join(pieces))
             return
-        self.transport.writelines((head, *parts))
+        self.transport.writelines(pieces)
 
     async def deliver_each(self, messages: Sequence[bytes]) -> None:
         """Send messages of bytes in one piece; raises ClientDisconnected as ``deliver`` does."""

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import sys
+import time
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from pointbrush.sequences import Sequence, StoredFrame
@@ -29,17 +30,34 @@ PointsMessage = tuple[bytes, memoryview]
 """A ``frame`` or ``depth`` message in two parts: its head, and a view of the map."""
 
 
+IN_MEMORY_SECONDS = 0.25
+"""Time after which the system is asked anew whether bytes are in memory.
+
+It takes them away under pressure, from what was not looked at for longest.
+"""
+
+
+@dataclass(slots=True)
+class Head:
+    """Head of a message of points; ``in_memory``: when its points were last known to be there."""
+
+    data: bytes
+    in_memory: float = float("-inf")
+
+
 @dataclass(slots=True)
 class OpenFrame:
     """A frame and its levels; ``looked_at``: its bytes have been read since it was opened.
 
     ``depth``: the levels of its depth image, those of its points where it has none.
+    ``heads`` of messages made of it, by first chunk, stop, and whether of the depth image.
     """
 
     stored: StoredFrame
     table: FrameTable
     depth: FrameTable
     looked_at: bool = False
+    heads: dict[tuple[int, int, bool], Head] = field(default_factory=dict)
 
 
 class Shelf:
@@ -120,8 +138,20 @@ class Stock:
         found = self._shelf.get(self._key(piece.frame))
         if found is None or found.stored.large:
             return None
-        message = self._encode(found, piece)
-        return message if self._at_hand(found, message[1]) else None
+        stored, key = found.stored, (piece.first, piece.stop, piece.depth)
+        head = found.heads.get(key)
+        if head is None:
+            data, points = self._encode(found, piece)
+            head = found.heads[key] = Head(data)
+        else:  # the view is made anew: it says whether its file has been cut short meanwhile
+            view = stored.depth if piece.depth else stored.wire
+            points = view(piece.first, piece.stop)
+        now = time.monotonic()
+        if now - head.in_memory > IN_MEMORY_SECONDS:
+            if not self._at_hand(found, points):
+                return None
+            head.in_memory = now
+        return head.data, points
 
     async def message(self, piece: Piece) -> PointsMessage:
         """A piece's points; a thread reads them into memory if they are not there."""
