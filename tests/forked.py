@@ -1,4 +1,4 @@
-"""The command ``pointbrush`` in processes forked from one that has imported everything.
+"""The command ``pointbrush``, and functions, in processes forked from one with all imports done.
 
 Imports are most of the start of a server, and tests start hundreds.
 """
@@ -11,8 +11,11 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 from pointbrush.cli import main
 from tests.waiting import PATIENCE, eventually
@@ -23,6 +26,7 @@ FORKSERVER.set_forkserver_preload(
         *("pointbrush.cli", "pointbrush.web.server", "pointbrush.labels.schema", "alembic.command"),
         *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
         *("pointbrush.work.tracking.runs", "pointbrush.tracking.tracker"),
+        *("psycopg", "pytest", "sqlalchemy.dialects.postgresql.psycopg"),
     ]
 )
 
@@ -100,3 +104,62 @@ def run_here(
     os.environ.clear()
     os.environ.update(environment)
     sys.exit(main(list(arguments)))
+
+
+class ForkedCall:
+    """A function in a process of its own; ``stdout`` is what it prints."""
+
+    def __init__(self, function: Callable[..., object], arguments: Sequence[object]) -> None:
+        self._reader, writer = FORKSERVER.Pipe(duplex=False)
+        given = (writer, dict(os.environ), function, tuple(arguments))
+        self._process: Any = FORKSERVER.Process(target=call_here, args=given)
+        self._process.start()
+        writer.close()
+        self.pid: int = self._process.pid
+        self.stdout = open(self._reader.fileno(), closefd=False)  # noqa: SIM115
+
+    def wait(self) -> int:
+        """Wait for its end; returns the exit code, a signal's with a minus."""
+        self._process.join(PATIENCE)
+        assert self._process.exitcode is not None, "the function has not ended"
+        return int(self._process.exitcode)
+
+    def kill(self) -> None:
+        """End it by SIGKILL, and wait; no error when it has ended already."""
+        self._process.kill()
+        self.wait()
+
+    def close(self) -> None:
+        self.kill()
+        self.stdout.close()
+        self._reader.close()
+
+
+@contextmanager
+def calling(function: Callable[..., object], *arguments: object) -> Iterator[ForkedCall]:
+    """Run a function of a module beside this until the context ends, which kills it."""
+    call = ForkedCall(function, arguments)
+    try:
+        yield call
+    finally:
+        call.close()
+
+
+def call(function: Callable[..., object], *arguments: object) -> int:
+    """Run a function in a process of its own to the end; returns the exit code."""
+    with calling(function, *arguments) as running:
+        return running.wait()
+
+
+def call_here(
+    writer: Connection,
+    environment: Mapping[str, str],
+    function: Callable[..., object],
+    arguments: Sequence[object],
+) -> None:
+    """Be the process of a ``ForkedCall``."""
+    os.dup2(writer.fileno(), 1)
+    writer.close()
+    os.environ.clear()
+    os.environ.update(environment)
+    function(*arguments)

@@ -26,7 +26,7 @@ EXPECTED: dict[str, Any] = json.loads((GOLDEN / "expected.json").read_text())
 def old_workspace(folder: Path, database: str = "") -> Settings:
     """Settings of a copy in ``folder``; its labels go into the empty PostgreSQL ``database``."""
     settings = settings_in(folder, database=database)
-    shutil.copytree(GOLDEN, settings.workspace)
+    shutil.copytree(GOLDEN, settings.workspace, dirs_exist_ok=True)
     if database:
         _copy_rows(settings.workspace / "labels.sqlite", database)
         (settings.workspace / "labels.sqlite").unlink()

@@ -20,6 +20,7 @@ from pathlib import Path
 import psycopg
 import pytest
 
+from pointbrush.labels import LabelStore
 from tests.ports import free_port
 from tests.waiting import eventually
 
@@ -44,6 +45,7 @@ class PostgresServer:
     port: int
     user: str | None
     process: subprocess.Popen[bytes] | None = None
+    _labels: str | None = None
 
     def url(self, database: str = "postgres") -> str:
         return f"postgresql://postgres@127.0.0.1:{self.port}/{database}"
@@ -79,6 +81,18 @@ class PostgresServer:
         name = f"t{uuid.uuid4().hex[:12]}"
         with psycopg.connect(self.url(), autocommit=True) as connection:
             connection.execute(f"CREATE DATABASE {name}")
+        return self.url(name)
+
+    def new_labels(self) -> str:
+        """The URL of a new label database, as copied from one: all migrations take long."""
+        if self._labels is None:
+            self._labels = self.new_database()
+            LabelStore(self._labels).close()
+        with psycopg.connect(self.url(), autocommit=True) as connection:
+            template, name = self._labels.rpartition("/")[2], f"t{uuid.uuid4().hex[:12]}"
+            others = "SELECT 1 FROM pg_stat_activity WHERE datname = %s"
+            eventually(lambda: connection.execute(others, [template]).fetchone() is None)
+            connection.execute(f"CREATE DATABASE {name} TEMPLATE {template}")
         return self.url(name)
 
 

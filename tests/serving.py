@@ -6,11 +6,14 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from pointbrush.frame import PointFrame
+from pointbrush.labels import LabelStore
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
@@ -58,10 +61,24 @@ def add_sequence(
     )
 
 
+@cache
+def new_labels() -> bytes:
+    """The file of a label database without recordings: all migrations take long."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "labels.sqlite"
+        LabelStore(f"sqlite:///{path}").close()
+        return path.read_bytes()
+
+
 def settings_in(folder: Path, **options: object) -> Settings:
-    """Settings of a test's own workspace."""
+    """Settings of a test's own workspace, whose label database is up to date and empty."""
     base = Settings(workspace=folder / "workspace", port=0, token=TOKEN, workers=1)
-    return replace(base, **options)  # type: ignore[arg-type]
+    settings = replace(base, **options)  # type: ignore[arg-type]
+    labels = settings.workspace / "labels.sqlite"
+    if not settings.database and not labels.exists():
+        labels.parent.mkdir(parents=True, exist_ok=True)
+        labels.write_bytes(new_labels())
+    return settings
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.labels import LabelStore, Write, writer
+from tests.serving import new_labels
 
 POINTS = [150_000, 70_000, 10, 0]
 SEQUENCE = "juggling"
@@ -17,10 +18,20 @@ SEQUENCE = "juggling"
 
 @pytest.fixture(params=["sqlite", "postgresql"])
 def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
-    """The URL of an empty database."""
-    if request.param == "sqlite":
-        return f"sqlite:///{tmp_path / 'labels.sqlite'}"
-    return str(request.getfixturevalue("postgres_url"))
+    """The URL of a label database without recordings."""
+    if request.param == "postgresql":
+        return str(request.getfixturevalue("postgres_server").new_labels())
+    path = tmp_path / "labels.sqlite"
+    path.write_bytes(new_labels())
+    return f"sqlite:///{path}"
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def empty_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The URL of a database without tables."""
+    if request.param == "postgresql":
+        return str(request.getfixturevalue("postgres_url"))
+    return f"sqlite:///{tmp_path / 'labels.sqlite'}"
 
 
 @pytest.fixture

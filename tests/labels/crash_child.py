@@ -1,13 +1,9 @@
-"""The process that test_durability kills: people edit at once, every answer is printed.
-
-python crash_child.py URL SEQUENCE SEED
-"""
+"""The process that test_durability kills: people edit at once, every answer is printed."""
 
 from __future__ import annotations
 
 import json
 import random
-import sys
 import threading
 import uuid
 from typing import Any
@@ -37,18 +33,17 @@ def work(store: LabelStore, sequence: str, author: str, rng: random.Random) -> N
             say(answered=edit_id, revision=commit.revision, changed=commit.changed)
 
 
-def main() -> None:
-    url, sequence, seed = sys.argv[1:]
+def edit_together(url: str, sequence: str, seed: int) -> None:
     writer.SNAPSHOT_EVERY = 4
     store = LabelStore(url)
     say(ready=True)
-    threads = [
-        threading.Thread(target=work, args=(store, sequence, author, random.Random(seed + author)))
-        for author in AUTHORS
-    ]
+
+    def begin(author: str) -> threading.Thread:
+        rng = random.Random(f"{seed}{author}")
+        return threading.Thread(target=work, args=(store, sequence, author, rng))
+
+    threads = [begin(author) for author in AUTHORS]
     for thread in threads:
         thread.start()
-
-
-if __name__ == "__main__":
-    main()
+    for thread in threads:
+        thread.join()

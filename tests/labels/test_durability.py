@@ -9,14 +9,13 @@ import json
 import os
 import random
 import resource
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from crash_child import edit_together
 from label_model import Model
 from postgres import PostgresServer
 from random_edits import POINTS, apply_to_model, differences
@@ -25,9 +24,9 @@ from waiting import eventually
 
 from pointbrush.errors import UnavailableError
 from pointbrush.labels import LabelStore, Write
+from tests import forked
 
 KILLS = int(os.environ.get("POINTBRUSH_KILLS", "12"))
-CHILD = Path(__file__).parent / "crash_child.py"
 KILLS_PER_SEQUENCE = 4
 
 
@@ -35,19 +34,16 @@ def run_and_kill(
     url: str, sequence: str, seed: int, answers: int, seconds: float
 ) -> list[dict[str, Any]]:
     """What the child said before it was killed, some time after so many answers."""
-    command = [sys.executable, str(CHILD), url, sequence, str(seed)]
-    child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert child.stdout is not None
-    assert json.loads(child.stdout.readline())["ready"]
-    lines: list[str] = []
-    while sum("answered" in line for line in lines) < answers:
-        lines.append(child.stdout.readline())
-        assert lines[-1], "the child ended by itself"
-    time.sleep(seconds)
-    child.kill()
-    said, _ = child.communicate()
-    # A last line may be cut short: then the answer did not get out.
-    lines += [line for line in said.splitlines(keepends=True) if line.endswith("\n")]
+    with forked.calling(edit_together, url, sequence, seed) as child:
+        assert json.loads(child.stdout.readline())["ready"]
+        lines: list[str] = []
+        while sum("answered" in line for line in lines) < answers:
+            lines.append(child.stdout.readline())
+            assert lines[-1], "the child ended by itself"
+        time.sleep(seconds)
+        child.kill()
+        # A last line may be cut short: then the answer did not get out.
+        lines += [line for line in child.stdout if line.endswith("\n")]
     return [json.loads(line) for line in lines]
 
 

@@ -1,8 +1,7 @@
 from __future__ import annotations
 
 import sqlite3
-import subprocess
-import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -17,10 +16,11 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import HEAD, MIGRATIONS, metadata, migrate
+from tests import forked
 
 
-def test_the_migrations_make_the_schema(url: str) -> None:
-    database = Database(url)
+def test_the_migrations_make_the_schema(empty_url: str) -> None:
+    database = Database(empty_url)
     migrate(database)
     migrate(database)
     with database.read() as connection:
@@ -44,11 +44,15 @@ def test_a_database_of_a_newer_version_is_left_alone(url: str) -> None:
         LabelStore(url)
 
 
-def test_two_processes_that_start_at_once(url: str) -> None:
-    code = "import sys; from pointbrush.labels import LabelStore; LabelStore(sys.argv[1]).close()"
-    started = [subprocess.Popen([sys.executable, "-c", code, url]) for _ in range(3)]
-    assert [process.wait() for process in started] == [0, 0, 0]
+def open_store(url: str) -> None:
     LabelStore(url).close()
+
+
+def test_two_processes_that_start_at_once(empty_url: str) -> None:
+    with ExitStack() as stack:
+        started = [stack.enter_context(forked.calling(open_store, empty_url)) for _ in range(3)]
+        assert [process.wait() for process in started] == [0, 0, 0]
+    LabelStore(empty_url).close()
 
 
 def test_a_file_that_is_no_database(tmp_path: Path) -> None:
@@ -59,8 +63,8 @@ def test_a_file_that_is_no_database(tmp_path: Path) -> None:
     assert not isinstance(caught.value, sqlite3.Error)
 
 
-def test_authors_of_before_with_a_colon_keep_their_account_and_name(url: str) -> None:
-    database = Database(url)
+def test_authors_of_before_with_a_colon_keep_their_account_and_name(empty_url: str) -> None:
+    database = Database(empty_url)
     with database.write() as connection:
         config = Config()
         config.set_main_option("script_location", str(MIGRATIONS))
@@ -73,7 +77,7 @@ def test_authors_of_before_with_a_colon_keep_their_account_and_name(url: str) ->
         for number, name in enumerate(("lab:ada", "owner:ada", "owner")):
             connection.execute(text(token), {"i": str(number), "n": name})
     database.close()
-    store = LabelStore(url)
+    store = LabelStore(empty_url)
     accounts = {token.name: token.account for token in store.tokens.list()}
     assert accounts == {"lab:ada": "lab:ada", "owner:ada": "token 1", "owner": "token 2"}
     assert store.accounts.name("lab:ada") == "lab:ada"

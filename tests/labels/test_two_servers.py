@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import threading
 import time
 from contextlib import closing
@@ -16,26 +14,25 @@ from waiting import eventually
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels import Commit, LabelStore, Limits, Write, sessions
+from tests import forked
 
 SEQ = "juggling"
 POINTS = [70_000, 100]
 
-OTHER = """
-import sys, time
-import numpy as np
-from pointbrush.labels import LabelStore, Write
-url, author, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
-store = LabelStore(url)
-for number in range(count):
-    write = Write(np.arange(number, number + 5), label=1 + number % 2, provenance=1)
-    store.apply("juggling", edit_id=None, author=author, kind="paint",
-                writes={number % 2: write}, summary=f"{time.time()}")
-store.close()
-"""
 
-
-def start(url: str, author: str, count: int) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([sys.executable, "-c", OTHER, url, author, str(count)])
+def edit(url: str, author: str) -> None:
+    """Paint 20 times at another process."""
+    with closing(LabelStore(url)) as store:
+        for number in range(20):
+            write = Write(np.arange(number, number + 5), label=1 + number % 2, provenance=1)
+            store.apply(
+                SEQ,
+                edit_id=None,
+                author=author,
+                kind="paint",
+                writes={number % 2: write},
+                summary=f"{time.time()}",
+            )
 
 
 @pytest.fixture
@@ -63,12 +60,11 @@ def test_processes_hear_each_other(url: str, here: LabelStore) -> None:
     heard: list[Commit] = []
     here.subscribe(heard.append)
     first = here.revision(SEQ)
-    others = [start(url, name, 20) for name in ("bob", "cat")]
-    for number in range(20):
-        write = Write(np.arange(number, number + 5), label=1, provenance=1)
-        here.apply(SEQ, edit_id=None, author="ann", kind="paint", writes={0: write}, summary="")
-    for other in others:
-        assert other.wait() == 0
+    with forked.calling(edit, url, "bob") as bob, forked.calling(edit, url, "cat") as cat:
+        for number in range(20):
+            write = Write(np.arange(number, number + 5), label=1, provenance=1)
+            here.apply(SEQ, edit_id=None, author="ann", kind="paint", writes={0: write}, summary="")
+        assert (bob.wait(), cat.wait()) == (0, 0)
     eventually(lambda: len(heard) >= 60)
     assert [commit.revision for commit in heard] == list(range(first + 1, first + 61))
     copies = [np.zeros(n, np.uint16) for n in POINTS]

@@ -11,17 +11,21 @@ from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.samples import KINDS, Recording, generate
 from pointbrush.samples.generating import small_camera
 
-SMALL = {"crowd": 3, "juggling": 3, "tabletop": 3, "walking": 3}
+
+def small(kind: str, seed: int = 4) -> Recording:
+    """Three frames by every third pixel, which take a tenth of the time."""
+    made = generate(kind, seed=seed, frames=3)
+    made.camera = small_camera(made.camera, 3)
+    return made
 
 
 @pytest.fixture(scope="module", params=sorted(KINDS))
 def recording(request: pytest.FixtureRequest) -> Recording:
-    return generate(request.param, seed=4, frames=SMALL[request.param])
+    return small(request.param)
 
 
 def test_the_same_seed_gives_the_same_frames_in_any_order(recording: Recording) -> None:
-    kind = recording.name.split()[0].lower()
-    again = generate(kind, seed=4, frames=SMALL[kind])
+    again = small(recording.name.split()[0].lower())
     for i in (2, 0):
         np.testing.assert_array_equal(again.frame(i).xyz, recording.frame(i).xyz)
         np.testing.assert_array_equal(again.frame(i).rgb, recording.frame(i).rgb)
@@ -29,12 +33,12 @@ def test_the_same_seed_gives_the_same_frames_in_any_order(recording: Recording) 
 
 
 def test_another_seed_gives_another_recording(recording: Recording) -> None:
-    other = generate(recording.name.split()[0].lower(), seed=5, frames=1)
+    other = small(recording.name.split()[0].lower(), seed=5)
     assert not np.array_equal(other.frame(0).pixel, recording.frame(0).pixel)
 
 
-def test_points_are_the_valid_pixels_of_the_depth_camera(recording: Recording) -> None:
-    frame = recording.frame(1)
+def test_points_are_the_valid_pixels_of_the_depth_camera() -> None:
+    frame = generate("tabletop", seed=4, frames=2).frame(1)
     camera, pixel = frame.camera, frame.pixel
     assert camera is not None
     assert pixel is not None
@@ -63,7 +67,7 @@ def test_every_point_has_a_truth_and_every_label_of_it_is_in_the_palette(
         assert truth.dtype == np.uint16
         assert set(np.unique(truth).tolist()) <= ids | {0}
         assert visible == {n: int((truth == n).sum()) for n in visible}
-    assert all(recording.visible[0].get(label, 0) > 100 for label in ids)
+    assert all(recording.visible[0].get(label, 0) > 10 for label in ids)
 
 
 def test_a_crowd_has_somebody_at_the_edge_of_the_picture_and_some_leave_it() -> None:

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
-import subprocess
-import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -38,6 +35,7 @@ from pointbrush.sequences import importer as importer_module
 from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.manifest import VERSION
 from pointbrush.sequences.octree.quantise import dequantise
+from tests import forked
 from tests.waiting import eventually
 
 
@@ -316,33 +314,24 @@ def test_an_existing_sequence_is_never_replaced(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 1
 
 
-SLOW_IMPORT = """
-import sys, time
-from pathlib import Path
-import numpy as np
-from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
-def frames():
-    while True:
-        yield PointFrame(np.random.default_rng(0).normal(size=(100, 3)).astype("f4"))
-        print("frame", flush=True)
-        time.sleep(0.02)
-import_frames(frames(), Path(sys.argv[1]), sequence_id="s", name="n", fps=30)
-"""
+def import_slowly(target: Path) -> None:
+    def frames() -> Iterator[PointFrame]:
+        while True:
+            yield frame(100)
+            print("frame", flush=True)
+            time.sleep(0.02)
+
+    import_frames(frames(), target, sequence_id="s", name="n", fps=30)
 
 
 def test_a_killed_import_leaves_no_sequence_and_is_swept(tmp_path: Path) -> None:
     target = tmp_path / "s"
-    with subprocess.Popen(
-        [sys.executable, "-c", SLOW_IMPORT, str(target)], stdout=subprocess.PIPE
-    ) as child:
-        assert child.stdout is not None
+    with forked.calling(import_slowly, target) as child:
         for _ in range(4):
-            assert child.stdout.readline() == b"frame\n"
+            assert child.stdout.readline() == "frame\n"
         left = list(tmp_path.iterdir())
         assert len(left) == 1
         assert clean_temporary(tmp_path) == []  # still running: not ours to remove
-        os.kill(child.pid, signal.SIGKILL)
     assert not target.exists()
     eventually(lambda: clean_temporary(tmp_path))
     assert list(tmp_path.iterdir()) == []

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import signal
-import subprocess
-import sys
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -17,20 +16,20 @@ from pointbrush.cli import main
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.settings import Settings, variables
 from pointbrush.web.app import create_app
+from pointbrush.work import backup
 from pointbrush.work.backup_series import BackupSchedule, BackupSeries
 from pointbrush.workspace import Workspace
+from tests import forked
 from tests.serving import TOKEN, add_sequence, serving, settings_in
 from tests.waiting import eventually
 from tests.work.test_moving import paint, painted, settings, state  # noqa: F401  # fixtures
 
-KILLED = """
-import os, signal, sys
-from pointbrush.cli import main
-from pointbrush.work import backup
-backup.back_up = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
-main(["backup"])
-"""
-"""The command, killed once it has copied the recordings."""
+
+def killed() -> None:
+    """Be the command, killed once it has copied the recordings."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(backup, "back_up", lambda *_: os.kill(os.getpid(), signal.SIGKILL))
+        main(["backup"])
 
 
 def data_of(backup: Path) -> dict[str, Path]:
@@ -61,8 +60,8 @@ def test_recordings_are_copied_once_and_any_kept_backup_comes_back(
     first, second = (data_of(backup) for backup in made[1:])
     assert first.keys() == second.keys() > set()
     assert all(second[name].samefile(first[name]) for name in first)
-    for backup, expected in zip(made[1:], states[1:], strict=True):
-        there = restored(painted, backup)
+    for one, expected in zip(made[1:], states[1:], strict=True):
+        there = restored(painted, one)
         assert state(there) == expected
     with closing(Workspace(there)) as workspace:
         assert workspace.recording("wall").manifest.name == "White wall"
@@ -94,8 +93,7 @@ def test_a_backup_that_was_killed_is_none(
     paint(settings)
     assert main(["backup"]) == 0
     kept = series.made()
-    done = subprocess.run([sys.executable, "-c", KILLED], check=False)
-    assert done.returncode == -signal.SIGKILL
+    assert forked.call(killed) == -signal.SIGKILL
     assert any((series.folder / ".unfinished").rglob("manifest.json"))
     assert series.made() == kept
     assert main(["backup"]) == 0

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
-import subprocess
-import sys
+import time
 import uuid
 from collections.abc import Iterator
 from contextlib import closing
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +18,18 @@ import pytest
 from sqlalchemy import update
 
 from pointbrush.errors import ConflictError, NotFoundError
-from pointbrush.labels import KEPT_SECONDS, schema
+from pointbrush.labels import KEPT_SECONDS, LabelStore, schema
 from pointbrush.labels.guards import EXPIRY_SECONDS
-from pointbrush.labels.recordings import SURE_SECONDS
+from pointbrush.labels.recordings import SURE_SECONDS, Recordings
 from pointbrush.settings import Settings
 from pointbrush.tracking import FrameResult, TrackState
 from pointbrush.work.tracking.job import PendingEdit
+from pointbrush.work.trash import Trash
 from pointbrush.workspace import Workspace
+from tests import forked
 from tests.labels.conftest import postgres_server, postgres_url, url  # noqa: F401  # fixtures
 from tests.serving import add_sequence, settings_in
+from tests.waiting import PATIENCE
 
 POINTS = 500
 
@@ -186,35 +190,24 @@ def test_labels_whose_recording_was_replaced_are_kept_aside(
         assert [entry.damaged for entry in reopened.listing.all()] == [None, None]
 
 
-KILLED = """
-import json, os, signal, sys
-from pathlib import Path
-from pointbrush.settings import Settings
-from pointbrush.labels import recordings
-from pointbrush.work import trash
-from pointbrush.workspace import Workspace
+def killed(settings: Settings, act: str, place: str) -> None:
+    """Do ``act`` and die by SIGKILL at ``place``."""
+    workspace = Workspace(settings)
+    kind, name, when = place.split(".")
+    owner: Any = {"Recordings": Recordings, "Trash": Trash}[kind]
+    was = getattr(owner, name)
 
-folder, database, act, place = sys.argv[1:]
-workspace = Workspace(Settings(workspace=Path(folder), database=database, workers=1))
-owner, name, when = place.split(".")
-owner = {"Recordings": recordings.Recordings, "Trash": trash.Trash}[owner]
-was = getattr(owner, name)
+    def stop(*args: object) -> None:
+        if when == "after":
+            was(*args)
+        os.kill(os.getpid(), signal.SIGKILL)
 
-def stop(self, *args):
-    if when == "after":
-        was(self, *args)
-    os.kill(os.getpid(), signal.SIGKILL)
-
-setattr(owner, name, stop)
-getattr(workspace.deletion, act)("ball")
-"""
+    setattr(owner, name, stop)
+    getattr(workspace.deletion, act)("ball")
 
 
 def kill_in(settings: Settings, act: str, place: str) -> None:
-    """Have another process do ``act`` and die by SIGKILL at ``place``."""
-    words = [str(settings.workspace), settings.database, act, place]
-    process = subprocess.run([sys.executable, "-c", KILLED, *words], check=False)
-    assert process.returncode == -signal.SIGKILL
+    assert forked.call(killed, settings, act, place) == -signal.SIGKILL
 
 
 def test_killed_at_any_step_of_deleting(settings: Settings) -> None:
@@ -315,73 +308,40 @@ def test_work_on_another_machine_guards_until_it_is_silent(workspace: Workspace)
     workspace.deletion.delete("ball")
 
 
-GUARDING = """
-import sys, time
-from pointbrush.labels import LabelStore
-store = LabelStore(sys.argv[1])
-store.guards.begin("ball", "tracking")
-print("begun", flush=True)
-time.sleep(600)
-"""
+def guard(database: str) -> None:
+    LabelStore(database).guards.begin("ball", "tracking")
+    print("begun", flush=True)
+    time.sleep(PATIENCE)
 
 
 def test_work_of_a_process_that_was_killed_guards_nothing(
     workspace: Workspace, settings: Settings
 ) -> None:
-    process = subprocess.Popen(
-        [sys.executable, "-c", GUARDING, settings.database], stdout=subprocess.PIPE
-    )
-    assert process.stdout is not None
-    assert process.stdout.readline() == b"begun\n"
-    with pytest.raises(ConflictError, match="is being tracked"):
-        workspace.deletion.delete("ball")
-    process.kill()
-    process.wait()
-    process.stdout.close()
+    with forked.calling(guard, settings.database) as process:
+        assert process.stdout.readline() == "begun\n"
+        with pytest.raises(ConflictError, match="is being tracked"):
+            workspace.deletion.delete("ball")
     workspace.deletion.delete("ball")
 
 
-IMPORTING = """
-import json, sys
-from pathlib import Path
-from pointbrush.settings import Settings
-from pointbrush.workspace import Workspace
-
-folder, database, source = sys.argv[1:]
-workspace = Workspace(Settings(workspace=Path(folder), database=database, workers=1))
-print("ready", flush=True)
-sys.stdin.readline()
-job = workspace.runner.wait(workspace.imports.begin([Path(source)], name="Twice").id, 120)
-print(json.dumps([job.state, job.error, job.result]), flush=True)
-workspace.close()
-"""
+def import_at_once(settings: Settings, source: Path, both: Barrier) -> None:
+    with closing(Workspace(settings)) as workspace:
+        both.wait()
+        begun = workspace.imports.begin([source], name="Twice")
+        job = workspace.runner.wait(begun.id, PATIENCE)
+        print(json.dumps([job.state, job.error, job.result]))
 
 
 def test_one_name_imported_on_two_servers_at_once_gives_two_recordings(
     settings: Settings, tmp_path: Path
 ) -> None:
     np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((400, 3)).astype(np.float32))
-    words = [str(settings.workspace), settings.database, str(tmp_path / "cloud.npy")]
-    started = [
-        subprocess.Popen(
-            [sys.executable, "-c", IMPORTING, *words],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for _ in range(2)
-    ]
-    for process in started:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready\n"
-    ended = []
-    for process in started:
-        assert process.stdin is not None
-        process.stdin.write("\n")
-        process.stdin.flush()
-    for process in started:
-        said, _ = process.communicate(timeout=120)
-        ended.append(json.loads(said))
+    given = (settings, tmp_path / "cloud.npy", forked.FORKSERVER.Barrier(2))
+    with (
+        forked.calling(import_at_once, *given) as one,
+        forked.calling(import_at_once, *given) as other,
+    ):
+        ended = [json.loads(process.stdout.readline()) for process in (one, other)]
     assert [state for state, _, _ in ended] == ["done", "done"], ended
     assert sorted(result["sequence"] for _, _, result in ended) == ["twice", "twice-2"], ended
     with closing(Workspace(settings)) as workspace:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import time
 import uuid
 from contextlib import closing
 from dataclasses import replace
@@ -20,7 +19,9 @@ from pointbrush.settings import Settings
 from pointbrush.work.backup import make_backup
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
+from tests import forked
 from tests.serving import add_sequence, settings_in
+from tests.waiting import PATIENCE
 
 
 @pytest.fixture
@@ -151,23 +152,22 @@ def test_nothing_moves_while_a_server_runs_or_halfway(
     assert state(replace(settings, database=postgres_url)) == before
 
 
+def keep_uploads(workspace: Path) -> None:
+    uploads = Uploads(workspace)
+    uploads.open()
+    print("open", flush=True)
+    time.sleep(PATIENCE)
+
+
 def test_a_killed_server_keeps_nobody_waiting(
     settings: Settings,
     postgres_url: str,  # noqa: F811
 ) -> None:
     paint(settings)
     before, here = state(settings), ("--workspace", settings.workspace)
-    code = (
-        "import sys, time; from pathlib import Path; "
-        "from pointbrush.work.imports.uploads import Uploads; "
-        "Uploads(Path(sys.argv[1])).open(); print('open', flush=True); time.sleep(600)"
-    )
-    command = [sys.executable, "-c", code, str(settings.workspace)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
+    with forked.calling(keep_uploads, settings.workspace) as server:
         assert server.stdout.readline() == "open\n"
         assert run("move", postgres_url, *here) == 1
-        server.kill()
     assert run("move", postgres_url, *here) == 0
     assert state(replace(settings, database=postgres_url)) == before
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,17 @@ from pointbrush.sequences import open_sequence
 from pointbrush.work.objects.frames import object_frame
 
 ORIGIN = (0.0, 0.0, 0.0)
+
+
+@cache
+def camera_points(kind: str) -> NDArray[np.float32]:
+    """Points of a depth camera's frame."""
+    return (room_view(3).frame if kind == "view" else generate(kind, 3, 2).frame(1)).xyz
+
+
+@cache
+def room_points() -> NDArray[np.float32]:
+    return np.asarray(room_scan(3, points=40_000, views=6).frame.xyz)
 
 
 def imported(file: Path, *options: str) -> ObjectFrame:
@@ -45,15 +57,14 @@ def distorted(xyz: NDArray[np.floating]) -> NDArray[np.floating]:
 @pytest.mark.parametrize("kept", [1, 16])
 @pytest.mark.parametrize("kind", ["tabletop", "juggling", "walking", "view"])
 def test_a_depth_camera_without_a_lattice_is_one(tmp_path: Path, kind: str, kept: int) -> None:
-    made = room_view(3).frame if kind == "view" else generate(kind, 3, 2).frame(1)
-    frame = imported(ply(tmp_path / "kinect.ply", distorted(made.xyz)[::kept]))
+    frame = imported(ply(tmp_path / "kinect.ply", distorted(camera_points(kind))[::kept]))
     assert frame.sensor == "camera"
     assert frame.viewpoint is not None
     assert np.allclose(frame.viewpoint, ORIGIN)
 
 
 def test_a_depth_camera_is_where_its_lattice_is(tmp_path: Path) -> None:
-    frame = imported(ply(tmp_path / "kinect.ply", room_view(3).frame.xyz))
+    frame = imported(ply(tmp_path / "kinect.ply", camera_points("view")))
     assert frame.sensor == "camera"
     assert frame.viewpoint is not None
     assert np.allclose(frame.viewpoint, ORIGIN)
@@ -63,7 +74,7 @@ def test_a_depth_camera_is_where_its_lattice_is(tmp_path: Path) -> None:
 def test_a_scanned_room_has_no_place_though_the_origin_lies_in_it(
     tmp_path: Path, about: str
 ) -> None:
-    xyz = np.asarray(room_scan(3, points=40_000, views=6).frame.xyz)
+    xyz = room_points()
     low, high = xyz.min(axis=0), xyz.max(axis=0)
     origin = {"middle": (low + high) / 2, "corner": low, "floor": np.zeros(3)}[about]
     frame = imported(ply(tmp_path / "room.ply", xyz - origin))

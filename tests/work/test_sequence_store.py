@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import signal
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import MagicMock
 from urllib.request import urlopen
 
 import fsspec
@@ -23,7 +24,7 @@ from pointbrush.client import Client
 from pointbrush.errors import DamagedError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.labels import KEPT_SECONDS, schema
 from pointbrush.labels.recordings import SURE_SECONDS
-from pointbrush.sequences import import_frames, open_sequence, verify
+from pointbrush.sequences import files, import_frames, open_sequence, verify
 from pointbrush.sequences.bucket import Bucket
 from pointbrush.sequences.bucket_files import BucketFiles
 from pointbrush.sequences.file_cache import FileCache
@@ -32,6 +33,7 @@ from pointbrush.work.backup import make_backup
 from pointbrush.work.imports.importing import ImportWork
 from pointbrush.work.trash import ids_for
 from pointbrush.workspace import Workspace
+from tests import forked
 from tests.buckets import s3, s3_endpoint  # noqa: F401  # fixtures
 from tests.serving import TOKEN, serving, settings_in, surface
 from tests.streaming.client import viewer
@@ -167,39 +169,22 @@ def test_deleting_and_restoring(workspace: Workspace, settings: Settings, tmp_pa
         assert {name.partition("/")[0] for name in objects(settings.sequences)} == {again}
 
 
-KILLED = """
-import os, signal, sys
-from pathlib import Path
-from pointbrush.settings import Settings
-from pointbrush.sequences.bucket import Bucket
-from pointbrush.sequences import files
-from pointbrush.work.folder_store import ImportTarget
-from pointbrush.work.imports.importing import ImportWork
-from pointbrush.workspace import Workspace
+def killed(settings: Settings, found: Path) -> None:
+    """Import, killed once all is there but what makes it a recording."""
 
-class Channel:
-    def progress(self, fraction, message): pass
-    def item(self, value): pass
+    def die(*_: object) -> None:
+        os.kill(os.getpid(), signal.SIGKILL)
 
-def killed(*_): os.kill(os.getpid(), signal.SIGKILL)
-
-workspace = Workspace(Settings.load())
-guard = workspace.labels.guards.reserve(["room"], workspace.library.is_free)
-if workspace.settings.sequences:  # all is there but what makes it a recording
-    Bucket.write = killed
-else:
-    files._rename = killed
-ImportWork((Path(sys.argv[1]),), workspace.library.store.target("room"), "room")(Channel())
-"""
+    with closing(Workspace(settings)) as workspace, pytest.MonkeyPatch.context() as patch:
+        workspace.labels.guards.reserve(["room"], workspace.library.is_free)
+        patch.setattr(*(Bucket, "write") if settings.sequences else (files, "_rename"), die)
+        ImportWork((found,), workspace.library.store.target("room"), "room")(MagicMock())
 
 
 def test_an_import_that_is_killed_is_not_listed_and_leaves_nothing(
-    settings: Settings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    settings: Settings, tmp_path: Path
 ) -> None:
-    for name in ("workspace", "sequences", "sequence_cache"):
-        monkeypatch.setenv(f"POINTBRUSH_{name.upper()}", str(getattr(settings, name)))
-    command = [sys.executable, "-c", KILLED, str(source(tmp_path / "killed"))]
-    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
+    assert forked.call(killed, settings, source(tmp_path / "killed")) == -signal.SIGKILL
     if settings.sequences:
         assert len(objects(settings.sequences)) > FRAMES
     with closing(Workspace(settings)) as workspace:
