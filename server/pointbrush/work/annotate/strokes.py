@@ -129,8 +129,8 @@ class LiveStroke:
         )
 
     def _writes(self) -> Iterator[tuple[int, Write]]:
-        # One of no points, too, so that a label is refused whatever the stroke touched.
-        yield self.frame, write_of(self._brush, np.empty(0, np.int64))
+        if not self.touched:  # a label is refused whatever the stroke touched
+            yield self.frame, write_of(self._brush, np.empty(0, np.int64))
         for one in self._painted:
             for numbers in one.taken.parts():
                 yield one.frame, write_of(self._brush, numbers)
