@@ -31,11 +31,9 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     # Which points it has
     "hardly before the scene": {"background": {"faint_sigmas": 3.0}},
     "surveyed scene": {"background": {"survey_frames": 0}},
-    "noise of each pixel": {"background": {"calm_frames": 1}},
     "whole in the air": {"growth": {"max_steps": 0}},
     "ended all round": {"growth": {"ended_frames": NEVER}},
     "colours of its own": {"appearance": {"rather_ratio": float(NEVER)}},
-    "missed pieces": {"pieces": {"max_size_share": 0.0}},
     "flying pixels": {
         "flying": {
             "min_pixels": NEVER,

@@ -74,9 +74,7 @@ def test_a_hand_that_goes_along_behind_a_thing_is_no_new_side_of_it(
     place = Registration(step, world, box, around, around, around, 0.05)
     own = claim(view, core, world, track.model.colour, track.weight, 0.05)
     unknown = np.full_like(view.depth, np.nan)
-    still = ImageBackground(
-        OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy(), np.ones_like(unknown)
-    )
+    still = ImageBackground(OPTIONS, DepthNoise(0.004, 0.002), unknown, unknown.copy())
     free = np.ones(len(view.xyz), np.bool_)
     found = Associations(view, still, free, {1: Association(place, own)})
     grown = grow({1: track}, found).labelled[1].grown

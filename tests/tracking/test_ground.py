@@ -12,8 +12,8 @@ from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.scanner import on_ground
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.ground_contact import painted_with_ground, with_ground
 from pointbrush.tracking.steps.grow import own_points
-from pointbrush.tracking.steps.pieces import painted_with_ground, with_ground
 from pointbrush.tracking.steps.predict import search_among
 from pointbrush.tracking.steps.register import find
 

@@ -62,7 +62,7 @@ def test_what_rests_keeps_flying_pixels_only_if_it_was_painted_with_them(painted
     place = Registration(np.eye(4), track.model.xyz, limits, around, around, around, 0.05)
     found = claim(view, own, track.model.xyz, track.model.colour, track.weight, 1.0)
     background = ImageBackground(
-        OPTIONS, DepthNoise(0.004, 0.002), *np.full((3, len(view.depth)), np.nan)
+        OPTIONS, DepthNoise(0.004, 0.002), *np.full((2, len(view.depth)), np.nan)
     )
     free = np.ones(len(view.xyz), np.bool_)
     associations = Associations(view, background, free, {1: Association(place, found)})

@@ -1,4 +1,4 @@
-"""The scene behind what was painted: drawn on where it was hidden, and how much it wavers."""
+"""The scene behind what was painted: drawn on where it was hidden, and how noisy it is."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from pointbrush.tracking.scene.images import (
     drawn_on,
     farthest,
     measure_noise,
-    wavering,
 )
 from pointbrush.tracking.scene.pixels import least
 from pointbrush.tracking.scene.scene import Scene
@@ -76,29 +75,6 @@ def test_no_scene_is_drawn_on_where_nothing_is_measured_far_and_wide() -> None:
     seen = np.where(people | track, 3.0, np.nan).astype(np.float32)
     depth = drawn_on(seen.ravel(), SHAPE, track.ravel(), options=OPTIONS.background).reshape(SHAPE)
     assert (depth[track] > 6.0).all()
-
-
-def test_noisy_places_waver_more_and_what_passes_is_no_noise() -> None:
-    rng = np.random.default_rng(0)
-    deviation = np.full(SHAPE, 0.01, np.float32)
-    true = deviation.copy()
-    true[:, :64] *= 1.8
-    true[64:, 96:] *= 20.0
-    true[64:, 64:96] *= 0.05
-    images = [(room_corner() + rng.normal(0, true)).astype(np.float32) for _ in range(4)]
-    images[3][:, 64:] -= 1.5  # somebody passes
-    for image in images:
-        image[:32, :32] = np.nan  # and here an object is known to be
-    found = wavering(
-        [i.ravel() for i in images], deviation.ravel(), SHAPE, options=OPTIONS.background
-    ).reshape(SHAPE)
-    np.testing.assert_allclose(found[32:, :64], 1.8 * 1.15, rtol=0.35)
-    np.testing.assert_allclose(found[:64, 64:], 1.15, rtol=0.35)
-    assert (found[64:, 96:] == np.float32(OPTIONS.background.max_block_sigma)).all()
-    assert (found[64:, 64:96] == np.float32(OPTIONS.background.min_block_sigma)).all()
-    assert (found[:32, :32] == 1.0).all()
-    assert found.shape == SHAPE
-    assert SHAPE[0] % OPTIONS.background.block_px == 0
 
 
 def test_people_who_walk_before_the_sensor_are_no_noise_of_it() -> None:
@@ -169,9 +145,7 @@ def filmed(number: int, depth: np.ndarray, track: np.ndarray) -> View:
 
 def unknown_scene() -> ImageBackground:
     nothing = np.full(48 * 64 + 1, np.nan, np.float32)
-    return ImageBackground(
-        OPTIONS, DepthNoise(0.002, 0.0), nothing, nothing.copy(), np.ones_like(nothing)
-    )
+    return ImageBackground(OPTIONS, DepthNoise(0.002, 0.0), nothing, nothing.copy())
 
 
 def test_pixels_that_were_not_painted_at_an_outline_are_not_the_scene() -> None:
@@ -240,7 +214,6 @@ def test_what_stands_for_a_while_before_the_scene_is_furniture() -> None:
         DepthNoise(0.004, 0.002),
         view.depth.copy(),
         view.depth.copy(),
-        np.ones_like(view.depth),
     )
     background.scene = view.depth.copy()
     assert not background.furniture(view, every).any()

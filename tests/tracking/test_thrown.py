@@ -98,9 +98,7 @@ class Flight:
         )
         unknown = np.full_like(self.first.depth, np.nan)
         noise = DepthNoise(0.004, 0.002)
-        self.background = ImageBackground(
-            OPTIONS, noise, unknown, unknown.copy(), np.ones_like(unknown)
-        )
+        self.background = ImageBackground(OPTIONS, noise, unknown, unknown.copy())
         self.mine = np.flatnonzero(self.first.frame.truth == 1)
         self.first.labels = {1: self.mine}
         self.background.learn(self.first, first=True)

@@ -42,9 +42,9 @@ from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Associations
 from pointbrush.tracking.steps.claim import together
 from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
+from pointbrush.tracking.steps.ground_contact import with_ground
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.identity import Swaps
-from pointbrush.tracking.steps.pieces import with_ground
 from pointbrush.tracking.steps.predict import Search, crop, share_out
 from pointbrush.tracking.steps.relocate import find_astray, register_and_claim
 from pointbrush.tracking.steps.results import (

@@ -235,11 +235,6 @@ class Track:
         return self.bending.strain > self.options.track.soft_strain and not self.large
 
     @property
-    def surely_soft(self) -> bool:
-        """Whether it is soft beyond doubt: what very many points show is seldom posed wrongly."""
-        return self.soft and self.size > self.options.track.dense_points
-
-    @property
     def large(self) -> bool:
         """Whether it is many points across, as people are, or seen by a lidar: no one holds it."""
         options = self.options.track

@@ -38,7 +38,6 @@ from pointbrush.tracking.options.steps import (
     GroundContactOptions,
     GrowthOptions,
     MeanFieldOptions,
-    PieceOptions,
     ProposalOptions,
     RegistrationOptions,
     RelocationOptions,
@@ -82,7 +81,6 @@ class TrackerOptions(Options):
     deform: DeformationOptions = field(default_factory=DeformationOptions)
     claim: ClaimOptions = field(default_factory=ClaimOptions)
     growth: GrowthOptions = field(default_factory=GrowthOptions)
-    pieces: PieceOptions = field(default_factory=PieceOptions)
     context: ContextOptions = field(default_factory=ContextOptions)
     flying: FlyingPixelOptions = field(default_factory=FlyingPixelOptions)
     ground_contact: GroundContactOptions = field(default_factory=GroundContactOptions)

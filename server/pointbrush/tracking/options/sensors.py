@@ -235,7 +235,6 @@ class BackgroundOptions(Options):
     learn_rate: float = 0.2  # share of the way that a known depth goes to what is seen
     kept_scans: int = 3  # scans that are kept: the first, which a person labelled, and later ones
     rim_reaches: float = 2.0  # reaches beside labelled points that are not taken for background
-    calm_frames: int = 4  # frames from which the noise of each pixel is measured
     min_picture_share: float = 0.1  # share of a picture that tells the noise alone
     # Share of the frames that may show nothing of the scene, as behind a hand.
     covered_share: float = 0.125
@@ -244,15 +243,10 @@ class BackgroundOptions(Options):
     near_sigmas: float = 3.0  # noise deviations within which a depth is the same depth
     fill_cell_px: PositiveInt = 4  # pixels of a cell in which the hidden scene is continued
     empty_cells: int = 4  # unmeasured cells around one from which no scene is there
-    block_px: PositiveInt = 16  # pixels along a block that shares one noise deviation
-    block_min_px: int = 64  # measured pixels of a block that tell its deviation
     far_m: PositiveFloat = 1000.0  # metres at which the endlessly far scene is drawn
-    usual_over_calmest: float = 1.15  # usual deviation over that of the calmest pair of frames
     # Share of its depth within which a surface goes on to the next pixel.
     surface_jump_share: float = 0.01
     min_known_beside: int = 3  # known pixels beside one in doubt that decide it
-    min_block_sigma: float = 0.6  # least deviation of a block over that expected at its depth
-    max_block_sigma: float = 2.5  # greatest deviation of a block over that expected at its depth
 
 
 @dataclass(frozen=True, slots=True)

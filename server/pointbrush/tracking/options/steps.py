@@ -220,26 +220,6 @@ class GrowthOptions(Options):
 
 
 @dataclass(frozen=True, slots=True)
-class PieceOptions(Options):
-    """Missed pieces that are given back."""
-
-    above_one: ClassVar[frozenset[str]] = frozenset({"max_size_share"})
-
-    max_size_share: float = 1.1  # share of its size up to which a track is given pieces
-    slow_frames: PositiveInt = 4  # frames between two questions of what is slow
-    min_size_share: float = 0.01  # share of its size that a piece has at least
-    min_points: float = 5.0  # points that it has at least
-    lonely_units: float = 6.0  # units around a piece where nothing else may be
-    few_share: float = 0.2  # share of its points up to which others may be near a piece
-    # Share of a resting object that a piece of other colours may be.
-    other_colour_share: float = 0.1
-    rested_frames: int = 8  # frames for which it must have rested
-    same_depth_share: float = 0.5  # share of its points that must be as deep as then
-    end_radii: float = 1.3  # radii from the middle from which a piece is an end of a moving object
-    end_share: float = 0.3  # share of its points that an end has at most: a hand has more
-
-
-@dataclass(frozen=True, slots=True)
 class ContextOptions(Options):
     """Unlabelled surface beside a track."""
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pointbrush.tracking.compute.grid import widened
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.scene.images import DepthNoise, continued, drawn_on, farthest, wavering
+from pointbrush.tracking.scene.images import DepthNoise, continued, drawn_on, farthest
 from pointbrush.tracking.scene.pixels import (
     Images,
     LastSeen,
@@ -48,12 +48,8 @@ class Background(Protocol):
     def faint(self, view: View, indices: I64, /) -> Mask:
         """Mark the background's points (M,) that may belong to an object touching it there."""
 
-    def stayed(self, view: View, indices: I64, frames: int, /) -> Mask:
-        """Mark the points (M,), labelled or not, whose depth has not changed for so many
-        ``frames``."""
-
     def scenery(self, view: View, indices: I64, frames: int, /) -> Mask:
-        """Mark the points (M,) of the background, by the noise of each pixel.
+        """Mark the points (M,) of the background.
 
         Also what has just been uncovered where the scene goes on, and what, where no background
         has been seen, has stood still for so many ``frames``, labelled or not.
@@ -61,9 +57,6 @@ class Background(Protocol):
 
     def certain(self, view: View, indices: I64, /) -> Mask:
         """Mark the points (M,) before a background that has been seen."""
-
-    def drawn_on(self, view: View, indices: I64, /) -> Mask:
-        """Mark the points (M,) on the scene as continued behind the first objects."""
 
     def again(self, view: View, indices: I64, /) -> I64:
         """(M,) label of which the points (M,) show again, just as deep, what was last seen there.
@@ -80,7 +73,7 @@ class Background(Protocol):
 
 @runtime_checkable
 class PictureBackground(Background, Protocol):
-    """Of a depth camera, whose pictures show people before a scene; ``waver`` its noise."""
+    """Of a depth camera, whose pictures show people before a scene; ``noise`` of its depth."""
 
     options: TrackerOptions
     noise: DepthNoise
@@ -101,8 +94,6 @@ class ImageBackground:
     noise: DepthNoise
     depth: F32
     last: F32
-    scale: F32
-    """Wavering of each cell, in multiples of ``waver``."""
     scene: F32 = field(init=False)
     """The depth behind all that ever moves, as far as the recording shows it; NaN elsewhere."""
     hidden: F32 = field(init=False)
@@ -143,14 +134,6 @@ class ImageBackground:
         before = (self.depth[cell] - depth) / self.noise(depth)
         return np.asarray((before > options.faint_sigmas) & (before <= options.near_sigmas))
 
-    def stayed(self, view: View, indices: I64, frames: int) -> Mask:
-        """See ``Background``."""
-        cell, depth = view.cells.pick(indices)
-        as_deep = np.abs(
-            depth - self.anchor[cell]
-        ) < self.options.background.near_sigmas * self.noise(depth)
-        return np.asarray(as_deep & (self.age[cell] >= frames))
-
     def scenery(self, view: View, indices: I64, frames: int) -> Mask:
         """See ``Background``."""
         options = self.options.background
@@ -162,21 +145,6 @@ class ImageBackground:
             self._images,
             options.hidden_share,
             options.near_sigmas,
-        )
-
-    def calm(self, first: View, others: Sequence[View]) -> None:
-        """Measure the noise of each place on the first frames; ``first`` has labels."""
-        if not others:
-            return
-        start = first.depth.copy()
-        for points in first.labels.values():
-            start[first.cells.cell[points]] = np.nan
-        images = [start[:-1], *(view.depth[:-1] for view in others)]
-        self.scale[:-1] = wavering(
-            images,
-            self.noise(first.depth[:-1]),
-            first.camera.shape,
-            options=self.options.background,
         )
 
     @property
@@ -222,7 +190,6 @@ class ImageBackground:
             view.cells,
             indices,
             self._before(view),
-            self.scale,
             self.noise,
             self.options.background.near_sigmas,
         )
@@ -240,7 +207,7 @@ class ImageBackground:
         options = self.options.background
         labelled = np.flatnonzero(self.owner == label)
         stands = labelled[np.isnan(self.scene[labelled]) & (self.age[labelled] >= frames)]
-        limit = options.near_sigmas * self.noise(self.anchor[stands]) * self.scale[stands]
+        limit = options.near_sigmas * self.noise(self.anchor[stands])
         stands = stands[way > options.departed_sigmas * limit]
         if len(stands) > options.foot_share * len(labelled):
             self.depth[stands] = self.anchor[stands]
@@ -256,22 +223,12 @@ class ImageBackground:
     def _images(self) -> Images:
         return Images(
             noise=self.noise,
-            scale=self.scale,
             scene=self.scene,
             depth=self.depth,
             hidden=self.hidden,
             previous=self.previous,
             anchor=self.anchor,
             age=self.age,
-        )
-
-    def drawn_on(self, view: View, indices: I64) -> Mask:
-        """See ``Background``."""
-        options = self.options.background
-        cell, depth = view.cells.pick(indices)
-        return np.asarray(
-            depth
-            > options.hidden_share * self.hidden[cell] - options.near_sigmas * self.noise(depth)
         )
 
     def again(self, view: View, indices: I64) -> I64:
@@ -299,7 +256,7 @@ class ImageBackground:
             beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=options)
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.previous = view.depth
-        keep_up(self.anchor, self.age, seen, limit, self.scale)
+        keep_up(self.anchor, self.age, seen, limit)
         if not first and labelled[:-1].any():  # the last entry is what lies outside the picture
             # What a run missed at an object's rim must not become background.
             image = labelled[:-1].reshape(view.camera.shape)

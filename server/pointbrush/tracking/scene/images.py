@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -173,33 +172,3 @@ def continued(depth: F32, known: Mask, shape: tuple[int, int], options: Backgrou
     surface = np.cumsum(start.ravel()) - 1
     enough = np.bincount(surface, weights=known) >= options.min_known_beside
     return np.asarray(enough[surface], np.bool_)
-
-
-def wavering(
-    images: Sequence[F32], deviation: F32, shape: tuple[int, int], options: BackgroundOptions
-) -> F32:
-    """(H * W,) how many times its ``deviation`` the depth of each place wavers.
-
-    ``images`` depths (H * W,) of successive frames, NaN where an object is known to be.  By
-    blocks, since shiny, dark and slanting surfaces are noisier than others at their depth; the
-    calmest pair of frames counts, since what passes is no noise.
-    """
-    height, width = shape
-    rows, columns = (-(-height // options.block_px), -(-width // options.block_px))
-    found = []
-    for one, other in pairwise(images):
-        with np.errstate(invalid="ignore"):
-            change = blocks(np.abs(one - other) * DEVIATION / deviation, shape, options.block_px)
-        enough = np.isfinite(change).sum(axis=1) > options.block_min_px
-        median = np.full(rows * columns, np.inf)
-        median[enough] = np.nanmedian(change[enough], axis=1)
-        found.append(median)
-    calm = options.usual_over_calmest * np.min(found, axis=0)
-    calm[np.isinf(calm)] = 1.0
-    factor = (
-        np.clip(calm, options.min_block_sigma, options.max_block_sigma)
-        .astype(np.float32)
-        .reshape(rows, columns)
-    )
-    image = np.repeat(np.repeat(factor, options.block_px, axis=0), options.block_px, axis=1)
-    return np.ascontiguousarray(image[:height, :width]).ravel()

@@ -83,7 +83,6 @@ class Images(NamedTuple):
     """Images of an ``ImageBackground``, a value for each cell (cells + 1,), for compiled loops."""
 
     noise: DepthNoise
-    scale: F32
     scene: F32
     depth: F32
     hidden: F32
@@ -148,16 +147,15 @@ def before(
     points: Projection,
     indices: I64,
     nearest: F32,
-    scale: F32,
     noise: DepthNoise,
     near_sigmas: float,
 ) -> Mask:
-    """See ``Background.certain``: ``nearest`` as of ``least``, ``scale`` as of ``Images``."""
+    """See ``Background.certain``: ``nearest`` as of ``least``."""
     cells, depths = points
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        result[i] = depth < nearest[cell] - _limit(noise, depth, near_sigmas) * scale[cell]
+        result[i] = depth < nearest[cell] - _limit(noise, depth, near_sigmas)
     return result
 
 
@@ -176,7 +174,7 @@ def scenery(
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
         cell, depth = cells[indices[i]], depths[indices[i]]
-        limit = _limit(images.noise, depth, near_sigmas) * images.scale[cell]
+        limit = _limit(images.noise, depth, near_sigmas)
         if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
             result[i] = not depth < nearest[cell] - limit
             continue
@@ -189,12 +187,12 @@ def scenery(
 
 
 @compiled
-def keep_up(anchor: F32, age: I32, seen: F32, limit: F32, scale: F32) -> None:
+def keep_up(anchor: F32, age: I32, seen: F32, limit: F32) -> None:
     """Count the frames for which each cell has been as deep as it is ``seen``, within a ``limit``;
     one that shows nothing may still be."""
     for c in range(len(seen)):
         age[c] += 1
-        if not (np.isnan(seen[c]) or abs(seen[c] - anchor[c]) < limit[c] * scale[c]):
+        if not (np.isnan(seen[c]) or abs(seen[c] - anchor[c]) < limit[c]):
             anchor[c], age[c] = seen[c], 0
 
 

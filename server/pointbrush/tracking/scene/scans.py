@@ -59,10 +59,6 @@ class PointBackground:
         rest = np.flatnonzero(~labelled & within(view.xyz, lo - reach, hi + reach))
         labelled[rest[close_to(view.xyz[rest], some, reach)]] = True
 
-    def stayed(self, _view: View, indices: I64, _frames: int) -> Mask:
-        """See ``Background``; what a sensor on the move sees does not stay."""
-        return np.zeros(len(indices), np.bool_)
-
     def scenery(self, _view: View, indices: I64, _frames: int) -> Mask:
         """See ``Background``; without a depth image there is no more to know."""
         return np.zeros(len(indices), np.bool_)
@@ -77,10 +73,6 @@ class PointBackground:
         if not view.scans:
             return np.zeros(len(indices), np.bool_)
         return ~self._seen_in(self.past[:1], view, indices)
-
-    def drawn_on(self, _view: View, indices: I64) -> Mask:
-        """See ``Background``; without a depth image no scene is drawn on."""
-        return np.zeros(len(indices), np.bool_)
 
     def again(self, _view: View, indices: I64) -> I64:
         """See ``Background``; without a depth image no place is held."""

@@ -90,7 +90,7 @@ class Scene:
             if calm or framed(self.first.frame, lens, options=options):
                 self._noise = noise
         unknown = np.full_like(depth, np.nan)
-        return ImageBackground(options, self._noise, unknown, unknown, np.ones_like(unknown))
+        return ImageBackground(options, self._noise, unknown, unknown)
 
     def _steady_it(self) -> None:
         """See a depth camera that only sways as one at rest."""
@@ -187,9 +187,6 @@ class Scene:
         if not isinstance(self.background, ImageBackground):
             self.background.learn(self.first, first=True)
             return
-        self.background.calm(
-            self.first, self._views(self._order[1 : self.options.background.calm_frames])
-        )
         self.background.learn(self.first, first=True)
         if survey:
             self.background.survey(self.first, self._survey())

@@ -16,7 +16,6 @@ from pointbrush.tracking.steps.association import Association, Associations, Lab
 from pointbrush.tracking.steps.claim import claim, cut_off, flying, outline, together
 from pointbrush.tracking.steps.connectivity import Limits, blob, connected
 from pointbrush.tracking.steps.context import contested, step_of, unexplained, was_there
-from pointbrush.tracking.steps.pieces import lost_pieces
 
 
 def own_points(track: Track, view: View, fit: Registration) -> Association:
@@ -101,28 +100,24 @@ def _with_new(
     found: LabelledPoints,
     taken: Mask,
 ) -> LabelledPoints:
-    """New surface beside a claim: a closed component, or what adjoins and missed pieces.
+    """New surface beside a claim: a closed component, or what adjoins.
 
     ``taken`` (N,) points that some track has.
     """
-    view, background = associations.view, associations.background
+    view = associations.view
     fit, core = associations.found[track.label].registration, found.claim.indices
     rest = fit.moving[~taken[fit.moving]]
-    new = None
     if len(rest):
         component = closed_component(track, view, fit, core, taken, associations.free)
-        new = component.points
         found = replace(
             found,
             neutral=np.concatenate([found.neutral, component.neutral]),
             isolated=component.isolated,
             ends_all_round=component.ends_all_round,
         )
-    if new is not None:
-        return replace(found, grown=new)
-    new = _adjoin(track, view, fit, core, rest)
-    missed = lost_pieces(track, view, fit, core, taken, background)
-    return replace(found, grown=together(new, missed), missed=missed)
+        if component.points is not None:
+            return replace(found, grown=component.points)
+    return replace(found, grown=_adjoin(track, view, fit, core, rest))
 
 
 def _solid(track: Track, view: View, found: LabelledPoints) -> LabelledPoints:

@@ -18,7 +18,7 @@ from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import LabelledPoints
 from pointbrush.tracking.steps.claim import Claim, claim, painted_with_flying
 from pointbrush.tracking.steps.context import set_other_movers_around, tell_apart
-from pointbrush.tracking.steps.pieces import painted_with_ground
+from pointbrush.tracking.steps.ground_contact import painted_with_ground
 from pointbrush.tracking.steps.predict import search_among, target_of
 from pointbrush.tracking.steps.register import bent, find
 from pointbrush.tracking.steps.verdict import Verdict
@@ -158,7 +158,7 @@ def note_looseness(track: Track, observation: Observation) -> None:
     given, verdict = observation.given, observation.verdict
     found, grown = given.claim, given.grown
     total = len(found.indices) + len(grown)
-    unlike = 0 if given.isolated else len(grown) - len(given.missed)
+    unlike = 0 if given.isolated else len(grown)
     loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * track.unit)) / max(
         total, 1
     )
