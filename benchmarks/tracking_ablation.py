@@ -32,7 +32,6 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "hardly before the scene": {"background": {"faint_sigmas": 3.0}},
     "surveyed scene": {"background": {"survey_frames": 0}},
     "whole in the air": {"growth": {"max_steps": 0}},
-    "ended all round": {"growth": {"ended_frames": NEVER}},
     "colours of its own": {"appearance": {"rather_ratio": float(NEVER)}},
     "flying pixels": {
         "flying": {

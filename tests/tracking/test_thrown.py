@@ -172,23 +172,6 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
     assert flight.given.isolated == isolated
 
 
-@pytest.mark.parametrize("frames", [0, OPTIONS.growth.ended_frames])
-@pytest.mark.parametrize("moved", [False, True])
-def test_a_new_side_that_ended_all_round_for_long_is_its_unless_it_is_on_its_way(
-    frames: int, moved: bool
-) -> None:
-    flight = Flight(upper=True)
-    track, truth = flight.track, flight.view.frame.truth == 1
-    track.size = float(truth.sum())
-    track.last = replace(track.last, frames_ended=frames)
-    missed = np.setdiff1d(np.flatnonzero(truth), flight.core.indices)
-    xyz = flight.view.xyz[missed].astype(np.float64)
-    track.other_movers = OtherMovers(xyz, flight.view.colour(missed), track.weight)
-    track.motion.poses[-1][0, 3] += moved * 2 * track.model.radius
-    flight.grown()
-    assert flight.given.isolated == (frames > 0 and not moved)
-
-
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
     at = np.array([0.3, 1.2, 1.87])
     beside, wrist = at + [0.05, 0, 0], at + [0.07, 0, -0.2]

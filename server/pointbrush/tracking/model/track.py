@@ -99,13 +99,11 @@ class LastObservation:
     """Outcome of an object in the last frame that showed it.
 
     ``points`` number of them; ``alternatives_failed`` whether other poses were tried, its fit being
-    in doubt, and were no better; ``frames_ended`` how many in a row it ended all round with a part
-    that it did not get.
+    in doubt, and were no better.
     """
 
     points: int
     alternatives_failed: bool = False
-    frames_ended: int = 0
     evidence: Evidence | None = None
     """Evidence from its fit."""
 

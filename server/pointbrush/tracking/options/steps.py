@@ -203,8 +203,6 @@ class GrowthOptions(Options):
     step_units: float = 2.5  # units from point to point of connected surface
     # Without what is whole in the air: 3 pins -.129, boxes -.031.
     max_steps: int = 20  # such steps from known surface to its end at most
-    # Frames after which new surface that ends all round with an object that stays is its own.
-    ended_frames: int = 4
     new_share: float = 0.5  # share of the known points that new surface has at most
     new_share_moving_scanner: float = 1.2  # the same, before a lidar on the move
     new_points: int = 10  # points of new surface that are allowed in any case

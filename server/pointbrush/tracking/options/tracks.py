@@ -123,6 +123,7 @@ class AppearanceOptions(Options):
     # Mean log ratio by which colours may be rarer than its own and still like them.
     rarer_log: float = 2.0
     absent_share: PositiveFloat = 0.002  # share of colours that are nowhere among the painted ones
+    # Without colours never shown: 6 pins -.008.
     strange_share: float = 0.002  # share of hues, however bright, up to which they are strange
 
 

@@ -71,8 +71,6 @@ class LabelledPoints:
     """See ``Association``; also what may be another's."""
     isolated: bool = False
     """The moving points that hang together there are the object and nothing else."""
-    ends_all_round: bool = False
-    """The part that it did not get, and that may be what holds it, ends all round with it."""
     rim: I64 = field(default_factory=no_points)
     """Its points in this frame of which it learns nothing."""
     beside: I64 | None = None

@@ -113,7 +113,6 @@ def _with_new(
             found,
             neutral=np.concatenate([found.neutral, component.neutral]),
             isolated=component.isolated,
-            ends_all_round=component.ends_all_round,
         )
         if component.points is not None:
             return replace(found, grown=component.points)
@@ -208,7 +207,6 @@ class ClosedComponent:
 
     points: I64 | None
     isolated: bool = False
-    ends_all_round: bool = False
     neutral: I64 = field(default_factory=no_points)
 
 
@@ -244,19 +242,7 @@ def closed_component(
         return ClosedComponent(None, neutral=new[~before])
     if not _may_be_a_hand(track, view, fit, core, new, before):
         return ClosedComponent(new, isolated=True)
-    ends = view.lens is not None and not track.away and _ends_all_round(track, view, core, new)
-    if ends and track.last.frames_ended >= options.ended_frames:
-        return ClosedComponent(new, isolated=True)
-    return ClosedComponent(None, ends_all_round=ends, neutral=new[~before])
-
-
-def _ends_all_round(track: Track, view: View, core: I64, new: I64) -> bool:
-    """Test whether nothing but the object itself hides how its ``new`` surface (M,) goes on.
-
-    A hand goes on behind something else than the object; what turns in its place shows new sides.
-    """
-    others = ~view.marked(np.concatenate([core, new]))
-    return not cut_off(view, new, track.unit, others)
+    return ClosedComponent(None, neutral=new[~before])
 
 
 def _searched(

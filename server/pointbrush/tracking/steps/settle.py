@@ -119,8 +119,7 @@ def settle(
     points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)
     _trust(track, observation, features, _strays(track, view, found), confidence_cap)
-    frames_ended = track.last.frames_ended + 1 if given.ends_all_round else 0
-    track.last = LastObservation(len(points), fit.alternatives_failed, frames_ended, features)
+    track.last = LastObservation(len(points), fit.alternatives_failed, features)
     _move(track, found, verdict)
     if fit.cost < options.motion_cost:
         note_strain(track, observation)
