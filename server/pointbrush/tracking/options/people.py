@@ -21,19 +21,19 @@ class BodyOptions(Options):
     carried_size_share: float = 0.5
     # Cells from the resting scene within which unlabelled points are of it.
     scene_cells: float = 1.5
-    # Radii from where a person is expected within which clothes are looked for.
+    # Radii from where a person is expected within which clothes are looked for, and as many more
+    # for each frame unseen.
     clothes_radii: float = 0.2
-    clothes_radii_per_frame: float = 0.2  # radii more for each frame unseen
     sampled_points: PositiveInt = 4000  # moving points of which it is told what they touch
     touching_cells: float = 1.7  # distance of cells that touch, in cells
     thin_share: float = 0.15  # share of the usual number of points under which a cell leads nowhere
-    unlike_colour: PositiveFloat = 0.08  # colour difference that makes a way twice as long
     # Share of the longest way within which what lies apart is a figure's.
     bridge_share: float = 0.25
     clothed_cells: int = 12  # cells from which a part shows whose clothes it wears
-    # Mean log ratio by which its colours have to be commoner among another's.
+    # Mean log ratio by which colours are clearly another's: of a part, of a person's cells, of who
+    # were exchanged.
     clearly_log: float = 0.7
-    # Share of the points of a cell, or of the claims on a body, that decide.
+    # Share of the points of a cell, of a part, or of the claims on a body, that decide.
     majority_share: float = 0.5
     # Share of a part's cells that have the colours of the figure beside it.
     alike_cells_share: float = 0.6
@@ -44,7 +44,6 @@ class BodyOptions(Options):
     limb_share: float = 0.1  # share of a person's radius that is a limb: the largest cell
     forgotten_frames: int = 5  # frames unseen after which an unlabelled person is forgotten
     crowded_ratio: float = 1.3  # times as many cells as people have that are too many for one
-    own_log: float = 0.7  # mean log ratio by which a person's cells may be less like their clothes
     # Metres by which a person is spread along the ground, a standard deviation.
     spread_m: float = 0.2
     # Metres under which a person is as expected, and beyond which no other's.
@@ -58,9 +57,11 @@ class BodyOptions(Options):
     head_lower_m: float = 0.6  # metres by which one's head is lower at most
     # Without people together: boxes -.010, a crowd -.028.
     limb_m: float = 0.1  # metres between points of one person at most: limbs are no thicker
-    colour_change: PositiveFloat = 0.08  # change of colour at which cells agree a third as much
+    # Change of colour at which cells agree a third as much, and a way is twice as long.
+    colour_change: PositiveFloat = 0.08
     colour_points: PositiveInt = 400  # points whose colours are compared
-    before_m: float = 0.15  # metres by which something nearer hides a place
+    # Metres by which something nearer hides a place, and by which what shows above a top is behind.
+    before_m: float = 0.15
     seen_min_cells: int = 4  # cells under which a person is not seen
     seen_min_share: float = 0.02  # share of their most cells likewise
     scrap_share: float = 0.3  # share of their most under which they may be elsewhere
@@ -125,7 +126,6 @@ class StrideOptions(Options):
     apart_share: float = 0.5  # share of the rest that such a part has at most
     known_m: float = 0.15  # metres from a person's surface within which it may lie all the same
     known_beside_m: float = 0.5  # metres from their middle likewise
-    known_share: float = 0.5  # share of the part that must
     disputed_cost: float = 1.0  # cost less than another's by which a cell is disputed
 
 
@@ -140,7 +140,6 @@ class ArrivalOptions(Options):
     back_min_share: float = 0.05  # share of the usual number of cells likewise
     missing_frames: int = 3  # frames missing from which a part of another may be theirs
     part_share: float = 0.2  # share of the usual number of cells that such a part has
-    part_log_clothes: float = 0.7  # mean log ratio by which the part is more like their clothes
     unclaimed_share: float = 0.7  # share of a connected body that must be no track's
     back_m: PositiveFloat = 0.3  # metres from where a missing person should be
     back_m_per_frame: float = 0.2  # metres more for each frame missing
@@ -156,7 +155,6 @@ class ArrivalOptions(Options):
     touches_m: float = 0.1  # metres between a body and who came back
     recent_frames: int = 3  # frames within which a person has just come
     exchange_log: float = 0.5  # mean log ratio by which each must be more like the other's clothes
-    exchange_usual_log: float = 0.7  # mean log ratio by which each may be less so than usual
     exchange_frames: int = 3  # frames in which that has to be so, one after the other
     # Mean log ratio by which it may look less like one's clothes than another's.
     return_log: float = 0.1
@@ -176,7 +174,6 @@ class StatureOptions(Options):
     top_share: float = 0.01  # share of a person's most points above what is taken for their top
     # Metres above their top where only what lies behind may be seen.
     above_m: tuple[float, float] = (0.12, 0.25)
-    behind_m: float = 0.15  # metres by which that lies behind
     sigma_m: PositiveFloat = 0.02  # metres by which a measured top varies
     bent_share: float = 0.1  # share of the frames in which a person bends, sits or lifts an arm
     bent_range_m: PositiveFloat = 1.0  # metres over which their top is then

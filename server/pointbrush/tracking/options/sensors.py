@@ -44,7 +44,8 @@ class RangeImageOptions(Options):
     elevations_deg: tuple[PositiveFloat, ...] = (0.4, 0.8, 1.6, 3.2)
     filled_share: float = 0.6  # share of the cells that show something
     hidden_share: float = 0.03  # share of its range by which a hidden point lies behind all others
-    min_points: int = 2000  # points of a frame of which its sensor is asked
+    # Points of a frame of which its sensor is asked, and of which it is how far apart they lie.
+    min_points: PositiveInt = 2000
     # Metres above a frame's origin at which its sensor is looked for.
     sensor_heights_m: tuple[float, ...] = (0.0, 1.0, 1.8, 2.6)
     behind_ratio: PositiveFloat = (
@@ -60,7 +61,6 @@ class RangeImageOptions(Options):
     camera_share: float = 0.95  # share of the points that lie nearer
     spread_power: float = 0.5  # power of the range by which points lie farther apart if seen
     spread_neighbours: int = 3  # neighbours of which that is asked
-    spread_points: PositiveInt = 2000  # points of which that is asked
     rim_share: float = 0.02  # share of the points beyond the edges of what is seen
     stray_share: float = 0.05  # share of the nearest and farthest points, stray ones
     up_points: PositiveInt = 5000  # points that tell which axis is up
@@ -184,10 +184,10 @@ class ScanOdometryOptions(Options):
     moved_cells: float = 0.25  # cells by which the scene is displaced, at the median, if it moved
     rest_pose: float = 0.0001  # metres and radians between the poses of a sensor told to be at rest
     on_plane_cells: float = 0.2  # cells off its plane up to which a point lies on it
-    rest_share: float = 0.95  # share of the planes in place above which the sensor rests
+    # Share of the planes in place above which the sensor rests, and no other start is tried.
+    rest_share: float = 0.95
     agreed_share: float = 0.5  # share that has to be in place after a motion, or a jump
     left_share: float = 0.75  # share of those out of place before that may still be
-    restart_share: float = 0.95  # share in place from which no other start is tried
     restart_drop: float = 0.05  # fall of that share since the last frames that is no reason to
     shifts: int = 2  # shifts that are tried
     shift_cells: float = 1.0  # cells from what was found at which they are another start
@@ -227,7 +227,8 @@ class BackgroundOptions(Options):
     # Share of an object's points from which what stands there is no foot of it.
     foot_share: float = 0.1
     rim_px: int = 3  # pixels beside labelled ones that are not learnt as background
-    side_share: float = 0.15  # share of an object's length behind which nothing is a side of it
+    # Share of an object's length behind it, and beside it, beyond which nothing is a side of it.
+    side_share: float = 0.15
     # Share of an object's visible pixels that must be where they were, for it to rest.
     stayed_share: float = 0.5
     # Share of its depth at which the continued scene behind an object begins.
@@ -271,8 +272,6 @@ class MappingOptions(Options):
     min_views: int = 2  # frames that have to show a surface element
     seen_through_share: float = 0.1  # frames that may see through it, for each that shows it
     shown_share: float = 0.25  # share of the frames in whose picture it lies that have to show it
-    # Share of an object's length behind and beside it for another side of it.
-    side_share: float = 0.15
     # Share of the longest object's length for the rest of another behind it.
     body_share: float = 0.5
     sampled_points: PositiveInt = 2000  # points of an object of which its distance is asked

@@ -137,8 +137,8 @@ class RegistrationOptions(Options):
     judged_units_rest: PositiveFloat = 2.0  # the same, of what stays where it was
     retry_frames: PositiveInt = 4  # frames between two searches elsewhere that found nothing better
     other_place_radii: float = 0.5  # radii between two hypotheses at different places
-    surprise_cost: float = 0.6  # cost of a pose far from every prediction
-    turn_cost: float = 0.6  # cost of a pose turned half round against every prediction
+    # Cost of a pose far from every prediction, or turned half round against all of them.
+    surprise_cost: float = 0.6
     surprise_radii: PositiveFloat = 3.0  # radii a frame unseen from which a pose is far
     limit_radii: float = 0.5  # radii by which a scanned object may be off its predictions
     limit_radii_unknown: float = 1.5  # the same, while its motion is unknown
@@ -307,9 +307,8 @@ class UpdateOptions(Options):
     correction_max_cost: float = 0.3  # cost up to which a model is what a person painted
     correction_explained_share: float = 0.6  # share of the painted points that it has to explain
     # Units from the model within which a point that is surely the object's is new surface:
-    # painted, alone, or before a lidar.
+    # painted, alone, or before a lidar, where what is left over within them may be its too.
     new_surface_units: float = 8.0
-    left_over_units: float = 8.0  # units around an object within which what is left over may be its
     colour_points: PositiveInt = 1000  # points whose colours are compared with the painted ones
     teach_units: float = 3.0  # units from the model within which points and new surface teach it
     size_matched_share: float = 0.8  # share of the model found from which its size is learnt

@@ -46,9 +46,7 @@ def exchanged(
         )
         certain = tall and min(taller) >= options.stature.decisive_log_odds
         well = not (one.elsewhere(observation, now) or other.elsewhere(observation, now))
-        if min(cross) > -options.arrivals.exchange_usual_log and (
-            certain or (well and (dressed or tall))
-        ):
+        if min(cross) > -options.body.clearly_log and (certain or (well and (dressed or tall))):
             yield one, other, certain
 
 
@@ -215,7 +213,7 @@ def _dressed_as(
         mask = (observation.owner == other.label) & observation.cells.solid
         mask &= (
             observation.smooth(observation.unlike(other.identity.appearance) - own)
-            > options.part_log_clothes
+            > observation.options.body.clearly_log
         )
         part = parts(observation.cells.touching, mask)
         count = np.bincount(part[part >= 0])

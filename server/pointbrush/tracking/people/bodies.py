@@ -259,10 +259,7 @@ def _by_clothes(
     far: dict[int, float] = {}
     for at, label in enumerate(labels):
         track = dressed[label]
-        reach = track.span * (
-            options.clothes_radii
-            + options.clothes_radii_per_frame * min(track.frames_unseen, longest)
-        )
+        reach = track.span * options.clothes_radii * (1 + min(track.frames_unseen, longest))
         expected = transform(track.motion.predictions[0], track.model.xyz)
         cells = np.flatnonzero(best == at)
         close = np.zeros(len(best), np.bool_)

@@ -243,7 +243,7 @@ class Foreground:
             beside = np.bincount(part[there], minlength=count) > 0
             if not beside.any():
                 continue
-            tone = close_to(self.colour[apart], self.colour[own], options.unlike_colour / 2)
+            tone = close_to(self.colour[apart], self.colour[own], options.colour_change / 2)
             alike = np.bincount(part, weights=tone, minlength=count)
             total = np.bincount(part, minlength=count)
             beside &= (
@@ -256,7 +256,7 @@ class Foreground:
     def _ways(self) -> Paths:
         a, b = self.touching.T
         length = _between(self.middle, a, b) + 1e-6
-        length *= 1 + _between(self.colour, a, b) / self.options.body.unlike_colour
+        length *= 1 + _between(self.colour, a, b) / self.options.body.colour_change
         return paths_over(self.touching, length, self.solid)
 
 

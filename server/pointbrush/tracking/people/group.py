@@ -150,7 +150,7 @@ class Group:
                 person.doubt(other)
         top = person.top(observation)
         here = [f for f in self.people if f.label in identity.doubts and f not in others]
-        here = here if looks.like > -options.body.own_log else []
+        here = here if looks.like > -options.body.clearly_log else []
         as_tall = [f for f in self.people if f.named and f is not person]
         as_tall = [
             f

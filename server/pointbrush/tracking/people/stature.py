@@ -133,7 +133,7 @@ def top_of(observation: PersonObservation, cells: I64, area: float) -> float | N
     highest = order[len(points) - above :]
     middle = world[highest].mean(axis=0)
     at, away = observation.view.project(middle + np.outer(options.above_m, observation.up))
-    free = (at >= 0) & (observation.view.depth[at] > away + options.behind_m)
+    free = (at >= 0) & (observation.view.depth[at] > away + observation.options.body.before_m)
     return float(height[highest].min()) if free.all() else None
 
 

@@ -318,6 +318,6 @@ def _drop(observation: PersonObservation, person: Person, stride: F64) -> None:
         piece = part[rest] == number
         if (
             gap[piece].min() > options.step.apart_m
-            and known[piece].mean() < options.step.known_share
+            and known[piece].mean() < options.body.majority_share
         ):
             observation.owner[cells[rest[piece]]] = 0

@@ -206,7 +206,9 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     for label, own in first.labels.items():
         inside, back = _extent(first, own)
         labelled |= inside
-        there |= inside[cell] & (depth < back[cell] + options.mapping.side_share * lengths[label])
+        there |= inside[cell] & (
+            depth < back[cell] + options.background.side_share * lengths[label]
+        )
     longest = max(lengths.values())
     some = np.flatnonzero(first.labelled())
     some = some[:: max(1, len(some) // options.mapping.sampled_points)]
@@ -220,7 +222,7 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
         np.abs(first.depth[cell] - depth) < options.background.near_sigmas * noise(depth)
     )
     return np.asarray(
-        there | hidden | (close_to(at, objects, options.mapping.side_share * longest) & ~others)
+        there | hidden | (close_to(at, objects, options.background.side_share * longest) & ~others)
     )
 
 

@@ -183,7 +183,7 @@ def register_anywhere(
     """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
     of place than ``enough``, from the others and from where the scenery seems to have gone."""
     if enough is None:
-        enough = options.restart_share
+        enough = options.rest_share
     best = register(planes, target.tree, starts[0], options=options)
     if best[1] >= enough or not len(planes.at):
         return best
@@ -342,7 +342,7 @@ class ScanTrajectory(RegisteredTrajectory):
 
     def __init__(self, frames: Frames, order: Sequence[int], options: TrackerOptions) -> None:
         super().__init__(frames, order, options)
-        self._enough = self.options.scan_odometry.restart_share
+        self._enough = self.options.scan_odometry.rest_share
         self._last = planes_of(np.asarray(frames(order[0]).xyz, np.float64), options=options)
 
     def _registered(self, frame: TrackFrame) -> F64:
@@ -354,6 +354,6 @@ class ScanTrajectory(RegisteredTrajectory):
             return np.asarray(before @ step)
         starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
         T, share = register_anywhere(self._last, here, starts, options, self._enough)
-        self._enough = min(options.restart_share, share - options.restart_drop)
+        self._enough = min(options.rest_share, share - options.restart_drop)
         self._last = here
         return np.asarray(before @ np.linalg.inv(T))

@@ -148,7 +148,7 @@ def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
     A figure about its own middle shows one surface in each direction too, but is sampled evenly.
     """
     away = np.linalg.norm(local, axis=1)
-    some = np.arange(0, len(local), -(-len(local) // options.spread_points))
+    some = np.arange(0, len(local), -(-len(local) // options.min_points))
     from scipy.spatial import cKDTree
 
     apart = np.asarray(cKDTree(local).query(local[some], k=[options.spread_neighbours + 1])[0])[

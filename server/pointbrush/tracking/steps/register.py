@@ -332,4 +332,4 @@ def _surprise(search: Search, poses: F64) -> F64:
     turns = poses[:, :3, :3].reshape(-1, 9) @ hypotheses[:, :3, :3].reshape(-1, 9).T
     # The trace of a rotation is 3 for none, and -1 for half a turn.
     turned = (3.0 - turns.max(axis=1)) / (4.0 * motion.gap)
-    return np.asarray(cost + options.turn_cost * turned + far)
+    return np.asarray(cost + options.surprise_cost * turned + far)

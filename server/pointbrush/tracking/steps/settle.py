@@ -76,7 +76,7 @@ def _beside(
     if not (track.scanned and len(points)):
         return 0, 0
     lo, hi = bounds(view.xyz[points])
-    margin = track.options.update.left_over_units * track.unit
+    margin = track.options.update.new_surface_units * track.unit
     owned = np.zeros(len(view.xyz), np.bool_)
     owned[points] = True
     rest = fit.moving[~owned[fit.moving]]
