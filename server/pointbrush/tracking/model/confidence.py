@@ -1,7 +1,7 @@
 """Confidence: probability of a good label, learnt on generated recordings.
 
 A logistic regression on what a fit says about itself, on table-top, juggling, walking and lidar
-recordings: whether IoU is above 0.8.  The scale is then stretched so that above 0.9 nearly all
+recordings: whether IoU is above 0.8.  Weights and offsets are scaled so that above 0.9 nearly all
 are good, and nearly all that went wrong are under 0.5.  Source: docs/tracking.md.
 """
 
@@ -65,18 +65,16 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
         return 0.0
     features = _features(evidence, options)
     if evidence.scans:
-        odds = options.scan_weights.odds(features) + options.scan_offset
-        return squashed(odds - options.scan_middle, options.scan_stretch)
+        return squashed(options.scan_weights.odds(features) + options.scan_offset)
     if body:
-        odds = options.body_weights.odds(features) + options.body_offset - options.body_middle
-        return squashed(odds, options.stretch)
-    odds = options.weights.odds(features) + options.offset - options.middle
+        return squashed(options.body_weights.odds(features) + options.body_offset)
+    odds = options.weights.odds(features) + options.offset
     if evidence.soft:
         odds -= options.bent_change_weight * features["size"]
     if evidence.pixels:
         few = log_ratio(evidence.points / options.many_points, np.inf)
         odds += options.few_weight * min(0.0, few)
-    return squashed(odds, options.stretch)
+    return squashed(odds)
 
 
 def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float]:
@@ -101,9 +99,9 @@ def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float
     }
 
 
-def squashed(odds: float, stretch: float = 1.0) -> float:
-    """The probability 0..1 of log odds that are stretched first: the logistic function."""
-    return 1.0 / (1.0 + float(np.exp(np.clip(-stretch * odds, -MOST_LOG_ODDS, MOST_LOG_ODDS))))
+def squashed(odds: float) -> float:
+    """The probability 0..1 of log odds: the logistic function."""
+    return 1.0 / (1.0 + float(np.exp(np.clip(-odds, -MOST_LOG_ODDS, MOST_LOG_ODDS))))
 
 
 def log_ratio(ratio: float, most: float) -> float:

@@ -12,42 +12,42 @@ from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 class FitWeights(Weights):
     """Of small objects before a camera, and others; features as of `Evidence`."""
 
-    inliers: float = 2.64
-    sure: float = 2.5
-    gap: float = -3.5
-    cost: float = -1.5
-    fit: float = -1.0
-    size: float = -1.07
-    change: float = 0.21
-    grown: float = -4.0
-    isolated: float = 1.79
-    share: float = -0.51
+    inliers: float = 3.96
+    sure: float = 3.75
+    gap: float = -5.25
+    cost: float = -2.25
+    fit: float = -1.5
+    size: float = -1.605
+    change: float = 0.315
+    grown: float = -6.0
+    isolated: float = 2.685
+    share: float = -0.765
 
 
 @dataclass(frozen=True, slots=True)
 class BodyWeights(Weights):
     """Of bodies before a known scene."""
 
-    inliers: float = 1.38
-    gap: float = -3.28
-    cost: float = -0.75
-    size: float = -1.73
-    change: float = -1.0
-    share: float = 3.03
-    appearance: float = 1.76
+    inliers: float = 2.07
+    gap: float = -4.92
+    cost: float = -1.125
+    size: float = -2.595
+    change: float = -1.5
+    share: float = 4.545
+    appearance: float = 2.64
 
 
 @dataclass(frozen=True, slots=True)
 class ScanWeights(Weights):
     """Of scanned tracks."""
 
-    left: float = -0.9
-    others: float = -0.3
-    tall: float = -1.53
-    bend: float = -5.38
-    coarse: float = -0.65
-    change: float = -0.63
-    grown: float = -4.17
+    left: float = -1.8
+    others: float = -0.6
+    tall: float = -3.06
+    bend: float = -10.76
+    coarse: float = -1.3
+    change: float = -1.26
+    grown: float = -8.34
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,21 +56,16 @@ class ConfidenceOptions(Options):
 
     signed: ClassVar[frozenset[str]] = frozenset({"scan_offset", "min_log_clothes"})
 
-    stretch: float = 1.5  # stretch of the log odds about the middle
-    middle: float = 1.1  # log odds of confidence 0.5
     weights: FitWeights = field(default_factory=FitWeights)
-    offset: float = 3.22  # log odds that are added
+    offset: float = 3.18  # log odds that are added
     body_weights: BodyWeights = field(default_factory=BodyWeights)
-    body_offset: float = 4.99  # log odds that are added for bodies
-    body_middle: float = 1.5  # log odds of confidence 0.5 for bodies
+    body_offset: float = 5.235  # log odds that are added for bodies
     scan_weights: ScanWeights = field(default_factory=ScanWeights)
-    scan_offset: float = -2.7  # log odds that are added for scanned tracks
-    scan_middle: float = 0.35  # log odds of confidence 0.5 for scanned tracks
-    scan_stretch: float = 2.0  # stretch of the log odds of scanned tracks
+    scan_offset: float = -6.1  # log odds that are added for scanned tracks
     many_points: PositiveInt = 300  # points from which a fit before a pixel grid is told apart well
-    few_weight: float = 2.5  # weight of the log share of them that there are
+    few_weight: float = 3.75  # weight of the log share of them that there are
     pointlike_ratio: float = 1.0  # units over radius from which an object is one place
-    bent_change_weight: float = 3.5  # weight of a changed size of what bends
+    bent_change_weight: float = 5.25  # weight of a changed size of what bends
     # Usual cost from which a track's cost counts as a multiple of it.
     usual_cost: PositiveFloat = 1.2
     max_log_size: float = 2.0  # greatest log ratio of size and height
