@@ -30,10 +30,6 @@ WITHOUT_ONE = {
     "GET /api/v1/sequences/{seq}/frames/{i}/images/{camera}",
     "POST /api/v1/sequences/{seq}/source-labels",
     "POST /api/v1/projects/{p}/merge",
-    "GET /api/v1/sequences/{seq}/categories",
-    "POST /api/v1/projects/{p}/webhooks",
-    "DELETE /api/v1/projects/{p}/webhooks/{w}",
-    "GET /api/v1/projects/{p}/webhooks/{w}/deliveries",
 }
 """Calls that the recordings of the tests have no answer for."""
 
@@ -67,7 +63,6 @@ def test_each_method_has_an_example() -> None:
     assert {name.split(".")[0] for name in calls()} - own <= {n.split(".")[0] for n in methods()}
 
 
-@pytest.mark.skipif("WRITE_EXCHANGES" not in os.environ, reason="records the examples anew")
 @pytest.mark.parametrize("place", [CALLS], indirect=True)
 def test_the_examples_run_and_ask_for_every_route(
     place: Place,  # noqa: F811
@@ -93,8 +88,9 @@ def test_the_examples_run_and_ask_for_every_route(
         f"{verb.upper()} {path}" for path, verbs in described["paths"].items() for verb in verbs
     }
     assert asked - set(recorder.found) <= WITHOUT_ONE
-    target = ROOT / os.environ["WRITE_EXCHANGES"]
-    target.write_text(json.dumps(recorder.found, indent=1, sort_keys=True) + "\n")
+    if "WRITE_EXCHANGES" in os.environ:
+        target = ROOT / os.environ["WRITE_EXCHANGES"]
+        target.write_text(json.dumps(recorder.found, indent=1, sort_keys=True) + "\n")
 
 
 def test_what_is_shown_of_rest_fits_its_schemas(described: dict[str, Any]) -> None:

@@ -94,7 +94,10 @@ def test_a_task_goes_from_its_lead_to_a_person_to_a_reviewer_and_back(
         ada.put_task(1, state="taken")
     bob.put_task(2, state="open")
     assert ada.next_task().number == 2
-    info = people["lead"].projects["night"].info
+    night = people["lead"].projects["night"]
+    info = night.info
+    assert "night" in repr(night)
+    assert info.name in night._repr_html_()
     assert info.tasks == {"accepted": 1, "open": 1, "taken": 1}
     assert info.people == {"": {"open": 1}, "ada": {"accepted": 1, "taken": 1}}
     assert [line["state"] for line in lead.task_history(1)][:2] == ["accepted", "done"]

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
 from pointbrush.client.uploads import AnyPath
-from pointbrush.client.values import Edit, Job, Vector, read
+from pointbrush.client.values import Edit, Job, Vector, html_table, read
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +98,20 @@ class Project(Part[L]):
         super().__init__(link)
         self.info, self.id = info, info.id
         self._place = f"/projects/{info.id}"
+
+    def __repr__(self) -> str:
+        return f"Project({self.id!r}, {len(self.info.recordings)} recordings)"
+
+    def _repr_html_(self) -> str:
+        """Describe the project in a notebook."""
+        known = self.info
+        told = {
+            "id": known.id,
+            "recordings": ", ".join(known.recordings),
+            "people": ", ".join(f"{person} ({role})" for person, role in known.roles.items()),
+            "tasks": ", ".join(f"{count} {state}" for state, count in known.tasks.items()),
+        }
+        return html_table(known.name, told)
 
     @steps
     def change(self, /, **fields: Any) -> Steps[ProjectInfo]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import uuid
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import Any, Literal
 
@@ -36,6 +35,7 @@ from pointbrush.client.values import (
     PastEdit,
     Run,
     Track,
+    html_table,
     layer_of,
     npz_of,
     read,
@@ -72,8 +72,7 @@ class Recording(Part[L]):
             "fields": ", ".join(known.fields),
             "labelled frames": f"{known.labelled:,}",
         }
-        rows = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in told.items())
-        return f"<table><caption>{escape(known.name)}</caption>{rows}</table>"
+        return html_table(known.name, told)
 
     def _call(
         self,

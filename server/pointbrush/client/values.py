@@ -8,6 +8,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cache
+from html import escape
 from typing import Annotated, Any, Literal, TypeVar, cast
 
 import httpx
@@ -325,3 +326,9 @@ def rays(origins: ArrayLike, directions: ArrayLike | None = None) -> list[dict[s
     ways = np.asarray(AHEAD if directions is None else directions, np.float64)
     pairs = zip(places.tolist(), np.broadcast_to(ways, places.shape).tolist(), strict=True)
     return [{"origin": origin, "direction": way} for origin, way in pairs]
+
+
+def html_table(caption: str, told: Mapping[str, str]) -> str:
+    """Describe something in a notebook: a row for each thing that is told of it."""
+    rows = "".join(f"<tr><th>{n}</th><td>{escape(value)}</td></tr>" for n, value in told.items())
+    return f"<table><caption>{escape(caption)}</caption>{rows}</table>"
