@@ -138,6 +138,7 @@ e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two win
 	@$(PYTEST) --dist worksteal tests/e2e
 
 # The newest test tools, and of what pointbrush itself needs the oldest; Numba compiles anew for it.
+# What is written from the program is worded by the newest pydantic.
 LOWEST := build/lowest
 lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyproject.toml allows
 	@echo "== the lowest versions of the packages, in $(LOWEST)"
@@ -147,7 +148,8 @@ lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyprojec
 	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/lowest.txt -e '.[dev]'
 	@NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
 	  $(LOWEST)/bin/python -m pytest -q -n 2 -W default --dist loadfile -m "not slow" \
-	  --ignore tests/e2e --ignore tests/release
+	  --ignore tests/e2e --ignore tests/release --deselect tests/streaming/test_reference.py \
+	  --deselect tests/streaming/test_typescript.py::test_the_committed_types_are_current
 
 release-check: $(STAMPS)/dev $(STAMPS)/node  ## the published files: built, installed in a fresh environment, and used
 	@$(BIN)/python -m pytest -q tests/release

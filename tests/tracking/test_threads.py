@@ -27,8 +27,9 @@ def assert_same(found: list[FrameResult], expected: list[FrameResult]) -> None:
         for label, track in one.tracks.items():
             again = other.tracks[label]
             assert (track.state, track.points) == (again.state, again.points)
-            assert track.confidence == again.confidence
-            assert np.array_equal(track.pose, again.pose)
+            # Sums of some builds of NumPy round by where an array lies.
+            assert track.confidence == pytest.approx(again.confidence, abs=1e-6)
+            np.testing.assert_allclose(track.pose, again.pose, atol=1e-6)
         for label, points in one.assignments.items():
             assert np.array_equal(points, other.assignments[label])
 

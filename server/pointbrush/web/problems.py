@@ -12,6 +12,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
+from python_multipart.exceptions import FormParserError
 from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
@@ -72,6 +73,7 @@ def install(app: FastAPI) -> None:
         errors.PointbrushError: _ours,
         RequestValidationError: _invalid,
         HTTPException: _http,
+        FormParserError: _broken_form,
         **dict.fromkeys((OSError, MemoryError, RuntimeError, ImportError), _system),
         Exception: _unexpected,
     }
@@ -103,6 +105,11 @@ async def _ours(request: Request, error: Exception) -> JSONResponse:
         logger.warning("%s %s: %s", request.method, _shown(request), error.whole)
     detail = request.app.state.workspace.paths.hide(str(error))
     return problem(status_of(error), detail, error.title)
+
+
+async def _broken_form(_request: Request, error: Exception) -> JSONResponse:
+    """Say what is wrong with a form, which older versions of Starlette leave to us."""
+    return problem(400, f"form: {error}")
 
 
 async def _invalid(_request: Request, error: Exception) -> JSONResponse:
