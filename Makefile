@@ -12,10 +12,12 @@ PAGE   := server/pointbrush/web/page/index.html
 PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
 PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2
+# Whole files, in the order of tests/measured.py.
+BY_FILE := --dist loadfile --no-loadscope-reorder --ignore tests/release
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
+.PHONY: demo serve test quick checks lint types check-page unit measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
 demo:  ## sample recording in a browser, on loopback
@@ -104,9 +106,9 @@ test:  ## every check and every test; the runner's line comes last
 	@$(MAKE) --no-print-directory unit
 	@$(MAKE) --no-print-directory e2e
 
-quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the fast tests, for each save
+quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the quickest tests of each folder, for each save
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
-	@$(PYTEST) --dist loadfile --ignore tests/release -m "not slow"
+	@$(PYTEST) $(BY_FILE) --ignore tests/e2e -m "not slow"
 
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
@@ -131,7 +133,10 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@echo "== pytest: Python and services, on two cores"
-	@$(PYTEST) --dist loadfile --ignore tests/e2e --ignore tests/release
+	@$(PYTEST) $(BY_FILE) --ignore tests/e2e $(MEASURE)
+
+measure:  ## unit, noting how long each file takes: which begin first, and which `make quick` runs
+	@$(MAKE) --no-print-directory unit MEASURE=--measure
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
@@ -147,8 +152,8 @@ lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyprojec
 	  --extra dask --extra s3 --output-file $(LOWEST)/lowest.txt pyproject.toml
 	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/lowest.txt -e '.[dev]'
 	@NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-	  $(LOWEST)/bin/python -m pytest -q -n 2 -W default --dist loadfile -m "not slow" \
-	  --ignore tests/e2e --ignore tests/release --deselect tests/streaming/test_reference.py \
+	  $(LOWEST)/bin/python -m pytest -q -n 2 -W default $(BY_FILE) -m "not slow" \
+	  --ignore tests/e2e --deselect tests/streaming/test_reference.py \
 	  --deselect tests/streaming/test_typescript.py::test_the_committed_types_are_current
 
 release-check: $(STAMPS)/dev $(STAMPS)/node  ## the published files: built, installed in a fresh environment, and used

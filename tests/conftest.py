@@ -12,6 +12,7 @@ from httpx._config import DEFAULT_TIMEOUT_CONFIG
 from hypothesis import HealthCheck, settings
 
 from pointbrush import worker
+from tests import measured
 from tests.forked import FORKSERVER
 from tests.waiting import PATIENCE
 
@@ -33,28 +34,6 @@ worker.START_METHOD = FORKSERVER.get_start_method()
 
 TESTS = Path(__file__).parent
 SHARED = TESTS.parent.parent / "shared"
-SLOW = frozenset(
-    {
-        *("e2e", "faults", "samples"),
-        *(
-            "test_cli.py",
-            "test_docs.py",
-            "test_examples.py",
-            "test_remote.py",
-            "test_jobs.py",
-            "test_workspace.py",
-        ),
-        *("labels/test_durability.py", "labels/test_model.py", "sequences/test_large.py"),
-        *("streaming/test_links.py", "web/test_ending.py", "web/test_hostile.py"),
-        *("web/test_schemathesis.py", "web/test_server.py", "work/test_prepare.py"),
-        "work/test_sequence_store.py",
-        *("formats/test_corpus.py", "work/test_tracking.py"),
-        *("tracking/test_group.py", "tracking/test_jumps.py", "tracking/test_carried.py"),
-        *("work/test_deletion.py", "work/test_exports_come_back.py", "work/test_sensor_kind.py"),
-        *("streaming/test_long_strokes.py", "streaming/test_socket_people.py"),
-    }
-)
-"""Folders and files that `make quick` leaves out: each takes about ten seconds or more."""
 
 
 @pytest.fixture
@@ -64,11 +43,17 @@ def api(served: Served) -> Iterator[httpx.Client]:
         yield client
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--measure", action="store_true", help="note how long each file takes")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("measure") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(measured.Measuring())
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    for item in items:
-        path = item.path.relative_to(TESTS)
-        if path.parts[0] in SLOW or path.as_posix() in SLOW:
-            item.add_marker(pytest.mark.slow)
+    measured.arrange(items)
 
 
 @pytest.fixture(scope="session")

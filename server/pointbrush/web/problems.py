@@ -108,7 +108,7 @@ async def _ours(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _broken_form(_request: Request, error: Exception) -> JSONResponse:
-    """Say what is wrong with a form, which older versions of Starlette leave to us."""
+    """Older versions of Starlette leave it to us to refuse a form that cannot be read."""
     return problem(400, f"form: {error}")
 
 
