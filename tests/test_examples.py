@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from serving import TOKEN
+from serving import TOKEN, add_sequence
 
 from pointbrush.client import Client, Recording
 from pointbrush.errors import PointbrushError
 from pointbrush.samples import generate
+from pointbrush.settings import Settings
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = ROOT / "docs" / "examples"
@@ -184,7 +185,11 @@ def test_points_of_classes_are_counted_over_many_recordings(sample: Sample) -> N
             recording = sample.imported(client, name)
             label = recording.create_label("rare 1", category="rare")
             recording.annotate({0: (sample.truth[0] == 1) * label.id})
+    for number in range(18):  # others, copied into the workspace
+        settings = Settings(workspace=sample.folder.parent / "workspace")
+        add_sequence(settings, f"other-{number}", frames=1, points=50)
     told = run("many_recordings.py", sample.url, TOKEN)
+    assert int(told.split()[0]) >= 20
     count = 2 * int((sample.truth[0] == 1).sum())
     assert f"{count:,} rare, in 2 recordings" in told
 

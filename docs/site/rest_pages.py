@@ -10,7 +10,7 @@ from http import HTTPStatus
 from pathlib import Path
 from typing import Any
 
-from examples import EXCHANGES
+from examples import EXCHANGES, WITHOUT_ONE
 
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
@@ -110,6 +110,8 @@ def _call(title: str, call: dict[str, Any], exchange: dict[str, Any]) -> Iterato
         yield ""
     if exchange:
         yield from _exchange(title.split()[0], exchange, list(content))
+    elif title in WITHOUT_ONE:
+        yield from (WITHOUT_ONE[title], "")
 
 
 def _exchange(verb: str, exchange: dict[str, Any], kinds: list[str]) -> Iterator[str]:
