@@ -13,6 +13,10 @@ import httpx
 HERE = Path(__file__).parent
 CALLS = HERE / "calls.py"
 EXCHANGES = HERE / "exchanges.json"
+"""A request and an answer of each call of REST, as a server gave it; texts and bytes are left out.
+
+Written by ``WRITE_EXCHANGES=docs/site/exchanges.json pytest tests/test_reference.py``.
+"""
 WITHOUT_ONE = {
     "GET /api/v1/sequences/{seq}/frames/{i}/images/{camera}": "The answer is the picture's file.",
     "POST /api/v1/sequences/{seq}/source-labels": (
@@ -23,10 +27,6 @@ WITHOUT_ONE = {
     ),
 }
 """Calls whose exchange the examples cannot record, and why."""
-"""A request and an answer of each call of REST, as a server gave it; texts and bytes are left out.
-
-Written by ``WRITE_EXCHANGES=docs/site/exchanges.json pytest tests/test_reference.py``.
-"""
 MOST_ENTRIES = 2
 """Objects of a list that are kept."""
 MOST_VALUES = 16
