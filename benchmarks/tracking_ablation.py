@@ -62,7 +62,9 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     # People
     "people together": {"body": {"limb_m": 0.0}},
     "strides by depth": {"step": {"evidence_weight": 0.0}},
+    "strides corrected": {"step": {"visible_doubt": float(NEVER)}},
     "clothes": {"step": {"clothes_weight": 0.0}},
+    "clothes seen later": {"body": {"better_ratio": float(NEVER)}},
     "people without a label": {"arrivals": {"min_cells": NEVER}},
     "people who come back": {"arrivals": {"back_min_cells": NEVER}},
     "exchanged people": {"arrivals": {"exchange_frames": NEVER}},

@@ -352,6 +352,26 @@ def test_doubts_end_when_clothes_tell() -> None:
     assert (one.identity.doubts, two.identity.doubts) == (set(), {1})
 
 
+@pytest.mark.parametrize(
+    ("touching", "doubted", "told"), [(0.0, False, True), (0.2, False, False), (0.0, True, False)]
+)
+def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is_alone(
+    touching: float, doubted: bool, told: bool
+) -> None:
+    legs, shirt = body(0.0, BLUE), body(0.0, RED, tall=1.0)
+    person = somebody(1, 0.0, BLUE, well=10)
+    person.identity.colours, person.identity.shown = legs[1], 30 * 5 * 9.0
+    if doubted:
+        person.doubt(somebody(2, 1.0, RED, well=5))
+    observation = staged(legs, shirt)
+    observation.owner[:] = 1
+    assert person.likeness(shirt[1]) < -OPTIONS.body.unlike_log
+    group = Group(OPTIONS, [person], 0.1, 0.01, observation.flat, UP, 30.0, 10)
+    group.doubt(observation, person, replace(SURE, touching=touching))
+    assert (person.likeness(shirt[1]) > -0.3) == told
+    assert person.likeness(legs[1]) > -0.3
+
+
 def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
     both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
     group = Group(OPTIONS, [both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)

@@ -49,6 +49,8 @@ class BodyOptions(Options):
     # Metres under which a person is as expected, and beyond which no other's.
     nearest_m: tuple[PositiveFloat, PositiveFloat] = (0.1, 1.0)
     sure_likelihood: float = 0.75  # likelihood from which a frame tells stature and clothes
+    better_ratio: float = 1.5  # times as much of a person that tells their clothes anew
+    touching_share: float = 0.02  # share of that which touches others at most
     doubted_confidence: float = 0.4  # confidence of what may be another's at most
     head_m: float = 0.2  # metres by which a head is above the highest touch with another
     heads_apart_m: float = 0.25  # metres along the ground between two people at least
@@ -104,7 +106,6 @@ class StrideOptions(Options):
     limbs_m_per_frame: float = 0.04  # metres more for each frame unseen
     shade: PositiveFloat = 0.06  # difference of colour that counts as much as that distance
     cap: float = 4.0  # cost of a cell that is nowhere near a person
-    # Without: a crowd -.020.
     clothes_weight: float = 0.35  # weight of clothes
     clothes_rarer_log: float = 0.5  # mean log ratio by which colours are rarer than usual ones
     clothes_max_log: float = 4.0  # greatest log ratio that counts
@@ -112,6 +113,11 @@ class StrideOptions(Options):
     body_m: float = 0.25  # metres from the middle, along the ground, that hold a body
     body_sigma_m: PositiveFloat = 0.2  # metres of deviation beyond
     body_max_cost: float = 2.0  # cost beyond at most
+    rounds: PositiveInt = 3  # times at most that strides are corrected
+    settled_m: float = 0.02  # metres up to which one correction is enough
+    visible_doubt: float = 0.15  # visible share at which a correction is half believed
+    corrected_share: float = 0.03  # share of their cells that a person has to have for a correction
+    met_swings: float = 2.5  # swings of limbs within which cells meet a person's surface
     fitting_cap_share: float = 0.8  # share of the cap that fits
     fitting_cells_share: float = 0.2  # share of its cells that must fit for a body to be anybody's
     # Probability from which an outline far from everybody is a person's.

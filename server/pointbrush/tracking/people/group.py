@@ -85,6 +85,12 @@ class Group:
         )
         person.identity.with_flying = track.painted.with_flying
         person.went = track.motion.poses[-1][:3, 3]
+        if view.frame.rgb is not None:
+            points = view.labels[label]
+            person.identity.colours = view.colour(
+                points[:: max(1, len(points) // self.options.body.colour_points)]
+            )
+            person.identity.shown = float((view.cells[1][points] ** 2).sum())
         self.drop(label)
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
 
@@ -160,6 +166,22 @@ class Group:
         ):
             identity.sure = self.now
             person.measure(top)
+            dress(observation, person, looks)
+
+
+def dress(observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
+    """Tell a person's clothes anew where they show much that was hidden when they were told
+    last, as who was painted behind another does, and no one is there whose it may be."""
+    options = observation.options.body
+    cells = observation.cells_of(person.label)
+    some, area = observation.some(cells), observation.area(cells)
+    identity = person.identity
+    if (
+        some is not None
+        and looks.touching < options.touching_share
+        and area > options.better_ratio * identity.shown > 0.0
+    ):
+        identity.show(some, area)
 
 
 def cell_size(view: View, track: Track, background: PictureBackground) -> float:

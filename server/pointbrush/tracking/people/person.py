@@ -68,7 +68,8 @@ class Identity:
     ``appearance`` their clothes, None where they were not seen; ``first`` the cells they came with;
     ``with_flying`` whether the flying pixels at their outline are theirs; ``stature`` how tall they
     are; ``trust`` their last confidence; ``doubts`` whom they may be as well, by label; ``sure``
-    the last frame in which they were surely themselves.
+    the last frame in which they were surely themselves; ``colours`` (M, 3) those by which their
+    clothes are told, and ``shown`` how much of them they are of, as ``Observation.area`` says it.
     """
 
     options: TrackerOptions
@@ -80,10 +81,18 @@ class Identity:
     stature: Stature = field(init=False)
     confidence: float = 1.0
     doubts: set[int] = field(default_factory=set)
+    colours: F32 = field(default_factory=lambda: np.empty((0, 3), np.float32))
+    shown: float = 0.0
 
     def __post_init__(self) -> None:
         """Begin without a measured stature."""
         self.stature = Stature(self.options.stature)
+
+    def show(self, colours: F32, area: float) -> None:
+        """So much of them shows as never before: what they wear has also these ``colours`` (M,
+        3)."""
+        self.colours, self.shown = np.vstack([self.colours, colours]), area
+        self.appearance = ColourHistogram.of(self.colours, self.options.appearance)
 
 
 @dataclass(eq=False)

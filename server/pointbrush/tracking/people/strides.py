@@ -143,27 +143,40 @@ class Shares:
 
 
 def shared_out(observation: PersonObservation, people: Sequence[Person], stride: F64) -> Shares:
-    """Give the cells of an ``observation`` owners, people having gone the strides (K, 3)."""
-    options, smooth = observation.options.step, observation.view.options.mean_field
+    """Give the cells of an ``observation`` owners, mending the strides (K, 3) by who has what."""
+    options = observation.options.step
+    clothes = _clothes(observation, people)
     steps = [float(np.linalg.norm(f.step)) for f in people if not f.frames_unseen]
     swing = options.limbs_m + options.swing_share * min(
         max([options.slowest_m, *steps]), options.fastest_m
     )
-    coloured = observation.tints is not None
-    cost = _clothes(observation, people)
-    for k, person in enumerate(people):
-        surface = _Surface.of(person, swing, coloured=coloured)
-        cost[:, k] += _surface_costs(observation, surface, stride[k])
-    chance = agreed(
-        cost,
-        observation.links,
-        smooth.sweeps,
-        smooth.settled_change,
-        smooth.same_change,
-        smooth.neighbour_weight,
-        smooth.full_neighbours,
-    )
-    observation.owner = np.array([f.label for f in people], np.int64)[chance.argmax(axis=1)]
+    stride = stride.copy()
+    surfaces = [_Surface.of(f, swing, coloured=observation.tints is not None) for f in people]
+    for _ in range(options.rounds):
+        cost = np.full((len(observation.owner), len(people)), options.cap)
+        near = []
+        for k, surface in enumerate(surfaces):
+            cost[:, k], nearest = _surface_costs(observation, surface, stride[k])
+            near.append(nearest)
+        cost += clothes
+        chance = agreed(
+            cost,
+            observation.links,
+            observation.view.options.mean_field.sweeps,
+            observation.view.options.mean_field.settled_change,
+            observation.view.options.mean_field.same_change,
+            observation.view.options.mean_field.neighbour_weight,
+            observation.view.options.mean_field.full_neighbours,
+        )
+        who = chance.argmax(axis=1)
+        mended = np.zeros_like(stride)
+        for k, person in enumerate(people):
+            cells = np.where(who == k, near[k], -1)
+            mended[k] = _mended(observation, person, stride[k], chance[:, k], cells, swing)
+        stride += mended
+        if np.linalg.norm(mended, axis=1).max() < options.settled_m:
+            break
+    observation.owner = np.array([f.label for f in people], np.int64)[who]
     _leave(observation, cost.min(axis=1), chance.max(axis=1))
     for k, person in enumerate(people):
         _drop(observation, person, stride[k])
@@ -208,8 +221,10 @@ class _Surface:
         return _Surface(person, within, own, cKDTree(own))
 
 
-def _surface_costs(observation: PersonObservation, surface: _Surface, stride: F64) -> F64:
-    """(N,) what it costs each cell to be theirs there."""
+def _surface_costs(
+    observation: PersonObservation, surface: _Surface, stride: F64
+) -> tuple[F64, I64]:
+    """(N,) what it costs each cell to be their there, and their cell next to it, -1 for none."""
     options = observation.options.step
     own, person = surface.own, surface.person
     seen = (observation.cells.middle - stride) / surface.within
@@ -217,8 +232,8 @@ def _surface_costs(observation: PersonObservation, surface: _Surface, stride: F6
         seen = np.hstack([seen, observation.cells.colour / options.shade])
     reach = np.sqrt(2 * options.cap)
     close = np.all((seen > own.min(axis=0) - reach) & (seen < own.max(axis=0) + reach), axis=1)
-    gap = np.full(len(seen), np.inf)
-    gap[close] = surface.tree.query(seen[close], distance_upper_bound=reach)[0]
+    gap, near = np.full(len(seen), np.inf), np.full(len(seen), -1)
+    gap[close], near[close] = surface.tree.query(seen[close], distance_upper_bound=reach)
     cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, options.cap) ** 2, options.cap)
     middle = np.median((person.xyz + stride) @ observation.flat, axis=0)
     away = np.linalg.norm(observation.ground - middle, axis=1)
@@ -227,7 +242,39 @@ def _surface_costs(observation: PersonObservation, surface: _Surface, stride: F6
         0.5 * (np.maximum(0.0, away - options.body_m) / options.body_sigma_m) ** 2,
     )
     cost += options.hidden_cost_owner * (person.frames_unseen > 0)
-    return cost
+    return cost, np.where(np.isfinite(gap), near, -1).astype(np.int64)
+
+
+def _mended(
+    observation: PersonObservation,
+    person: Person,
+    stride: F64,
+    chance: F64,
+    near: I64,
+    swing: float,
+) -> F64:
+    """(3,) how far off a stride is, by the cells they have and by the surface they should show.
+
+    ``near`` (N,) number of the point of their surface that each cell is nearest to, -1 for those
+    that they have not; ``chance`` (N,) of each to be theirs; ``swing`` metres by which limbs move.
+    """
+    options = observation.options
+    cells = np.flatnonzero((near >= 0) & observation.cells.solid)
+    if len(cells) < max(options.body.seen_min_cells, options.step.corrected_share * person.size):
+        return np.zeros(3)
+    there = person.xyz + stride
+    seen = observation.cells.middle[cells]
+    weight = chance[cells] * np.sqrt(observation.cells.count[cells])
+    off = ((seen - there[near[cells]]) * weight[:, None]).sum(axis=0) / weight.sum()
+    shown = observation.shows(there)
+    gap, nearest = map(
+        np.asarray, cKDTree(seen).query(there[shown], 1, 0, 2, options.step.met_swings * swing)
+    )
+    met = np.isfinite(gap)
+    if np.count_nonzero(met) > options.body.seen_min_cells:
+        off = (off + (seen[nearest[met]] - there[shown][met]).mean(axis=0)) / 2
+    share = float(shown.mean())
+    return np.asarray(off * share / (share + options.step.visible_doubt))
 
 
 def _leave(observation: PersonObservation, cost: F64, chance: F64) -> None:
