@@ -138,14 +138,7 @@ class Stock:
         found = self._shelf.get(self._key(piece.frame))
         if found is None or found.stored.large:
             return None
-        stored, key = found.stored, (piece.first, piece.stop, piece.depth)
-        head = found.heads.get(key)
-        if head is None:
-            data, points = self._encode(found, piece)
-            head = found.heads[key] = Head(data)
-        else:  # the view is made anew: it says whether its file has been cut short meanwhile
-            view = stored.depth if piece.depth else stored.wire
-            points = view(piece.first, piece.stop)
+        head, points = self._head(found, piece)
         now = time.monotonic()
         if now - head.in_memory > IN_MEMORY_SECONDS:
             if not self._at_hand(found, points):
@@ -160,11 +153,23 @@ class Stock:
             # Read there and not mapped: what was sent must not count as this process's memory.
             read: PointsMessage = await self._run(self._encode, found, piece)
             return read
-        message = self._encode(found, piece)
-        if not self._at_hand(found, message[1]):
-            await self._run(read_in, message[1])
+        head, points = self._head(found, piece)
+        if not self._at_hand(found, points):
+            await self._run(read_in, points)
             found.looked_at = True
-        return message
+        return head.data, points
+
+    def _head(self, found: OpenFrame, piece: Piece) -> tuple[Head, memoryview]:
+        """Return the head that is kept of a piece of a frame that is not large, and its points."""
+        key = piece.first, piece.stop, piece.depth
+        head = found.heads.get(key)
+        if head is None:
+            data, points = self._encode(found, piece)
+            head = found.heads[key] = Head(data)
+            return head, points
+        # The view is made anew: it says whether its file has been cut short meanwhile.
+        view = found.stored.depth if piece.depth else found.stored.wire
+        return head, view(piece.first, piece.stop)
 
     def _encode(self, found: OpenFrame, piece: Piece) -> PointsMessage:
         name = self._recording.manifest.id
