@@ -8,11 +8,14 @@ import uuid
 
 import httpx
 import msgpack
+import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
 
+from pointbrush.client import Client
 from pointbrush.web.admissions import RECHECK_SECONDS
 from pointbrush.web.socket import CLOSE_SECONDS
+from pointbrush.work.projects.copies import make_copy
 from tests.serving import Served
 from tests.streaming.acting import run
 from tests.streaming.client import viewer
@@ -44,6 +47,42 @@ def test_presence_goes_to_the_others_in_the_same_sequence(served: Served) -> Non
             assert not [m for m in anna.log if m["type"] == "presence"]
 
     run(scenario)
+
+
+def test_copies_that_are_looked_at_at_once_keep_apart(served: Served) -> None:
+    workspace = served.workspace
+    copies = [
+        make_copy(workspace.labels, workspace.library, "wall", "default", range(1), "agreement")
+        for _ in range(2)
+    ]
+    opened = [workspace.recording(name) for name in ("wall", *copies)]
+    assert len({each.identity for each in opened}) == 3
+    with Client(served.url, served.token) as client:
+        for number, name in enumerate(copies):
+            values = np.zeros(opened[0].manifest.points[0], np.uint16)
+            values[100 * number : 100 * number + 100] = 1
+            client[name].frames[0].annotate(values)
+
+    async def scenario() -> None:
+        async with (
+            viewer(served.url, served.token) as lead,
+            viewer(served.url, served.token, keep_data=True) as anna,
+            viewer(served.url, served.token, keep_data=True) as ben,
+        ):
+            await lead.open("wall")
+            await lead.until("frame", frame=0, final=True)
+            for name, one in zip(copies, (anna, ben), strict=True):
+                await one.open(name)
+                await one.until("frame", frame=0, final=True)
+                sent = [each for each in one.log if each["type"] in ("frame", "annotation")]
+                assert {each["sequence"] for each in sent} == {name}
+                stored = workspace.labels.values(name, 0).label
+                assert np.count_nonzero(stored) == 100
+                np.testing.assert_array_equal(one.frames[0].values, stored)
+
+    run(scenario)
+    for name in copies:
+        workspace.deletion.delete(name)
 
 
 def test_a_viewers_token_names_its_author_and_may_not_paint(served: Served) -> None:

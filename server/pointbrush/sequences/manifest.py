@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields, replace
+from datetime import UTC, datetime
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,7 @@ class Manifest:
     ``scale``           metres for a unit of the source's coordinates.
     ``files``           name of the file that each frame came from, ``places`` its place among the
                         frames of that file; both empty where an older import did not keep them.
+    ``created``         date of the import, or of the copy.
     ``imported_as``     ``id`` at the import: a restored recording may have got another one.
     """
 
@@ -115,6 +117,11 @@ def checksum(content: dict[str, Any]) -> str:
     """Make the checksum that a manifest has of the rest of its content."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+def now() -> str:
+    """The date of an import that begins now; two never have the same."""
+    return datetime.now(UTC).isoformat(timespec="microseconds")
 
 
 def encode_manifest(manifest: Manifest) -> bytes:
@@ -184,8 +191,11 @@ def _lattice(given: dict[str, Any] | None) -> Lattice | None:
 
 
 def rename_sequence(path: Path, sequence: str) -> Manifest:
-    """Give the copy of a recording in folder ``path`` an id of its own."""
-    manifest = replace(read_manifest(path), id=sequence)
+    """Give the copy of a recording in folder ``path`` an id and an identity of its own.
+
+    It counts as imported now: caches, unsent edits and labels go by the identity.
+    """
+    manifest = replace(read_manifest(path), id=sequence, created=now())
     replace_file(path / FILE, encode_manifest(manifest))
     return manifest
 

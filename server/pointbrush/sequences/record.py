@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,7 +13,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS, GRID_ROUNDING
-from pointbrush.sequences.manifest import Manifest
+from pointbrush.sequences.manifest import Manifest, now
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.room import RoomFinder
 
@@ -151,7 +150,7 @@ def make_manifest(
         viewpoints=[record.viewpoint for record in records],
         source=source,
         large=any(record.large for record in records),
-        created=datetime.now(UTC).isoformat(timespec="microseconds"),
+        created=now(),
         imported_as=sequence_id,
         classes=list(classes),
         files=[origin.file for origin in origins],

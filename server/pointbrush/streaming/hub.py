@@ -192,7 +192,7 @@ class Hub:
                 other.outbox.wake.set()
         if not room.viewers and self.rooms.get(room.id) is room:
             del self.rooms[room.id]
-            self.shelf.forget(room.recording.identity)
+            self.shelf.forget(room.stock.key)
 
     def send_out(self, viewer: Viewer, error: PointbrushError) -> None:
         """Close what a viewer has open, tell it why, and keep its socket."""

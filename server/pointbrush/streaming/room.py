@@ -78,7 +78,6 @@ class Room:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
         self.workspace, self.recording, self._values, self._run = workspace, recording, values, run
         self.id = recording.manifest.id
-        self._identity = recording.identity
         self.viewers: set[Listener] = set()
         self.revision = 0
         self.cameras = False
@@ -166,7 +165,7 @@ class Room:
         return revision, data
 
     def _key(self, frame: int, first: int, count: int) -> tuple[object, ...]:
-        return "values", self._identity, frame, first, count
+        return "values", self.stock.key, frame, first, count
 
     # ── events ───────────────────────────────────────────────────────────────────────────
 

@@ -24,8 +24,8 @@ LEAST_FRAMES = 16
 FILES_SHARE = 8
 """Of the files that this process may open, one in so many is for mapped frames at most."""
 
-Key = tuple[str, int]
-"""A recording's identity and a frame's number."""
+Key = tuple[str, str]
+"""A recording's id, which messages name, and the identity of its import."""
 PointsMessage = tuple[bytes, memoryview]
 """A ``frame`` or ``depth`` message in two parts: its head, and a view of the map."""
 
@@ -69,28 +69,28 @@ class Shelf:
     def __init__(self, limit: int | None = None) -> None:
         """``limit``: frames that are kept; by default what the process's limit of files allows."""
         self._limit = most_frames() if limit is None else limit
-        self._frames: OrderedDict[Key, OpenFrame] = OrderedDict()
+        self._frames: OrderedDict[tuple[Key, int], OpenFrame] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self._frames)
 
-    def get(self, key: Key) -> OpenFrame | None:
-        """A frame, if it is here."""
+    def get(self, key: tuple[Key, int]) -> OpenFrame | None:
+        """A frame of a recording, if it is here."""
         found = self._frames.get(key)
         if found is not None:
             self._frames.move_to_end(key)
         return found
 
-    def put(self, key: Key, frame: OpenFrame) -> OpenFrame:
+    def put(self, key: tuple[Key, int], frame: OpenFrame) -> OpenFrame:
         """Keep a frame, and return the one that is kept under its key."""
         kept = self._frames.setdefault(key, frame)
         while len(self._frames) > self._limit:
             self._frames.popitem(last=False)
         return kept
 
-    def forget(self, identity: str) -> None:
+    def forget(self, recording: Key) -> None:
         """Let go of a recording's frames: nobody looks at it any more."""
-        for key in [key for key in self._frames if key[0] == identity]:
+        for key in [key for key in self._frames if key[0] == recording]:
             del self._frames[key]
 
 
@@ -117,13 +117,14 @@ class Stock:
         self, recording: Sequence, shelf: Shelf, run: Callable[..., Awaitable[Any]]
     ) -> None:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
+        self.key: Key = recording.manifest.id, recording.identity
         self._recording, self._shelf, self._run = recording, shelf, run
         self._opening: dict[int, asyncio.Task[OpenFrame]] = {}
         self._can_tell: bool | None = None
 
     def known_table(self, frame: int, *, depth: bool = False) -> FrameTable | None:
         """The levels of a frame that is open, or of its ``depth`` image, where it has one."""
-        found = self._shelf.get(self._key(frame))
+        found = self._shelf.get((self.key, frame))
         if found is None:
             return None
         return found.depth if depth else found.table
@@ -135,7 +136,7 @@ class Stock:
 
     def known_message(self, piece: Piece) -> PointsMessage | None:
         """A piece's points, if sending them would not wait for the disk."""
-        found = self._shelf.get(self._key(piece.frame))
+        found = self._shelf.get((self.key, piece.frame))
         if found is None or found.stored.large:
             return None
         head, points = self._head(found, piece)
@@ -172,16 +173,15 @@ class Stock:
         return head, view(piece.first, piece.stop)
 
     def _encode(self, found: OpenFrame, piece: Piece) -> PointsMessage:
-        name = self._recording.manifest.id
         encode = encode_depth if piece.depth else encode_frame
-        return encode(name, found.stored, piece.first, piece.stop, final=piece.final)
+        return encode(self.key[0], found.stored, piece.first, piece.stop, final=piece.final)
 
     def _at_hand(self, found: OpenFrame, data: memoryview) -> bool:
         return in_memory(data) if self._can_tell else found.looked_at
 
     async def _open(self, frame: int) -> OpenFrame:
         """An open frame; those who want it at once wait for the same thread."""
-        found = self._shelf.get(self._key(frame))
+        found = self._shelf.get((self.key, frame))
         if found is not None:
             return found
         task = self._opening.get(frame)
@@ -202,7 +202,4 @@ class Stock:
             return OpenFrame(stored, table, FrameTable.of(stored, depth=True))
 
         opened: OpenFrame = await self._run(look)
-        return self._shelf.put(self._key(frame), opened)
-
-    def _key(self, frame: int) -> tuple[str, int]:
-        return self._recording.identity, frame
+        return self._shelf.put((self.key, frame), opened)
