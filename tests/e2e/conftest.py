@@ -83,7 +83,7 @@ def open_desk(
 
     yield open_one
     for number, desk in enumerate(desks):
-        if request.session.testsfailed:
+        if request.session.testsfailed and not desk.page.is_closed():
             desk.screenshot(f"{request.node.name}-{number}")
         desk.context.close()
     assert [desk.complaints for desk in desks] == [[] for _ in desks]

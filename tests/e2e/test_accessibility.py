@@ -38,6 +38,8 @@ def quiet_window(browser: Browser, url: str) -> Iterator[Desk]:
     try:
         window.until("window.__pointbrush !== undefined")
         window.ask("pb.setDrawing(false)")
+        # Panels, and with them the heading, come after the first picture or a while.
+        window.until("window.__pointbrushHeadset !== undefined")
         yield window
     finally:
         window.context.close()
