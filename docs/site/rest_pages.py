@@ -33,7 +33,7 @@ HEAD = """# REST
 
 Every call is below the server's address, with a token in `Authorization: Bearer …`. A running
 server shows the same at `/api/v1/docs`, and as OpenAPI at `/api/v1/openapi.json`. The role that a
-call needs: [security](../security.md#roles).
+call needs: [roles](../roles.md).
 
 The examples were recorded on a server; long lists are cut short. Errors are
 `application/problem+json`, as

@@ -19,7 +19,7 @@ from pointbrush.web.roles import CANCEL_ANY, OPEN, PREFIX, ROUTES, call_of
 from tests.serving import Served
 from tests.waiting import eventually
 
-DOCS = Path(__file__).parents[2] / "docs" / "security.md"
+DOCS = Path(__file__).parents[2] / "docs" / "roles.md"
 UUID = "00000000-0000-4000-8000-000000000000"
 
 

@@ -1,6 +1,6 @@
 """The role that each call needs: a route that is not in this table is nobody's.
 
-``docs/security.md`` shows it; tests compare the two, and the table with the app's routes.
+``docs/roles.md`` shows it; tests compare the two, and the table with the app's routes.
 """
 
 from __future__ import annotations
