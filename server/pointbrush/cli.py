@@ -170,7 +170,7 @@ def parser() -> argparse.ArgumentParser:
 
     export_ = _command(commands, "export", "write points with their labels")
     export_.add_argument("sequence", metavar="SEQ", help=SEQUENCE)
-    export_.add_argument("--format", required=True, help="see docs/formats.md")
+    export_.add_argument("--format", required=True, help="see docs/formats-written.md")
     export_.add_argument("--out", required=True, type=Path, help="folder or file to write")
     export_.add_argument("--frames", metavar="I:J", help="frames I to J - 1 (default: all)")
     export_.add_argument("--snapshot", metavar="NAME", help="labels as they were then")
