@@ -11,9 +11,10 @@ NPM     = cd webxr_client && export PATH="$(NODE)/bin:$$PATH" && node $(NODE)/li
 PAGE   := server/pointbrush/web/page/index.html
 PAGE_SOURCES := $(shell find webxr_client -type f -not -path '*/node_modules/*' 2>/dev/null)
 SUDO   := $(shell test "$$(id -u)" = 0 || echo sudo)
-PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2
-# Whole files, in the order of tests/measured.py.
-BY_FILE := --dist loadfile --no-loadscope-reorder --ignore tests/release
+PYTEST := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -q
+# Whole files, in the order of tests/measured.py; three at a time on two cores, for a third of the
+# time they wait for processes, disks and the network.
+BY_FILE := -n 3 --dist loadfile --no-loadscope-reorder --ignore tests/release
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -132,7 +133,7 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 	@$(NPM) run --silent test
 
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
-	@echo "== pytest: Python and services, on two cores"
+	@echo "== pytest: Python and services"
 	@$(PYTEST) $(BY_FILE) --ignore tests/e2e $(MEASURE)
 
 measure:  ## unit, noting how long each file takes: which begin first, and which `make quick` runs
@@ -140,7 +141,7 @@ measure:  ## unit, noting how long each file takes: which begin first, and which
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
 	@echo "== pytest: the page in Chromium"
-	@$(PYTEST) --dist worksteal tests/e2e
+	@$(PYTEST) -n 2 --dist worksteal tests/e2e
 
 # The newest test tools, and of what pointbrush itself needs the oldest; Numba compiles anew for it.
 # What is written from the program is worded by the newest pydantic.
@@ -152,7 +153,7 @@ lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyprojec
 	  --extra dask --extra s3 --output-file $(LOWEST)/lowest.txt pyproject.toml
 	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/lowest.txt -e '.[dev]'
 	@NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-	  $(LOWEST)/bin/python -m pytest -q -n 2 -W default $(BY_FILE) -m "not slow" \
+	  $(LOWEST)/bin/python -m pytest -q -W default $(BY_FILE) -m "not slow" \
 	  --ignore tests/e2e --deselect tests/streaming/test_reference.py \
 	  --deselect tests/streaming/test_typescript.py::test_the_committed_types_are_current
 
