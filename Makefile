@@ -18,7 +18,7 @@ BY_FILE := -n 3 --dist loadfile --no-loadscope-reorder --ignore tests/release
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick checks lint types check-page unit measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
+.PHONY: demo serve test quick quickest checks lint types check-page unit measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
 demo:  ## sample recording in a browser, on loopback
@@ -108,7 +108,9 @@ test:  ## every check and every test; the runner's line comes last
 	@$(MAKE) --no-print-directory e2e
 
 quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the quickest tests of each folder, for each save
-	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
+	@$(MAKE) --no-print-directory --output-sync --jobs 3 quickest $(CHECKS)
+
+quickest:
 	@$(PYTEST) $(BY_FILE) --ignore tests/e2e -m "not slow"
 
 checks: $(STAMPS)/dev $(STAMPS)/node
