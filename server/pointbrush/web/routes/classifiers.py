@@ -193,7 +193,7 @@ def predict(
     ``npz``, source order: ``label`` uint16, 0 where the palette has none of the class; ``class``
     uint8 from 1, 0 while nothing is taught; ``confidence`` uint8; ``classes`` their names; of a
     part of the frame also ``index`` uint32, the points' numbers.  ``stored``: for pages, see
-    docs/howto/by-example.md.
+    docs/classifier.md.
     """
     found = workspace.classifiers.predict(
         body.classifier, seq, i, labels=body.labels, place=body.place
