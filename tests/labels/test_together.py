@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import pytest
-from sqlalchemy import event
+from sqlalchemy import event, exc
 from waiting import eventually
 
 from pointbrush.errors import LockedLabelError, UnavailableError
 from pointbrush.labels import Commit, LabelStore, Write, journal
+from pointbrush.labels.draft import Draft
 from pointbrush.labels.state import SequenceState
 
 SEQUENCE = "juggling"
+
+
+def in_turn(store: LabelStore, threads: ThreadPoolExecutor, *edits: str) -> list[Future[Commit]]:
+    """Have edits wait for each other, the first for nobody any more."""
+    with store._sessions.knowing(SEQUENCE) as state:
+        waiting = []
+        for number, edit in enumerate(edits, start=1):
+            waiting.append(threads.submit(paint, store, edit, 1))
+            eventually(lambda number=number: queued(store, state) == number)
+        return waiting
 
 
 def paint(store: LabelStore, edit: str, label: int) -> Commit:
@@ -55,7 +66,7 @@ def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
     store: LabelStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store.create_label(SEQUENCE, "ann", name="open")
-    append = journal.append
+    before, append = store.revision(SEQUENCE), journal.append
 
     def away(*given: Any) -> None:
         append(*given)
@@ -64,15 +75,31 @@ def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
 
     with ThreadPoolExecutor(2) as threads, monkeypatch.context() as patch:
         patch.setattr(journal, "append", away)
-        with store._sessions.knowing(SEQUENCE) as state:
-            before, waiting = state.revision, []
-            for number, edit in enumerate(("a", "bb"), start=1):
-                waiting.append(threads.submit(paint, store, edit, 1))
-                eventually(lambda number=number: queued(store, state) == number)
-        for one in waiting:
+        for one in in_turn(store, threads, "a", "bb"):
             with pytest.raises(UnavailableError):
                 one.result()
     assert store.revision(SEQUENCE) == before
     assert not store.values(SEQUENCE, 0).label.any()
     assert paint(store, "a", 1).revision == before + 1
+    assert store.check(SEQUENCE) == []
+
+
+def test_a_database_that_goes_away_as_an_edit_is_drafted_fails_all_in_words(
+    store: LabelStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store.create_label(SEQUENCE, "ann", name="open")
+    before, write = store.revision(SEQUENCE), Draft.write
+
+    def lost(draft: Draft, frame: int, wanted: Write) -> None:
+        if len(wanted.indices) == len("bb") * 100:
+            raise exc.OperationalError("SELECT", {}, Exception("server closed the connection"))
+        write(draft, frame, wanted)
+
+    with ThreadPoolExecutor(3) as threads, monkeypatch.context() as patch:
+        patch.setattr(Draft, "write", lost)
+        for one in in_turn(store, threads, "a", "bb", "ccc"):
+            with pytest.raises(UnavailableError):
+                one.result()
+    assert store.revision(SEQUENCE) == before
+    assert paint(store, "bb", 1).revision == before + 1
     assert store.check(SEQUENCE) == []

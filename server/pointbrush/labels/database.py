@@ -103,6 +103,8 @@ class Database:
         dbapi: Any = self.engine.dialect.loaded_dbapi
         self.driver_error: type[Exception] = dbapi.Error
         """Base of the errors that the database's driver raises."""
+        self.failures = (exc.DBAPIError, exc.TimeoutError, self.driver_error)
+        """Errors of the database itself, after which a transaction is of no use to anybody."""
         self._look = Look(self._driver, self.driver_error)
 
     def ping(self) -> None:
@@ -200,7 +202,7 @@ class Database:
     def _translated(self) -> Iterator[None]:
         try:
             yield
-        except (exc.DBAPIError, exc.TimeoutError, self.driver_error) as error:
+        except self.failures as error:
             cause = getattr(error, "orig", error)
             if getattr(cause, "sqlstate", None) == READ_ONLY_TRANSACTION:
                 raise ReadOnlyError(READ_ONLY) from error

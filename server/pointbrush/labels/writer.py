@@ -118,7 +118,7 @@ class Writer:
                         require_import(state, request.identity)
                         entry = request.plan(draft)
                     except Exception as error:
-                        if request.alone:
+                        if request.alone or isinstance(error, self._database.failures):
                             raise
                         request.error = error  # it has written nothing: the others go on
                         continue
