@@ -13,7 +13,7 @@ import pytest
 TESTS = Path(__file__).parent
 FILE = TESTS / "seconds.json"
 """Seconds of each file of tests on one core, from `make measure`."""
-ROOM_SECONDS = 15.0
+ROOM_SECONDS = 12.0
 """Seconds that `make quick` spends on each folder, on its quickest files."""
 ALWAYS_SLOW = ("e2e", "release")
 
