@@ -18,6 +18,14 @@ from python_page import python
 from pointbrush.cli import parser
 
 ROOT = Path(__file__).parents[2]
+WIDE = (
+    "conventions.md",
+    "headset-devices.md",
+    "options.md",
+    "roles.md",
+    "tracking-ablation.md",
+)
+"""Pages of tables that take the room of the contents beside them."""
 PAGES: list[Page] = []
 """Pages in the order of the navigation."""
 
@@ -36,8 +44,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
-def on_page_markdown(markdown: str, **_: object) -> str:
-    """Lead links to examples to their pages."""
+def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
+    """Lead links to examples to their pages, and leave wide tables their room."""
+    if page.file.src_uri in WIDE:
+        page.meta["hide"] = ["toc"]
     return example_pages.linked(markdown)
 
 
