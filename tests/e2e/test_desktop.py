@@ -288,6 +288,7 @@ def test_five_clicks_lead_from_the_address_to_a_tracked_and_exported_label(
     desk.page.get_by_role("button", name="First label").click()
     desk.page.keyboard.type("person")
     desk.press("Enter")
+    desk.until("pb.state.activeLabel.value > 0")
     desk.press("j")
     desk.page.mouse.click(*desk.place(truth(0, PERSON)))
     desk.page.get_by_role("button", name="Track on").click()
