@@ -18,12 +18,14 @@ from pointbrush.labels.state import SequenceState
 SEQUENCE = "juggling"
 
 
-def in_turn(store: LabelStore, threads: ThreadPoolExecutor, *edits: str) -> list[Future[Commit]]:
-    """Have edits wait for each other, the first for nobody any more."""
+def in_turn(
+    store: LabelStore, threads: ThreadPoolExecutor, *edits: tuple[str, int]
+) -> list[Future[Commit]]:
+    """Paint edits of a label each, which wait for the recording's lock in this order."""
     with store._sessions.knowing(SEQUENCE) as state:
         waiting = []
-        for number, edit in enumerate(edits, start=1):
-            waiting.append(threads.submit(paint, store, edit, 1))
+        for number, (edit, label) in enumerate(edits, start=1):
+            waiting.append(threads.submit(paint, store, edit, label))
             eventually(lambda number=number: queued(store, state) == number)
         return waiting
 
@@ -45,13 +47,10 @@ def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
     store.create_label(SEQUENCE, "ann", name="locked", locked=True)
     begun: list[Any] = []
     event.listen(store.database.engine, "begin", begun.append)
+    before = store.revision(SEQUENCE)
     edits = [("a", 1), ("bb", 2), ("ccc", 1), ("a", 1), ("dddd", 1)]
     with ThreadPoolExecutor(len(edits)) as threads:
-        with store._sessions.knowing(SEQUENCE) as state:
-            before, waiting = state.revision, []
-            for number, (edit, label) in enumerate(edits, start=1):
-                waiting.append(threads.submit(paint, store, edit, label))
-                eventually(lambda number=number: queued(store, state) == number)
+        waiting = in_turn(store, threads, *edits)
         with pytest.raises(LockedLabelError):
             waiting.pop(1).result()
         done = [one.result() for one in waiting]
@@ -75,7 +74,7 @@ def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
 
     with ThreadPoolExecutor(2) as threads, monkeypatch.context() as patch:
         patch.setattr(journal, "append", away)
-        for one in in_turn(store, threads, "a", "bb"):
+        for one in in_turn(store, threads, ("a", 1), ("bb", 1)):
             with pytest.raises(UnavailableError):
                 one.result()
     assert store.revision(SEQUENCE) == before
@@ -97,7 +96,7 @@ def test_a_database_that_goes_away_as_an_edit_is_drafted_fails_all_in_words(
 
     with ThreadPoolExecutor(3) as threads, monkeypatch.context() as patch:
         patch.setattr(Draft, "write", lost)
-        for one in in_turn(store, threads, "a", "bb", "ccc"):
+        for one in in_turn(store, threads, ("a", 1), ("bb", 1), ("ccc", 1)):
             with pytest.raises(UnavailableError):
                 one.result()
     assert store.revision(SEQUENCE) == before

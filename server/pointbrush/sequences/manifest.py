@@ -120,7 +120,7 @@ def checksum(content: dict[str, Any]) -> str:
 
 
 def now() -> str:
-    """The date of an import that begins now; two never have the same."""
+    """The date of an import that begins now, to the microsecond: the identity goes by it."""
     return datetime.now(UTC).isoformat(timespec="microseconds")
 
 
