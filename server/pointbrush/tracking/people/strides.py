@@ -74,6 +74,8 @@ def _stride(observation: PersonObservation, person: Person, picture: Picture) ->
         right[:, None] * observation.flat[:, 0] + ahead[:, None] * observation.flat[:, 1]
     )
     some = slice(None, None, max(1, len(person.xyz) // options.sampled_cells))
+    # Contiguous however many there are, so that the loop is compiled for one layout.
+    xyz, colour = np.ascontiguousarray(person.xyz[some]), np.ascontiguousarray(person.colour[some])
     costs = PixelCosts(
         np.float32(options.same_depth_m),
         options.hidden_cost,
@@ -83,7 +85,7 @@ def _stride(observation: PersonObservation, person: Person, picture: Picture) ->
         np.float32(options.other_colour),
     )
     nearest_m = observation.options.lens.nearest_m
-    cost = _mean_costs(picture, person.xyz[some], person.colour[some], tried, costs, nearest_m)
+    cost = _mean_costs(picture, xyz, colour, tried, costs, nearest_m)
     total = options.evidence_weight * cost + (right**2 + ahead**2) / 2
     return np.asarray(tried[total.argmin()])
 
