@@ -182,7 +182,7 @@ def test_a_touch_and_small_things_are_no_dispute(passing: list[scenes.Frame]) ->
     assert undisputed(same, {1: one, 2: other}, options=OPTIONS.body) == same
 
 
-def test_who_comes_out_of_hiding_is_known_by_his_clothes(passing: list[scenes.Frame]) -> None:
+def test_who_comes_out_of_hiding_is_known_by_their_clothes(passing: list[scenes.Frame]) -> None:
     track, _ = thing_of(passing[0], 2, 2)
     track.frames_unseen = 3
     last = passing[-1]

@@ -355,7 +355,7 @@ def test_doubts_end_when_clothes_tell() -> None:
 @pytest.mark.parametrize(
     ("touching", "doubted", "told"), [(0.0, False, True), (0.2, False, False), (0.0, True, False)]
 )
-def test_what_was_hidden_where_somebody_was_painted_tells_his_clothes_once_he_is_alone(
+def test_what_was_hidden_where_somebody_was_painted_tells_their_clothes_once_he_is_alone(
     touching: float, doubted: bool, told: bool
 ) -> None:
     legs, shirt = body(0.0, BLUE), body(0.0, RED, tall=1.0)
