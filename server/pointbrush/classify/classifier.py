@@ -149,7 +149,7 @@ class Classifier:
             count = len(self.classes)
             return np.full((len(place.center), count), 1 / count, np.float32)
         chance = smoothed(probabilities(self.trees, place.features), place.near)
-        return voted(chance, place.piece)
+        return voted(chance, place.groups)
 
 
 def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:

@@ -6,13 +6,13 @@ moments of what lies round a cell are interpolated between cubes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.classify.bodies import NAMES as BODY
-from pointbrush.classify.bodies import describe_bodies
+from pointbrush.classify.bodies import describe_bodies, seen_bodies
 from pointbrush.classify.grid import MOST, find, key_of, means, neighbours, number_cubes
 from pointbrush.classify.options import FeatureOptions
 from pointbrush.compiled import compiled, innermost
@@ -64,8 +64,8 @@ class ExampleFrame:
 @dataclass(frozen=True, slots=True, eq=False)
 class Described:
     """C cells of a frame: ``of_point`` (N,) the cell of each point, ``center`` (C, 3) metres,
-    ``near`` (C, 26) neighbouring cells or -1, ``features`` (C, F) as ``feature_names`` has them,
-    ``piece`` (C,) the piece of one surface that each lies in, or none where there are no pieces.
+    ``near`` (C, 26) neighbouring cells or -1, ``features`` (C, F) as ``feature_names`` has them.
+    ``groups``: each (C,) numbers cells that likely are of one class, -1 for those in no group.
     """
 
     size: float
@@ -73,13 +73,13 @@ class Described:
     center: NDArray[np.float32]
     near: NDArray[np.int32]
     features: Features
-    piece: NDArray[np.int32]
+    groups: tuple[NDArray[np.int32], ...] = ()
 
     @property
     def nbytes(self) -> int:
         """Bytes of all arrays."""
-        every = (getattr(self, each.name) for each in fields(self))
-        return sum(each.nbytes for each in every if isinstance(each, np.ndarray))
+        every = (self.of_point, self.center, self.near, self.features, *self.groups)
+        return sum(each.nbytes for each in every)
 
 
 def feature_names(options: FeatureOptions) -> tuple[str, ...]:
@@ -134,46 +134,46 @@ def describe(frame: ExampleFrame, size: float, options: FeatureOptions) -> Descr
     colour, strength, back = _tones(frame, of_point, count)
     tones = np.hstack([colour, strength])
     held = np.bincount(of_point, minlength=count)[:, None]
+    heights, floor = _heights(center, size, options), options.floor * size
     columns = [
         *(_shapes(center, size, size * 2.0 ** (level + 1)) for level in range(options.levels)),
         *(_columns(center, edge * size) for edge in options.columns),
-        *_on_ground(center, size, options),
+        *(height[:, None] for height in heights),
+        *(describe_bodies(center, heights[-1], floor, edge * size) for edge in options.bodies),
         *(np.log(np.maximum(held, 1)), colour, strength, back),
         *(_blurred(center, tones, size * 2.0 ** (level + 1)) for level in options.coloured),
     ]
     features = np.hstack(columns).astype(np.float32)
     near = neighbours(keys, slots)
-    piece = _pieces(frame, low, of_point, count)
-    return Described(size, of_point, (center + low).astype(np.float32), near, features, piece)
+    groups: tuple[NDArray[np.int32], ...] = ()
+    if frame.sensor != "room" and count:
+        # Scans of many views have none: there pieces are smaller than what neighbours vote on.
+        eye = None if frame.viewpoint is None else frame.viewpoint - low
+        groups = (_pieces(frame, low, eye, of_point, count),)
+        if eye is not None:
+            groups += (seen_bodies(center, heights[-1] > floor, eye, options.body_gap),)
+    return Described(size, of_point, (center + low).astype(np.float32), near, features, groups)
 
 
 def _pieces(
-    frame: ExampleFrame, low: Floats, of_point: NDArray[np.int32], count: int
+    frame: ExampleFrame, low: Floats, eye: Floats | None, of_point: NDArray[np.int32], count: int
 ) -> NDArray[np.int32]:
-    """Return the object tool's piece (C,) that each cell lies in; none for scans of many views.
-
-    There pieces are smaller than what neighbours vote on.
-    """
-    out = np.zeros(count if frame.sensor != "room" else 0, np.int32)
-    if len(out):
-        eye = None if frame.viewpoint is None else frame.viewpoint - low
-        xyz = (frame.xyz - low).astype(np.float32)
-        strength = None if frame.intensity is None else np.asarray(frame.intensity, np.float32)
-        seen = ObjectFrame(xyz, frame.rgb, strength, eye, frame.sensor)
-        parts = part_frame(seen, ObjectOptions())
-        out[of_point] = parts.piece[parts.of_point]
+    """Number the object tool's piece of one surface (C,) that each cell lies in."""
+    xyz = (frame.xyz - low).astype(np.float32)
+    strength = None if frame.intensity is None else np.asarray(frame.intensity, np.float32)
+    parts = part_frame(ObjectFrame(xyz, frame.rgb, strength, eye, frame.sensor), ObjectOptions())
+    out = np.zeros(count, np.int32)
+    out[of_point] = parts.piece[parts.of_point]
     return out
 
 
-def _on_ground(center: Floats, size: float, options: FeatureOptions) -> list[Floats]:
-    """Heights over the ground as it may rise, and the bodies that stand on the steepest one."""
-    heights = []
-    for slope in options.slopes:
-        ground = GroundOptions(options.ground_column * size, slope=slope, fewest_points=2)
-        heights.append(height_over_ground(center, ground))
-    floor = options.floor * size
-    bodies = [describe_bodies(center, heights[-1], floor, edge * size) for edge in options.bodies]
-    return [height[:, None] for height in heights] + bodies
+def _heights(center: Floats, size: float, options: FeatureOptions) -> list[Floats]:
+    """Measure the heights (C,) over the ground as it may rise, the steepest last."""
+    grounds = (
+        GroundOptions(options.ground_column * size, slope=slope, fewest_points=2)
+        for slope in options.slopes
+    )
+    return [height_over_ground(center, ground) for ground in grounds]
 
 
 def _tones(

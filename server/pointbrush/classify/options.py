@@ -36,6 +36,8 @@ class FeatureOptions:
     """Edges of cubes, cells, that belong to one body where they are neighbours."""
     floor: float = 2.5
     """Height over the ground from which on something stands on it, cells."""
+    body_gap: float = 0.015
+    """Angle, radians, within which what stands is one body as seen from the frame's viewpoint."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""

@@ -1,6 +1,8 @@
-"""A vote of neighbouring cells, and of the pieces they lie in, on their classes."""
+"""A vote of neighbouring cells, and of the groups they lie in, on their classes."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,8 +10,8 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled
 
 Chances = NDArray[np.float32]
-PIECE_SHARE = 0.8
-"""Weight of a piece's mean beside a cell's own chance."""
+GROUP_SHARE = 0.8
+"""Weight of a group's mean beside a cell's own chance."""
 
 
 @compiled
@@ -28,23 +30,32 @@ def smoothed(chance: Chances, near: NDArray[np.int32]) -> Chances:
     return out
 
 
-def voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
-    """Return the chance (C, K) of each cell, moved towards the mean of its piece (C,) if any."""
-    return _voted(chance, piece) if len(piece) else chance
+def voted(chance: Chances, groups: Iterable[NDArray[np.int32]]) -> Chances:
+    """Move the chance (C, K) of each cell towards the mean of its group, by one after the other.
+
+    ``groups``: each (C,) numbers cells from 0, -1 for those in no group.
+    """
+    for group in groups:
+        chance = _voted(chance, group)
+    return chance
 
 
 @compiled
-def _voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
-    total = np.zeros((piece.max() + 1, chance.shape[1] + 1))
+def _voted(chance: Chances, group: NDArray[np.int32]) -> Chances:
+    kinds = chance.shape[1]
+    total = np.zeros((group.max() + 1, kinds + 1))
     for c in range(len(chance)):
-        total[piece[c], -1] += 1
-        for k in range(chance.shape[1]):
-            total[piece[c], k] += chance[c, k]
-    out = np.empty_like(chance)
+        if group[c] >= 0:
+            total[group[c], -1] += 1
+            for k in range(kinds):
+                total[group[c], k] += chance[c, k]
+    out = chance.copy()
     for c in range(len(chance)):
-        sums = total[piece[c]]
-        for k in range(chance.shape[1]):
-            out[c, k] = (1 - PIECE_SHARE) * chance[c, k] + PIECE_SHARE * sums[k] / sums[-1]
+        if group[c] >= 0:
+            sums = total[group[c]]
+            for k in range(kinds):
+                mean = sums[k] / sums[-1]
+                out[c, k] = (1 - GROUP_SHARE) * chance[c, k] + GROUP_SHARE * mean
     return out
 
 

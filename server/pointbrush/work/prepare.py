@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from pointbrush.classify.features import ExampleFrame, describe, scale_of
 from pointbrush.classify.forest import learn, probabilities
 from pointbrush.classify.options import FeatureOptions, ForestOptions
-from pointbrush.classify.smoothing import smoothed
+from pointbrush.classify.smoothing import smoothed, voted
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
 from pointbrush.selection.objects import ObjectFrame, candidates
@@ -107,11 +107,12 @@ def label_by_example() -> None:
     made = generate("tabletop", 1, 1).frame(0)
     few = made.xyz[::8].astype(np.float32)
     options = FeatureOptions()
-    place = describe(ExampleFrame(few), scale_of(few, options), options)
+    seen = ExampleFrame(few, viewpoint=made.viewpoint, sensor="lidar")
+    place = describe(seen, scale_of(few, options), options)
     chosen = np.arange(len(place.center), step=20)
     classes, spread = chosen % 2, np.ones(place.features.shape[1])
     trees = learn(place.features[chosen], classes, 2, spread, ForestOptions(trees=2))
-    smoothed(probabilities(trees, place.features), place.near)
+    voted(smoothed(probabilities(trees, place.features), place.near), place.groups)
 
 
 def _part(made: PointFrame, seen: NDArray[np.bool_]) -> PointFrame:

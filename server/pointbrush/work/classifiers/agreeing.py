@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.features import Described
-from pointbrush.classify.smoothing import Chances
+from pointbrush.classify.smoothing import Chances, voted
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.frames import level_rotation
 
@@ -42,7 +42,7 @@ def voter_of(
 def agreed(
     recording: Recording, frame: int, place: Described, chance: Chances, voter: int, say: Say
 ) -> Chances:
-    """Return the chances (C, K) of a frame's cells, each the mean with the same place's there."""
+    """Mean the chances (C, K) of a frame's cells with the same places' there, and vote again."""
     from scipy.spatial import cKDTree  # loads much that no other call needs
 
     there, said = say(voter)
@@ -54,7 +54,7 @@ def agreed(
     same = np.flatnonzero(np.isfinite(away))
     out = chance.copy()
     out[same] = (out[same] + said[np.asarray(near)[same]]) / 2
-    return out
+    return voted(out, place.groups)
 
 
 def _world_of(recording: Recording, frame: int) -> Floats:
