@@ -165,6 +165,21 @@ def put(server: LiveServer, frame: int, labels: object) -> None:
     server.request("PUT", path, content=body.getvalue())
 
 
+# The field with the focus before anything else happens: a quick typist's next key is on its way.
+FOCUSED_AT_ONCE = """async (key) => {
+  const init = { ...key, bubbles: true, cancelable: true };
+  document.getElementById('view').dispatchEvent(new KeyboardEvent('keydown', init));
+  for (let turn = 0; turn < 20; turn++) await null;
+  return document.activeElement.getAttribute('aria-label');
+}"""
+
+
+def test_what_is_typed_at_once_is_in_the_field_of_a_dialog(desk: Desk) -> None:
+    for key, field in (("k", "Search commands"), ("?", "Search")):
+        assert desk.page.evaluate(FOCUSED_AT_ONCE, {"key": key, "ctrlKey": key == "k"}) == field
+        desk.press("Escape")
+
+
 def test_help_lists_every_key_and_closes(desk: Desk) -> None:
     desk.press("?")
     dialog = desk.page.get_by_role("dialog", name="Keyboard and mouse")

@@ -1,5 +1,5 @@
 /** Every command, found by its words: Ctrl K. */
-import { useEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import {
   commandsNow,
   found,
@@ -21,7 +21,8 @@ function Opened() {
   const [at, setAt] = useState(0);
   const all = useMemo(() => lastFirst(commandsNow()), []);
   const shown = [...frameCommand(query), ...found(all, query)];
-  useEffect(() => dialog.current?.showModal(), []);
+  // In the same turn as its key, so that what is typed next is in its field.
+  useLayoutEffect(() => dialog.current?.showModal(), []);
   useEffect(() => {
     document.getElementById(optionId(at))?.scrollIntoView({ block: 'nearest' });
   }, [at]);

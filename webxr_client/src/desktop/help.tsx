@@ -1,6 +1,6 @@
 /** The keyboard and the mouse, on one page that can be searched. */
 import { signal } from '@preact/signals';
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { BOX_KEYS } from '../boxes/keys';
 import { COMMANDS } from './commands';
 import { keyName } from './keyboard';
@@ -59,7 +59,7 @@ export function Help() {
 function Opened() {
   const dialog = useRef<HTMLDialogElement>(null);
   const [query, setQuery] = useState('');
-  useEffect(() => dialog.current?.showModal(), []);
+  useLayoutEffect(() => dialog.current?.showModal(), []);
   const rows = found(rowsNow(), query);
   return (
     <dialog

@@ -1,5 +1,5 @@
 /** The settings of a project: its name, and a tab for each of what its lead decides. */
-import { useEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { type Project, projects, settled } from '../engine/projects';
 import { Button, Check } from '../panels/parts/controls';
 import { Tabs } from '../panels/parts/tabs';
@@ -32,7 +32,7 @@ export function ProjectSettings() {
   const dialog = useRef<HTMLDialogElement>(null);
   const of = settledProject.value;
   const open = of !== null;
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (open) dialog.current?.showModal();
     else secret.value = null;
   }, [open]);

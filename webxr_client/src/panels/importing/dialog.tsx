@@ -1,6 +1,6 @@
 /** Between a drop and an import: what was found, and what a person says it is. */
 import type { ComponentChildren } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 import { FIRST, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
@@ -26,7 +26,7 @@ export function ImportDialog() {
   const dialog = useRef<HTMLDialogElement>(null);
   const draft = state.importing.value;
   const open = draft !== null;
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (open) dialog.current?.showModal();
   }, [open]);
   if (!draft) return null;
