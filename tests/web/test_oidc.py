@@ -10,6 +10,7 @@ from typing import Any
 import httpx
 import pytest
 from cryptography.hazmat.primitives.asymmetric import rsa
+from postgres import postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.errors import BadInputError
 from pointbrush.web import oidc
@@ -22,13 +23,17 @@ ADA = {"sub": "1", "email": "ada@lab.example", "email_verified": True}
 HTML = {"Accept": "text/html"}
 
 
-@pytest.fixture(scope="module")
-def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Served, Provider]]:
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def running(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Served, Provider]]:
     folder = tmp_path_factory.mktemp("oidc")
+    postgres = request.param == "postgresql"
+    database = request.getfixturevalue("postgres_server").new_database() if postgres else ""
     (folder / "secret").write_text(f"{SECRET}\n")
     with providing() as provider:
         settings = settings_in(
-            folder, oidc_issuer=provider.url, oidc_client_id=CLIENT,
+            folder, database=database, oidc_issuer=provider.url, oidc_client_id=CLIENT,
             oidc_client_secret_file=str(folder / "secret"), oidc_roles_claim="lab.roles",
         )  # fmt: skip
         add_sequence(settings, "wall", frames=1, points=500)
