@@ -6,6 +6,7 @@ import zipfile
 from collections.abc import Callable
 
 import numpy as np
+from playwright.sync_api import expect
 
 from tests.e2e.desk import Desk
 from tests.e2e.recording import (
@@ -240,6 +241,19 @@ def test_a_wrong_token_is_said_plainly(open_desk: Open, server: LiveServer) -> N
     desk.until("pb.state.connection.value.state === 'refused'")
     assert "token" in desk.ask("pb.state.connection.value.detail")
     desk.complaints.clear()
+
+
+def test_who_signs_out_is_out_and_lost_nothing(desk: Desk, server: LiveServer) -> None:
+    desk.ask("pb.engine.closeSequence()")
+    expect(desk.page.get_by_text("Signed in as")).to_contain_text("admin")
+    desk.page.get_by_role("button", name="Sign out").click()
+    expect(desk.page.get_by_role("heading", name="You are signed out")).to_be_visible()
+    assert desk.page.evaluate("fetch('api/v1/session').then((answer) => answer.status)") == 401
+    desk.page.reload()
+    expect(desk.page.get_by_role("heading", name="You are signed out")).to_be_visible()
+    desk.page.goto(server.page_url)
+    desk.ready()
+    desk.complaints.clear()  # refused requests are told in the console
 
 
 def test_a_link_to_a_recording_that_is_gone_leads_to_the_list(

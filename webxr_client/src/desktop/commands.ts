@@ -6,6 +6,7 @@ import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
 import { judgeHere, stepFindings } from '../reviewing/store';
 import { nextTask, openTeam } from '../team/store';
+import { signOut } from '../engine/sign-out';
 import { exportOpen } from '../panels/export-menu';
 import { historyOpen } from '../panels/history-menu';
 import { commandsOpen, helpOpen } from '../panels/parts/popover';
@@ -179,6 +180,7 @@ const MORE: readonly KeyBinding[] = [
   plain('Edit', 'History: who changed what', () => (historyOpen.value = true)),
   plain('Recordings', 'Export points and labels…', () => (exportOpen.value = true)),
   plain('Recordings', 'All recordings', () => actions.closeSequence()),
+  plain('Recordings', 'Sign out', signOut, () => state.me.peek() !== null),
   plain(
     'Recordings',
     'Import files…',

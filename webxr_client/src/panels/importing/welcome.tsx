@@ -1,6 +1,7 @@
 /** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
 import { useEffect, useState } from 'preact/hooks';
 import { importEach, importInto, projects } from '../../engine/projects';
+import { signOut } from '../../engine/sign-out';
 import { actions } from '../../store/actions';
 import { canManage, state } from '../../store/state';
 import { Button, Check } from '../parts/controls';
@@ -24,8 +25,24 @@ export function Welcome() {
         {sequences.length > 0 ? <Recordings sequences={sequences} /> : <Empty />}
         <ImportBox />
         <Deleted />
+        <Account />
       </div>
     </div>
+  );
+}
+
+/** The account that is signed in and its role, with a button to sign out. */
+function Account() {
+  const me = state.me.value;
+  return (
+    me && (
+      <footer class="account soft">
+        <span>
+          Signed in as <b>{me.author}</b>, {me.role}
+        </span>
+        <Button label="Sign out" onClick={() => void signOut()} />
+      </footer>
+    )
   );
 }
 
@@ -38,9 +55,10 @@ function Waiting({ text }: { text: string }) {
   );
 }
 
-/** Reasons why signing in with the provider came to nothing, as the server names them. */
-const FAILED: Readonly<Record<string, string>> = {
+/** Reasons why there is no session, as the address has them. */
+const REASONS: Readonly<Record<string, string>> = {
   failed: 'Signing in did not succeed. Try again.',
+  out: 'Edits that were painted here are stored.',
   forbidden: 'You are signed in there, but have no access here. Ask who leads the workspace.',
 };
 
@@ -50,13 +68,14 @@ function Refused({ detail }: { detail: string }) {
     const none = (): void => undefined;
     api<{ name: string | null }>('GET', 'oidc').then(({ name }) => setProvider(name), none);
   }, []);
-  const failed = FAILED[new URL(location.href).searchParams.get('sign-in') ?? ''];
+  const reason = new URL(location.href).searchParams.get('sign-in') ?? '';
+  const title = provider === null ? 'This link does not open the workspace' : 'Sign in';
   const missing = 'The token in the address is missing, expired or wrong.';
   return (
     <div class="center message" role="alert">
       <Icon name="lock" />
-      <h1>{provider === null ? 'This link does not open the workspace' : 'Sign in'}</h1>
-      <p>{failed ?? (detail || missing)}</p>
+      <h1>{reason === 'out' ? 'You are signed out' : title}</h1>
+      <p>{REASONS[reason] ?? (detail || missing)}</p>
       {provider !== null && (
         <a class="button primary" href={apiUrl('oidc/login')}>
           Sign in with {provider}
