@@ -393,6 +393,8 @@ except PointbrushError as error:
 # rest
 place = "/sequences/juggling"
 client.call("GET", "/me")
+client.call("PUT", "/me/keys", json={"keys": {"Loop": "v"}})
+client.call("GET", "/me/keys")
 client.call("POST", "/session", json={"token": token})
 sample = {"origin": [0.0, 0.0, 0.0], "direction": xyz[100].tolist()}
 client.call("POST", f"{place}/floor", json={"frame": 0, "samples": [sample]})

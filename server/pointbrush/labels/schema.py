@@ -35,7 +35,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0019"
+HEAD = "0020"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -295,6 +295,13 @@ signing_keys = Table(
     metadata,
     Column("purpose", String(32), primary_key=True),
     Column("key", LargeBinary, nullable=False),
+)
+
+own_keys = Table(
+    "own_keys",
+    metadata,
+    Column("account", String(256), primary_key=True),
+    Column("keys", Text, nullable=False),  # of commands of the page: JSON
 )
 
 works = Table(

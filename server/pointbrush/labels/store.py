@@ -13,6 +13,7 @@ from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
+from pointbrush.labels.own_keys import OwnKeys
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.plans import Choose, NewBoxes, Writes, new_entry
 from pointbrush.labels.reading import View
@@ -55,6 +56,7 @@ class LabelStore:
         self.accounts = Accounts(self.database)
         self.sign_ins = SignIns(self.database)
         self.signing_keys = SigningKeys(self.database)
+        self.own_keys = OwnKeys(self.database)
         self.taxonomy = Taxonomy(self.database)
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)

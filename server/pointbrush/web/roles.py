@@ -34,6 +34,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/session"): "viewer",
     ("DELETE", "/session"): "viewer",
     ("GET", "/me"): "viewer",
+    ("GET", "/me/keys"): "viewer",
+    ("PUT", "/me/keys"): "viewer",
     ("GET", "/metrics"): "viewer",
     ("GET", "/sequences"): "viewer",
     ("GET", "/sequences/{seq}"): "viewer",

@@ -340,6 +340,22 @@ class MeOut(SessionOut):
     version: str
 
 
+Command = Annotated[str, Field(min_length=1, max_length=128)]
+CommandKey = Annotated[str, Field(min_length=1, max_length=32)]
+
+
+class OwnKeysBody(Body):
+    """Keys that the caller gave to commands of the page, by the commands' words."""
+
+    keys: Annotated[dict[Command, CommandKey], Field(max_length=256)]
+
+
+class OwnKeysOut(BaseModel):
+    """The caller's own keys."""
+
+    keys: Annotated[dict[str, str] | None, Field(description="null: none were ever chosen")]
+
+
 class Health(BaseModel):
     """The server is up."""
 

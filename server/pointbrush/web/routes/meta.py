@@ -13,11 +13,20 @@ from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.schema import schema_hash
 from pointbrush.web import auth
 from pointbrush.web.auth import Caller, Gate, Principal, resource
+from pointbrush.web.context import Ws
 from pointbrush.web.cookies import set_cookie
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
-from pointbrush.web.schemas import Health, MeOut, Ready, SessionBody, SessionOut
+from pointbrush.web.schemas import (
+    Health,
+    MeOut,
+    OwnKeysBody,
+    OwnKeysOut,
+    Ready,
+    SessionBody,
+    SessionOut,
+)
 
 router = resource("server")
 sign_in_router = APIRouter(prefix=PREFIX, tags=["server"])
@@ -51,6 +60,18 @@ def who_am_i(who: Caller) -> SessionOut:
 def me(who: Caller) -> MeOut:
     """Return the caller's identity, and the message schema that the socket speaks."""
     return MeOut(author=who.name, role=who.role, schema_=schema_hash(), version=__version__)
+
+
+@router.get("/me/keys", responses=responses())
+def own_keys(who: Caller, workspace: Ws) -> OwnKeysOut:
+    """Return the keys that the caller gave to commands of the page, in whichever browser."""
+    return OwnKeysOut(keys=workspace.labels.own_keys.get(who.author))
+
+
+@router.put("/me/keys", status_code=204, responses=responses(413))
+def set_own_keys(body: OwnKeysBody, who: Caller, workspace: Ws) -> None:
+    """Store the caller's own keys, in place of all that were there."""
+    workspace.labels.own_keys.put(who.author, body.keys)
 
 
 @router.delete("/session", status_code=204, responses=responses())
