@@ -5,12 +5,14 @@ from __future__ import annotations
 import io
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, expect
 
+from pointbrush.labels import LabelStore
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import SEQUENCE, painted
 from tests.e2e.server import LiveServer
@@ -198,6 +200,26 @@ def test_help_lists_every_key_and_closes(desk: Desk) -> None:
     desk.page.locator("#view").focus()
     desk.press("v")
     desk.until("!pb.state.loop.value && pb.state.tool.value === 'paint'")
+
+
+def test_keys_of_ones_own_are_a_persons_in_every_browser(
+    browser: Browser, server: LiveServer
+) -> None:
+    with closing(LabelStore(f"sqlite:///{server.workspace / 'labels.sqlite'}")) as labels:
+        token = labels.tokens.add("viewer", "ada")
+    for n in range(2):
+        desk = launch(browser, f"{server.url}/?token={token}")
+        desk.ready()
+        desk.press("?")
+        dialog = desk.page.get_by_role("dialog", name="Keyboard and mouse")
+        if n == 0:
+            dialog.get_by_role("button", name="Change keys").click()
+            dialog.get_by_role("button", name="Key of Loop: L").click()
+            with desk.page.expect_response("**/me/keys"):
+                desk.press("v")
+        row = dialog.locator("dl > div", has=desk.page.get_by_text("Loop", exact=True))
+        expect(row.locator("dd")).to_have_text("V")
+        desk.context.close()
 
 
 def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: LiveServer) -> None:

@@ -8,6 +8,7 @@ import { CommandPalette } from './desktop/command-palette';
 import { Help } from './desktop/help';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
+import { followOwnKeys } from './engine/own-keys';
 import { ExampleBar, ExampleButton } from './example/bar';
 import { Predicting } from './example/predicting';
 import type { Early } from './net/early';
@@ -51,6 +52,7 @@ export function startPage(early: Early): void {
       bars: [ExampleBar],
       dialogs: [Help, CommandPalette, ProjectSettings],
     });
+    followOwnKeys();
     new Predicting(engine);
     mountReview();
     mountTeam();

@@ -1,11 +1,11 @@
-/** A person's own keys, kept in this browser for each account. */
+/** A person's own keys: this browser's copy of each account's, which the server keeps. */
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { keep, kept } from './kept';
 import { state } from './state';
 import { follow } from './watch';
 
 /** Command, by its words → key as the keyboard's table writes it. */
-type OwnKeys = Readonly<Record<string, string>>;
+export type OwnKeys = Readonly<Record<string, string>>;
 
 const place: ReadonlySignal<string> = computed(
   () => `pointbrush.keys.${state.me.value?.account ?? ''}`,
@@ -16,8 +16,12 @@ export const ownKeys: ReadonlySignal<OwnKeys> = chosen;
 /** As printed → the key that a person has in its place: for tooltips. */
 export const renamedKeys = signal<ReadonlyMap<string, string>>(new Map());
 
+/** Keys that a person chose since the page opened, for the server to store; null: none. */
+export const keysToStore = signal<OwnKeys | null>(null);
+
 follow(() => {
   chosen.value = parsed(kept(place.value));
+  keysToStore.value = null;
 });
 
 function parsed(text: string | null): OwnKeys {
@@ -35,11 +39,20 @@ export function setKey(command: string, key: string | null): void {
   const others = Object.entries(chosen.peek()).filter(
     ([what, held]) => what !== command && held !== key,
   );
-  chosen.value = Object.fromEntries(key === null ? others : [...others, [command, key]]);
-  keep(place.peek(), JSON.stringify(chosen.peek()));
+  change(Object.fromEntries(key === null ? others : [...others, [command, key]]));
 }
 
 export function resetKeys(): void {
-  chosen.value = {};
-  keep(place.peek(), '{}');
+  change({});
+}
+
+/** Take the keys that the server keeps. */
+export function takeKeys(keys: OwnKeys): void {
+  chosen.value = keys;
+  keep(place.peek(), JSON.stringify(keys));
+}
+
+function change(keys: OwnKeys): void {
+  takeKeys(keys);
+  keysToStore.value = keys;
 }
