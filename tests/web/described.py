@@ -18,6 +18,8 @@ from schemathesis.specs.openapi.checks import (
     positive_data_acceptance,
 )
 
+from tests.waiting import PATIENCE
+
 POINTS = 300
 SEMANTIC = (
     "POST /api/v1/sequences",
@@ -112,7 +114,7 @@ def exercise(
         # A form has text alone: what is generated as a boolean arrives as a name.
         form = [negative_data_rejection] if case.media_type == "multipart/form-data" else []
         for token, may_all in callers:
-            response = case.call(headers={"Authorization": f"Bearer {token}"})
+            response = case.call(headers={"Authorization": f"Bearer {token}"}, timeout=PATIENCE)
             look(response)
             refused = [] if may_all else [positive_data_acceptance, ignored_auth]
             case.validate_response(response, excluded_checks=[*senseless, *form, *refused])
