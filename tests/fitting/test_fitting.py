@@ -65,6 +65,40 @@ def test_what_moves_has_its_front_ahead() -> None:
             assert heading(made, frame) @ ahead > np.cos(np.radians(5))
 
 
+def turning(
+    rate: float, start: tuple[float, float], sides: tuple[str, str], points: int
+) -> Iterator[Observation]:
+    """A car that turns from the first frame on, ``rate`` radians a second at 5 m/s.
+
+    Of its ``sides`` the former are seen by few ``points`` in four frames, then the latter by more.
+    """
+    at = np.array(start)
+    for frame in range(10):
+        yaw = rate * frame / 10
+        whole = seen(sides[frame > 3], yaw, (float(at[0]), float(at[1])), frame)
+        some = np.random.default_rng(frame).permutation(len(whole.xyz))
+        yield replace(whole, xyz=whole.xyz[some[: points if frame < 4 else 4 * points]])
+        at = at + 0.5 * np.array([np.cos(yaw), np.sin(yaw)])
+
+
+@pytest.mark.parametrize(
+    ("rate", "start", "sides", "points"),
+    [
+        (0.6, (-7.0, -9.0), ("f", "fl"), 40),
+        (-0.6, (-12.0, 6.0), ("l", "lb"), 100),
+        (-0.6, (-7.0, -9.0), ("l", "lb"), 40),
+    ],
+)
+def test_what_turns_at_once_heads_along_its_turn(
+    rate: float, start: tuple[float, float], sides: tuple[str, str], points: int
+) -> None:
+    made = fit_box(list(turning(rate, start, sides, points)), priors_of("car"))
+    for frame in made.poses:
+        yaw = rate * frame / 10
+        ahead = np.array([np.cos(yaw), np.sin(yaw), 0])
+        assert heading(made, frame) @ ahead > np.cos(np.radians(5)), frame
+
+
 def test_boxes_are_upright_in_coordinates_whose_up_is_another_axis() -> None:
     z_up = seen("rtb", 0.4, (9.0, 2.0))
     turn = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])  # a camera's axes: y down, z ahead

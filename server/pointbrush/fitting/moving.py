@@ -155,13 +155,15 @@ def _directions(
         moving = np.flatnonzero(~slow)
         along = along[moving[np.abs(np.arange(len(along))[:, None] - moving).argmin(axis=1)]]
     if prior.person:
-        return smooth_angles(along, np.full(len(along), 0.3), times, np.radians(90))
+        return smooth_angles(
+            along, np.full(len(along), 0.3), times, np.radians(options.person_swerve)
+        )
     turning = np.gradient(np.unwrap(along), times) if len(along) > 1 else np.zeros(len(along))
     slip = np.arctan(np.clip(AXLE * size[0] * turning / np.maximum(speed, SLOW), -0.5, 0.5))
     guess = along - slip
-    # A slow or a turning path says less: its places are known to a side's noise.
+    # A slow or a turning path says less.
     far = np.clip(speed * min(options.path_seconds, float(times[-1] - times[0])), 0.1, None)
-    path_noise = 2 * options.side_noise / far + np.abs(turning) * options.path_lag
+    path_noise = options.path_noise / far + np.abs(turning) * options.path_lag
     path_noise = np.clip(path_noise, np.radians(1), np.radians(25))
     found, noise = np.empty(len(views)), np.empty(len(views))
     for k, view in enumerate(views):
@@ -173,7 +175,7 @@ def _directions(
         a, b = 1 / path_noise[k] ** 2, 1 / weak**2
         found[k] = guess[k] + float(wrapped(outline - guess[k], np.pi / 2)) * b / (a + b)
         noise[k] = 1 / np.sqrt(a + b)
-    return smooth_angles(found, noise, times, np.radians(options.yaw_drift))
+    return smooth_angles(found, noise, times, np.radians(options.swerve))
 
 
 def _by_outlines(views: list[View], yaws: Floats, times: Floats, options: FitOptions) -> Floats:
@@ -183,4 +185,4 @@ def _by_outlines(views: list[View], yaws: Floats, times: Floats, options: FitOpt
         agreed[k] = agreed[k - 1] + float(wrapped(yaws[k] - agreed[k - 1], np.pi))
     weight = np.array([len(view.xyz) for view in views], float)
     noise = np.radians(options.lshape_noise) * np.sqrt(weight.max() / weight)
-    return smooth_angles(agreed, noise, times, np.radians(options.yaw_drift) * 2)
+    return smooth_angles(agreed, noise, times, np.radians(options.swerve) * 2)

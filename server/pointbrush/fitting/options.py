@@ -79,10 +79,15 @@ class FitOptions:
     """… that has so many points; more say more, down to a third of it."""
     path_seconds: float = 0.4
     """Time over which a path tells a direction …"""
-    path_lag: float = 0.15
+    path_lag: float = 0.3
     """… and by which it tells that of what turns late or early, seconds."""
-    yaw_drift: float = 25.0
-    """Degrees a second by which the direction drifts from that of the path."""
+    path_noise: float = 0.24
+    """Metres; standard deviation, across, of how far a path went in that time: its places move
+    with the sides that are seen."""
+    swerve: float = 80.0
+    """Degrees a second squared; what the rate of a vehicle's turn is likely to change by."""
+    person_swerve: float = 1000.0
+    """The same of somebody on foot."""
     walking: float = 0.3
     """Metres a second from which on somebody faces the way they go."""
     rounds: int = 3

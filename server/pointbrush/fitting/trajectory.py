@@ -22,6 +22,11 @@ def bends(times: Floats) -> Floats:
     return rows
 
 
+def _weighted_bends(times: Floats) -> Floats:
+    """Weigh the matrix of ``bends``: one lasts as long as the frames beside it, and says more."""
+    return np.asarray(bends(times) * np.sqrt((times[2:] - times[:-2]) / 2)[:, None] * 2)
+
+
 def smooth_path(
     places: Floats, noise: Floats, yaws: Floats, times: Floats, acceleration: float
 ) -> Floats:
@@ -32,9 +37,7 @@ def smooth_path(
     k = len(places)
     if k < 3:
         return places
-    D = np.kron(bends(times), np.eye(2)) / acceleration
-    # A bend lasts as long as the frames beside it: longer steps say more.
-    D *= np.sqrt(np.repeat((times[2:] - times[:-2]) / 2, 2))[:, None] * 2
+    D = np.kron(_weighted_bends(times), np.eye(2)) / acceleration
     c, s = np.cos(yaws), np.sin(yaws)
     axes = np.stack([np.stack([c, s], 1), np.stack([-s, c], 1)], 1)  # (k, along or across, 2)
     weight = np.ones((k, 2))
@@ -51,19 +54,20 @@ def smooth_path(
     return np.asarray(path)
 
 
-def smooth_angles(angles: Floats, noise: Floats, times: Floats, drift: float) -> Floats:
-    """Smooth angles (k,) radians of standard deviations ``noise`` (k,); ``drift`` a second."""
+def smooth_angles(angles: Floats, noise: Floats, times: Floats, swerve: float) -> Floats:
+    """Smooth angles (k,) radians of standard deviations ``noise`` (k,).
+
+    ``swerve`` radians a second squared is what the rate of their turn is likely to change by.
+    """
     unwrapped = np.unwrap(angles)
-    k = len(angles)
-    if k < 2:
+    if len(angles) < 3:
         return unwrapped
-    likely = drift * np.sqrt(np.maximum(np.diff(times), 1e-3))
-    steps = np.diff(np.eye(k), axis=0) / likely[:, None]
-    weight = np.ones(k)
+    D = _weighted_bends(times) / swerve
+    weight = np.ones(len(angles))
     smooth: Floats = unwrapped
     for _ in range(PASSES):
         w = weight / noise**2
-        smooth = np.asarray(np.linalg.solve(steps.T @ steps + np.diag(w), w * unwrapped))
+        smooth = np.asarray(np.linalg.solve(D.T @ D + np.diag(w), w * unwrapped))
         weight = np.minimum(1, HUBER / np.maximum(np.abs(smooth - unwrapped) / noise, 1e-9))
     return np.asarray(wrapped(smooth))
 
