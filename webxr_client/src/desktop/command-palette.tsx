@@ -1,5 +1,5 @@
 /** Every command, found by its words: Ctrl K. */
-import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
+import { useEffect, useMemo, useState } from 'preact/hooks';
 import {
   commandsNow,
   found,
@@ -8,6 +8,7 @@ import {
   noteUsed,
   type Command,
 } from './command-search';
+import { useModal } from '../panels/parts/modal';
 import { commandsOpen } from '../panels/parts/popover';
 import { nextIndex } from '../panels/parts/radio-group';
 
@@ -16,13 +17,11 @@ export function CommandPalette() {
 }
 
 function Opened() {
-  const dialog = useRef<HTMLDialogElement>(null);
+  const dialog = useModal();
   const [query, setQuery] = useState('');
   const [at, setAt] = useState(0);
   const all = useMemo(() => lastFirst(commandsNow()), []);
   const shown = [...frameCommand(query), ...found(all, query)];
-  // In the same turn as its key, so that what is typed next is in its field.
-  useLayoutEffect(() => dialog.current?.showModal(), []);
   useEffect(() => {
     document.getElementById(optionId(at))?.scrollIntoView({ block: 'nearest' });
   }, [at]);

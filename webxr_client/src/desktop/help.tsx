@@ -1,6 +1,6 @@
 /** The keyboard and the mouse, on one page that can be searched. */
 import { signal } from '@preact/signals';
-import { useLayoutEffect, useRef, useState } from 'preact/hooks';
+import { useState } from 'preact/hooks';
 import { BOX_KEYS } from '../boxes/keys';
 import { COMMANDS } from './commands';
 import { keyName } from './keyboard';
@@ -10,6 +10,7 @@ import { resetKeys, setKey } from '../store/own-keys';
 import { found } from './command-search';
 import { Button } from '../panels/parts/controls';
 import { state } from '../store/state';
+import { useModal } from '../panels/parts/modal';
 import { helpOpen } from '../panels/parts/popover';
 import { beginTour } from '../panels/tour-steps';
 
@@ -57,9 +58,8 @@ export function Help() {
 }
 
 function Opened() {
-  const dialog = useRef<HTMLDialogElement>(null);
+  const dialog = useModal();
   const [query, setQuery] = useState('');
-  useLayoutEffect(() => dialog.current?.showModal(), []);
   const rows = found(rowsNow(), query);
   return (
     <dialog

@@ -1,7 +1,8 @@
 /** The settings of a project: its name, and a tab for each of what its lead decides. */
-import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
+import { useEffect, useState } from 'preact/hooks';
 import { type Project, projects, settled } from '../engine/projects';
 import { Button, Check } from '../panels/parts/controls';
+import { useModal } from '../panels/parts/modal';
 import { Tabs } from '../panels/parts/tabs';
 import {
   deleteProject,
@@ -29,12 +30,11 @@ const BODIES: Readonly<Record<SettingsTab, (props: { of: Project }) => preact.JS
 };
 
 export function ProjectSettings() {
-  const dialog = useRef<HTMLDialogElement>(null);
   const of = settledProject.value;
   const open = of !== null;
-  useLayoutEffect(() => {
-    if (open) dialog.current?.showModal();
-    else secret.value = null;
+  const dialog = useModal(open);
+  useEffect(() => {
+    if (!open) secret.value = null;
   }, [open]);
   if (!of) return null;
   const close = (): void => void (settled.value = null);

@@ -1,10 +1,10 @@
 /** Between a drop and an import: what was found, and what a person says it is. */
 import type { ComponentChildren } from 'preact';
-import { useLayoutEffect, useRef } from 'preact/hooks';
 import { FIRST, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
 import { Button, Check } from '../parts/controls';
+import { useModal } from '../parts/modal';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { Facts, Labels, onPage, orderCounts } from './found';
@@ -23,12 +23,8 @@ const AXES = ['z', 'y', '-y', '-z', 'x', '-x'] as const;
 const DELIMITERS = ['comma', 'semicolon', 'tab', 'space', 'pipe'] as const;
 
 export function ImportDialog() {
-  const dialog = useRef<HTMLDialogElement>(null);
   const draft = state.importing.value;
-  const open = draft !== null;
-  useLayoutEffect(() => {
-    if (open) dialog.current?.showModal();
-  }, [open]);
+  const dialog = useModal(draft !== null);
   if (!draft) return null;
   const submit = (event: Event): void => {
     event.preventDefault();
