@@ -81,7 +81,7 @@ class FitOptions:
     """Time over which a path tells a direction …"""
     path_lag: float = 0.3
     """… and by which it tells that of what turns late or early, seconds."""
-    path_noise: float = 0.24
+    path_noise: float = 0.18
     """Metres; standard deviation, across, of how far a path went in that time: its places move
     with the sides that are seen."""
     swerve: float = 80.0
