@@ -162,7 +162,7 @@ class Row:
 
 
 HEAD = """\
-| what | how often | answered | 503 | damaged | lost | differs | 5xx | time |
+| fault | rounds | answered | 503 | damaged | lost | differs | 5xx | time |
 |---|---|---|---|---|---|---|---|---|"""
 
 

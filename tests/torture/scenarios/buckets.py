@@ -45,7 +45,7 @@ class Place:
         )
 
 
-@scenario("object storage answers 403, 500, slowly or half, under six authors and imports", 2)
+@scenario("object storage answers 403, 500, slowly or in part, during edits and imports", 2)
 def bucket_faulty(arena: Arena) -> None:
     """Each server begins with an empty cache."""
     place, librarian = Place(arena), Librarian(arena)
@@ -65,7 +65,7 @@ def bucket_faulty(arena: Arena) -> None:
             quiet(server, arena.tally)
 
 
-@scenario("an object in object storage is changed, cut or removed under the server", 1)
+@scenario("an object in object storage is changed, cut or removed while it is served", 1)
 def bucket_changed(arena: Arena) -> None:
     """The frame is told to be damaged, the others are served, and it too once it is back."""
     place = Place(arena)

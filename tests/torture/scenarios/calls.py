@@ -92,7 +92,7 @@ def messages(draw: st.DrawFn) -> bytes:
     return packed[: draw(st.integers(0, len(packed)))] if draw(st.booleans()) else packed
 
 
-@scenario("generated messages over the socket, known ones with fields changed and cut ones", 1)
+@scenario("generated, changed and truncated messages over the socket", 1)
 def socket_messages(arena: Arena) -> None:
     """Whoever sends them is told what is wrong, and is served after them."""
     chosen = settings_in(arena.folder)

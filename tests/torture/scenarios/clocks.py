@@ -23,7 +23,7 @@ SPARE = "spare"
 """A recording that is deleted, and restored."""
 
 
-@scenario("the clock a day back and a month ahead, with tokens and the trash", 1)
+@scenario("the clock jumps a day back and a month ahead: tokens, deleted recordings", 1)
 def clock_jumps(arena: Arena) -> None:
     """What was deleted is there still when the clock is right again; so are tokens."""
     workspace, clock = arena.folder / "workspace", arena.folder / "clock"

@@ -16,7 +16,7 @@ LOSSES = (("worker",), ("worker", "scheduler"))
 """Parts that are lost together: a worker ends by itself when its scheduler does."""
 
 
-@scenario("a Dask worker, or the scheduler too, is lost and comes back under six authors", 1)
+@scenario("a Dask worker, or also the scheduler, is lost and returns, while six authors edit", 1)
 def dask_lost(arena: Arena) -> None:
     """Their tracking runs and somebody's imports run on it."""
     pytest.importorskip("distributed")

@@ -48,7 +48,7 @@ def connected(server: ServerProcess, *, window: int = 0) -> socket.socket:
     return link
 
 
-@scenario("1,500 connections at once during imports, under six authors", 1)
+@scenario("1,500 connections at once, during imports and edits of six authors", 1)
 def connections(arena: Arena) -> None:
     """Each asks for the server's health and stays: 200, or 503 in words when there are too many."""
     authors, librarian = Authors(arena.folder / "workspace", arena.seed), Librarian(arena, 200_000)
@@ -79,7 +79,7 @@ def _answered(link: socket.socket, tally: Tally) -> None:
     tally.status(status, answer, away=True)
 
 
-@scenario("200 viewers who play and never read, under six authors", 1)
+@scenario("200 viewers play without reading, while six authors edit", 1)
 def deaf_viewers(arena: Arena) -> None:
     """Authors go on, and each viewer takes a bounded part of the server's memory."""
     authors = Authors(arena.folder / "workspace", arena.seed)

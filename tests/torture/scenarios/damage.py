@@ -105,7 +105,7 @@ def cut(path: Path, share: float) -> Iterator[None]:
         os.utime(path)  # a state of its own, also within the clock's step
 
 
-@scenario("files of recordings are cut short while they are read", 1)
+@scenario("files of recordings are truncated while they are read", 1)
 def files_cut(arena: Arena) -> None:
     """The server lives, tells what is damaged, and serves it again when it is whole."""
     settings = settings_in(arena.folder)

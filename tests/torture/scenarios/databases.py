@@ -47,13 +47,13 @@ def postgres_killed(arena: Arena) -> None:
     _killed(arena, 1)
 
 
-@scenario("the same with two servers on it, who edit through both", 2)
+@scenario("the same with two servers, and edits through both", 2)
 def postgres_killed_two_servers(arena: Arena) -> None:
     """Two servers."""
     _killed(arena, 2)
 
 
-@scenario("PostgreSQL is slow, and now and then silent, under six authors", 2)
+@scenario("PostgreSQL is slow and sometimes silent, while six authors edit", 2)
 def postgres_slow(arena: Arena) -> None:
     """A proxy delays every block between server and database."""
     database = arena.postgres()

@@ -21,7 +21,7 @@ def _settle(arena: Arena, authors: Authors, server: ServerProcess) -> None:
     quiet(server, arena.tally)
 
 
-@scenario("SQLite's disk is full now and then under six authors", 2)
+@scenario("SQLite's disk is sometimes full, while six authors edit", 2)
 def disk_full(arena: Arena) -> None:
     """A file takes all the room, and goes again."""
     disk = arena.stack.enter_context(mounted(arena.folder / "disk", SIZE))
@@ -41,7 +41,7 @@ def disk_full(arena: Arena) -> None:
         _settle(arena, authors, server)
 
 
-@scenario("files may not grow, as on a disk that turned read-only, under six authors", 1)
+@scenario("files cannot grow, as on a disk that turned read-only, while six authors edit", 1)
 def disk_read_only(arena: Arena) -> None:
     """A limit of the process, since files that are open keep a disk from being read-only."""
     authors = Authors(arena.folder / "workspace", arena.seed)
@@ -55,7 +55,7 @@ def disk_read_only(arena: Arena) -> None:
         _settle(arena, authors, server)
 
 
-@scenario("every flush to SQLite's disk takes 150 ms longer, under six authors", 1)
+@scenario("every flush to SQLite's disk takes 150 ms longer, while six authors edit", 1)
 def disk_slow(arena: Arena) -> None:
     """A library between the server and the system delays fsync."""
     slow = {"LD_PRELOAD": preloaded(arena.folder), "TORTURE_FSYNC": FSYNC_MICROSECONDS}

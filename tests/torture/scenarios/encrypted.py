@@ -22,7 +22,7 @@ GREETINGS = (
 """First bytes of strangers: none, half a handshake, plain HTTP, noise."""
 
 
-@scenario("six authors edit over HTTPS while strangers break off handshakes", 1)
+@scenario("six authors edit over HTTPS while other clients abort handshakes", 1)
 def encrypted(arena: Arena) -> None:
     """The authors trust the server's own authority, and nobody else."""
     workspace = arena.folder / "workspace"

@@ -171,13 +171,13 @@ def _compare(server: ServerProcess, importers: list[Importer], tally: Tally) -> 
                 )
 
 
-@scenario("label imports with conflicting ids, twice at once, undone across each other, SQLite", 1)
+@scenario("label imports with conflicting ids, each sent twice, undone in any order, SQLite", 1)
 def label_imports(arena: Arena) -> None:
     """Each point has the name that the last import in force gives it, however it was sent."""
     _imported(arena, "", 1)
 
 
-@scenario("the same at two servers on PostgreSQL, each import sent to both", 1)
+@scenario("the same with two servers on PostgreSQL, each import sent to both", 1)
 def label_imports_two_servers(arena: Arena) -> None:
     """Undo and redo at either server."""
     _imported(arena, arena.postgres().new_database(), 2)

@@ -18,7 +18,7 @@ RUN = {"start": 0, "stop": 2, "method": "icp", "overwrite": "all"}
 ROOT = "/sequences/ball"
 
 
-@scenario("a workspace of an early version with tracks, killed in a run of tracking", 1)
+@scenario("SIGKILL during a tracking run in a workspace of an early version", 1)
 def early_workspace(arena: Arena) -> None:
     """The version that wrote it left no trace of runs under way; this one's run begins again."""
     for number in arena.rounds():

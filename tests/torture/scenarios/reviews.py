@@ -113,7 +113,7 @@ def reviews(arena: Arena) -> None:
     _judged(arena, "", 1)
 
 
-@scenario("the same at two servers on PostgreSQL", 1)
+@scenario("the same with two servers on PostgreSQL", 1)
 def reviews_two_servers(arena: Arena) -> None:
     """Two people at each server."""
     _judged(arena, arena.postgres().new_database(), 2)

@@ -35,7 +35,7 @@ PATHS = (
 )
 
 
-@scenario("too few files to open under six authors, imports and strangers", 1)
+@scenario("too few file descriptors, during edits, imports and stray connections", 1)
 def too_few_files(arena: Arena) -> None:
     """The limit of the process is lowered to what it has open, and raised again."""
     authors, librarian = Authors(arena.folder / "workspace", arena.seed), Librarian(arena, 50_000)
@@ -59,7 +59,7 @@ def too_few_files(arena: Arena) -> None:
     quiet(server, arena.tally)
 
 
-@scenario("too little memory under six authors, imports and readers", 1)
+@scenario("too little memory, during edits, imports and reads", 1)
 def too_little_memory(arena: Arena) -> None:
     """The address space of the process is limited to little more than it has, and free again."""
     authors, librarian = Authors(arena.folder / "workspace", arena.seed), Librarian(arena, 50_000)

@@ -103,7 +103,7 @@ def taxonomy(arena: Arena) -> None:
     _learned(arena, "", 1)
 
 
-@scenario("the same at two servers on PostgreSQL", 2)
+@scenario("the same with two servers on PostgreSQL", 2)
 def taxonomy_two_servers(arena: Arena) -> None:
     """A recording at each server."""
     _learned(arena, arena.postgres().new_database(), 2)

@@ -125,7 +125,7 @@ def _sqlite(workspace: Path) -> str:
     return f"sqlite:///{workspace / 'labels.sqlite'}"
 
 
-@scenario("check --repair beside a server with six authors", 1)
+@scenario("check --repair beside a server that six authors use", 1)
 def repair_while_editing(arena: Arena) -> None:
     """It repairs or refuses; it never changes what was answered."""
     workspace, tally = arena.folder / "workspace", arena.tally
