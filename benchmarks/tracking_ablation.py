@@ -24,7 +24,7 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "surface beside": {"register": {"excess_cost": 0.0}},
     "averted sides": {"register": {"averted_cost": 0.0}},
     "limit of motion before a lidar": {"register": {"beyond_cost": 0.0}},
-    "what others left": {"relocate": {"kept_share": 0.0}},
+    "claims lost to others": {"relocate": {"kept_share": 0.0}},
     "whole frame searched": {"relocate": {"doubt": float(NEVER)}},
     "voted shifts": {"propose": {"voted_shifts": 0}},
     "smoothing": {"smoothing": {"lag_frames": 0}},
@@ -66,7 +66,7 @@ IDEAS: dict[str, dict[str, dict[str, Any]]] = {
     "clothes": {"step": {"clothes_weight": 0.0}},
     "clothes seen later": {"body": {"better_ratio": float(NEVER)}},
     "people without a label": {"arrivals": {"min_cells": NEVER}},
-    "people who come back": {"arrivals": {"back_min_cells": NEVER}},
+    "returning people": {"arrivals": {"back_min_cells": NEVER}},
     "exchanged people": {"arrivals": {"exchange_frames": NEVER}},
     "stature": {"stature": {"min_tops": NEVER}},
     # Sensors
