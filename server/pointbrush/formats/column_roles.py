@@ -72,14 +72,14 @@ def roles(names: Iterable[str]) -> dict[str, str]:
 
 
 def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -> None:
-    """Warn of fields of file ``name`` that look like labels where none is read as labels."""
+    """Warn of fields of file ``name`` that look like labels if none is read as labels."""
     if "label" in found:
         return
     instance = columns.get(found.get("instance", "")) if isinstance(columns, Mapping) else None
     if instance is not None and instance.any():
         log.warning(
-            "%s: the instances of %s have no classes and make no labels; columns %s=label makes "
-            "each one a label", name, found["instance"], found["instance"],
+            "%s: the instances of %s have no classes: they are kept as a field and make no labels; "
+            "columns %s=label makes each one a label", name, found["instance"], found["instance"],
         )  # fmt: skip
     used = set(found.values())
     left = [
@@ -91,7 +91,7 @@ def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -
     ]
     if left:
         log.warning(
-            "%s: the fields %s are left out; columns %s=label reads one as labels",
+            "%s: the fields %s are not read as labels; columns %s=label reads one as labels",
             name, ", ".join(left), left[0],
         )  # fmt: skip
 
@@ -112,10 +112,9 @@ def with_meanings(
     }
 
 
-def label_columns(name: str, columns: Mapping[str, Array], options: ReadOptions) -> set[str]:
-    """Names in the file of the columns that are read as labels and instances."""
+def role_columns(name: str, columns: Mapping[str, Array], options: ReadOptions) -> set[str]:
+    """Names in the file of the columns that play a role."""
     chosen = options.chosen.columns
     meaning = meanings(list(columns), chosen, name) if chosen else {each: each for each in columns}
-    found = roles(meaning.values())
-    wanted = {found.get("label"), found.get("instance")}
+    wanted = set(roles(meaning.values()).values())
     return {column for column, means in meaning.items() if means in wanted}

@@ -18,6 +18,8 @@ from pointbrush.frame import PointFrame
 Array = NDArray[Any]
 log = logging.getLogger(__name__)
 
+LABELS = ("label", "instance")
+"""Roles and names of columns that exports have for the labels of the workspace."""
 CARLA = {"CosAngle", "ObjIdx", "ObjTag"}
 """Fields of CARLA's semantic lidar."""
 
@@ -48,17 +50,20 @@ def frame_from_columns(
     rgb = _rgb(name, columns, found, keep, options.colors)
     name_left_out(name, columns, found)
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}
-    instance, whole_instance = None, False
+    instance = None
     if "instance" in parts:
-        instance, whole_instance = instances_of(name, _take(parts["instance"], keep))
+        instance = instances_of(name, _take(parts["instance"], keep))
+    intensity = None
+    if "intensity" in parts:
+        intensity = intensity_of(_take(parts["intensity"], keep))
     extras, known = extras or Extras(), options.known
-    other = _other(columns, found, keep, whole_instance)
+    other = _other(columns, found, keep, intensity, rgb)
     if options.columns_found is not None:
         options.columns_found(_described(columns, found, other, rgb is not None))
     return PointFrame(
         xyz=_take(xyz, keep),
         rgb=rgb,
-        intensity=intensity_of(_take(parts["intensity"], keep)) if "intensity" in parts else None,
+        intensity=intensity,
         label=number_of(name, "label", _take(parts["label"], keep), 65534)
         if "label" in parts
         else None,
@@ -111,17 +116,46 @@ def _other(
     columns: Mapping[str, Array],
     found: Mapping[str, str],
     keep: NDArray[np.int64] | None,
-    whole_instance: bool,
+    intensity: NDArray[np.float32] | None,
+    rgb: NDArray[np.uint8] | None,
 ) -> dict[str, Array]:
-    """Fields of numbers that a PointFrame has no place for, in the source's order."""
-    used = {name for role, name in found.items() if role != "instance" or whole_instance} | {"xyz"}
-    if all(role in found for role in ("red", "green", "blue")):
-        used -= {found["rgb"]} if "rgb" in found else set()
-    return {
-        name: np.ascontiguousarray(_take(values, keep))
-        for name, values in columns.items()
-        if name not in used and values.ndim == 1 and values.dtype.kind in "fiu"
-    }
+    """Return the fields of numbers that a PointFrame does not hold as they are.
+
+    Labels and instances become labels of a workspace, so that their columns stay, too; but for
+    columns that are called as exports call them.
+    """
+    held = {found[axis]: None for axis in "xyz" if axis in found} | {"xyz": None}
+    exact: dict[str, Array | None] = {}
+    if intensity is not None:
+        exact[found["intensity"]] = intensity
+    colors = ("red", "green", "blue")
+    if rgb is not None and all(color in found for color in colors):
+        exact |= {found[color]: rgb[:, i] for i, color in enumerate(colors)}
+    elif rgb is not None:
+        held[found["rgb"]] = None
+    if "label" in found:
+        held |= {found[role]: None for role in LABELS if found.get(role) == role}
+    other = {}
+    for name, values in columns.items():
+        if name in held or values.ndim != 1 or values.dtype.kind not in "fiu":
+            continue
+        values = _take(values, keep)
+        if name not in exact or not _is_same(values, exact[name]):
+            # Few formats have floats of 16 bits.
+            kind = np.float32 if values.dtype == np.float16 else values.dtype.newbyteorder("=")
+            other[name] = np.ascontiguousarray(values, kind)
+    return other
+
+
+def _is_same(values: Array, held: Array | None) -> bool:
+    """Whether the values of a column follow from the intensities or colours that are held."""
+    if held is None or np.array_equal(values, held):
+        return True
+    if values.dtype.kind == "f":
+        # Of float64 the digits of float32 are held.
+        given = held / 255 if held.dtype == np.uint8 else held
+        return bool(np.allclose(values, given, rtol=1e-6, atol=0))
+    return values.dtype == np.uint16 and np.array_equal(values, held.astype(np.uint16) * 257)
 
 
 def finite_points(name: str, xyz: Array, *, missing: bool) -> NDArray[np.int64] | None:

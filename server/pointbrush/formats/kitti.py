@@ -17,6 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import labels_of_packed, own_palette
+from pointbrush.formats.unnamed import unnamed
 from pointbrush.frame import PointFrame
 
 RECORD = 16
@@ -96,10 +97,9 @@ def read_nuscenes(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
 
 def _wide_frame(path: Path, data: bytes, width: int, options: ReadOptions) -> PointFrame:
-    """x y z intensity of records of ``width`` floats; what comes after them is left out."""
-    names = (*KITTI_FIELDS, *map(str, range(RECORD // 4, width)))
-    columns = _table_columns(path.name, data, names, options)
-    return frame_from_columns(path.name, {name: columns[name] for name in KITTI_FIELDS}, options)
+    """x y z intensity ring of records of ``width`` floats; further ones by their column."""
+    names = (*KITTI_FIELDS, "ring", *map(unnamed, range(5, width)))
+    return frame_from_columns(path.name, _table_columns(path.name, data, names, options), options)
 
 
 def _table_columns(

@@ -50,8 +50,8 @@ def without_marks(values: Array) -> Array:
     return np.where(marked, 0, values) if marked.any() else values
 
 
-def instances_of(name: str, values: Array) -> tuple[NDArray[np.uint16] | None, bool]:
-    """Instance numbers as uint16, None where no point has one, and whether all are kept.
+def instances_of(name: str, values: Array) -> NDArray[np.uint16] | None:
+    """Return instance numbers as uint16, None where no point has one.
 
     Numbers that 16 bits do not hold (a no-data value, the id of a database) become 0, with a
     warning that lists them.
@@ -69,6 +69,5 @@ def instances_of(name: str, values: Array) -> tuple[NDArray[np.uint16] | None, b
             )  # fmt: skip
             values = np.where(outside, 0, values)
             if not values.any():
-                return None, False
-            return number_of(name, "instance", values, GREATEST_INSTANCE), False
-    return number_of(name, "instance", values, GREATEST_INSTANCE), True
+                return None
+    return number_of(name, "instance", values, GREATEST_INSTANCE)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.column_roles import label_columns
+from pointbrush.formats.column_roles import role_columns
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.las_header import (
     COLORS,
@@ -136,8 +136,9 @@ def _frame(
         for field, values in further_fields(header, rows).items()
         if field.lower() not in OURS
     }
-    for field in header.no_data.keys() & label_columns(path.name, columns, options):
-        columns[field] = np.where(columns[field] == header.no_data[field], 0, columns[field])
+    stored = columns.copy()
+    for field in header.scalings.keys() & role_columns(path.name, columns, options):
+        columns[field] = header.scalings[field].values(stored[field])
     if "red" in (rows.dtype.names or ()):
         columns["rgb"] = rgb = np.empty((len(rows), 3), np.uint8)
         for i, color in enumerate(COLORS):
@@ -145,7 +146,9 @@ def _frame(
             rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
     scaling = Scaling(header.scales, header.offsets)
     frame = frame_from_columns(path.name, columns, options)
-    return replace(frame, header=records, scaling=scaling)
+    kept = slice(None) if frame.rows is None else frame.rows
+    other = {name: stored.get(name, values)[kept] for name, values in frame.other.items()}
+    return replace(frame, other=other, header=records, scaling=scaling)
 
 
 def decoded_records(

@@ -8,6 +8,7 @@ columns of their own.  Layout: ASPRS LAS Specification 1.4 R15.
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -23,9 +24,13 @@ RECORD = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)
 COLOR = {2: 20, 3: 28, 5: 28, 7: 30, 8: 30, 10: 30}
 EXTRA_TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 COMPRESSED = 0x80
+EXTRA_BYTES = (b"LASF_Spec", 4)
+"""User and number of the record that describes extra bytes."""
 UNDOCUMENTED = "ExtraBytes"
 """Laspy's name for bytes of a record that no field is documented for."""
 Array = NDArray[Any]
+NO_DATA, SCALED, SHIFTED = 1, 8, 16
+"""Bits of an extra byte's options: which of its values hold (LAS 1.4, table 24)."""
 MOST_RECORDS = 64 << 20
 """Bytes of the records after the points (EVLRs) that are kept."""
 _LEGACY_BYTES = {
@@ -58,14 +63,35 @@ COLORS = ("red", "green", "blue")
 
 
 @dataclass(frozen=True, slots=True)
+class FieldScale:
+    """Values of an extra byte: ``stored × scale + offset``; ``no_data``, as stored, means none."""
+
+    scale: float = 1.0
+    offset: float = 0.0
+    no_data: float | None = None
+
+    @property
+    def whole(self) -> bool:
+        """Whether the values are the stored ones."""
+        return self.scale == 1.0 and self.offset == 0.0
+
+    def values(self, stored: Array) -> Array:
+        """Return the values that ``stored`` stand for; NaN for no data."""
+        values = stored * self.scale + self.offset
+        if self.no_data is not None:
+            values[stored == self.no_data] = np.nan
+        return np.asarray(values)
+
+
+@dataclass(frozen=True, slots=True)
 class LasHeader:
     """Facts that are needed to read the points.
 
     ``offset`` of the first point in bytes; ``scales``, ``offsets``, ``lo``, ``hi`` (3,) float64;
     ``extra`` name → (byte in the record, NumPy type), ``further`` the same of all extra bytes, by
     their own names: parts of tuples as ``name[0]``, undocumented ones as ``ExtraBytes[0]``.
-    ``laszip`` is the compressor's record, None for uncompressed points.  ``no_data`` are the values
-    of extra bytes, by their own names, that the file declares to mean none.
+    ``laszip`` is the compressor's record, None for uncompressed points.  ``scalings`` are those of
+    extra bytes, by the names of ``further``.
     """
 
     version: tuple[int, int]
@@ -80,7 +106,7 @@ class LasHeader:
     extra: dict[str, tuple[int, str]]
     laszip: bytes | None
     further: dict[str, tuple[int, str]] = field(default_factory=dict)
-    no_data: dict[str, float] = field(default_factory=dict)
+    scalings: dict[str, FieldScale] = field(default_factory=dict)
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -173,19 +199,14 @@ def _with_records(
 ) -> LasHeader:
     """Add extra fields and the compressor's record; check the points fit the file."""
     further: dict[str, tuple[int, str]] = {}
-    no_data: dict[str, float] = {}
+    scalings: dict[str, FieldScale] = {}
     laszip: bytes | None = None
-    at = 0
-    while at + 54 <= len(between):
-        user, number, length = struct.unpack_from("<16sHH", between, at + 2)
-        data = between[at + 54 : at + 54 + length]
-        at += 54 + length
-        user = user.split(b"\0")[0]
-        if len(data) == length and (user, number) == (b"laszip encoded", 22204):
+    for user, number, data, whole in _records(between):
+        if whole and (user, number) == (b"laszip encoded", 22204):
             laszip = data
-        elif (user, number) == (b"LASF_Spec", 4):
+        elif (user, number) == EXTRA_BYTES:
             further = _extra_fields(data, RECORD[header.point_format], header.record)
-            no_data = _no_data(data)
+            scalings = _scalings(data)
     if raw_format & COMPRESSED and laszip is None:
         raise BadInputError(f"{name}: expected the record of the LAZ compressor, got none")
     needed = header.count * header.record
@@ -200,7 +221,34 @@ def _with_records(
         documented = max(documented, place + np.dtype(kind).itemsize)
     for byte in range(header.record - documented):
         further[f"{UNDOCUMENTED}[{byte}]"] = (documented + byte, "u1")
-    return replace(header, extra=extra, laszip=laszip, further=further, no_data=no_data)
+    return replace(header, extra=extra, laszip=laszip, further=further, scalings=scalings)
+
+
+def _records(between: bytes) -> Iterator[tuple[bytes, int, bytes, bool]]:
+    """Yield user, number and data of each record of variable length, and whether it is whole."""
+    at = 0
+    while at + 54 <= len(between):
+        user, number, length = struct.unpack_from("<16sHH", between, at + 2)
+        data = between[at + 54 : at + 54 + length]
+        at += 54 + length
+        yield user.split(b"\0")[0], number, data, len(data) == length
+
+
+def is_las(header: bytes) -> bool:
+    """Whether a source's header, as readers keep it, is of LAS."""
+    return split_records(header)[0][:4] == b"LASF"
+
+
+def scalings_of(records: bytes) -> dict[str, FieldScale]:
+    """Return the scalings of extra bytes by a source's header; {} of other formats than LAS."""
+    if not is_las(records):
+        return {}
+    start = split_records(records)[0]
+    between = start[struct.unpack_from("<H", start, 94)[0] :]
+    for user, number, data, _ in _records(between):
+        if (user, number) == EXTRA_BYTES:
+            return _scalings(data)
+    return {}
 
 
 def _extra_fields(data: bytes, at: int, record: int) -> dict[str, tuple[int, str]]:
@@ -222,15 +270,26 @@ def _extra_fields(data: bytes, at: int, record: int) -> dict[str, tuple[int, str
     return fields
 
 
-def _no_data(data: bytes) -> dict[str, float]:
-    """Values of single extra bytes that mean none (LAS 1.4, table 24: 8 bytes of their class)."""
-    found: dict[str, float] = {}
+def _scalings(data: bytes) -> dict[str, FieldScale]:
+    """Scalings of extra bytes that have one or a value for no data (LAS 1.4, table 24)."""
+    found: dict[str, FieldScale] = {}
     for start in range(0, len(data) - 191, 192):
         kind, options = data[start + 2], data[start + 3]
-        if 1 <= kind <= len(EXTRA_TYPES) and options & 1:
-            name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1")
-            of_class = f"<{EXTRA_TYPES[kind - 1][0]}8"
-            found[name] = np.frombuffer(data, of_class, 1, start + 40)[0].item()
+        if not 1 <= kind <= 30 or not options & (NO_DATA | SCALED | SHIFTED):
+            continue
+        name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1")
+        # A value for no data has 8 bytes of its class; only single numbers declare it alike.
+        of_class = f"<{EXTRA_TYPES[(kind - 1) % 10][0]}8"
+        for part in range((kind - 1) // 10 + 1):
+            none, scale, offset = (
+                np.frombuffer(data, form, 1, start + at + 8 * part)[0].item()
+                for form, at in ((of_class, 40), ("<f8", 112), ("<f8", 136))
+            )
+            found[name if kind <= 10 else f"{name}[{part}]"] = FieldScale(
+                scale if options & SCALED and np.isfinite(scale) and scale else 1.0,
+                offset if options & SHIFTED and np.isfinite(offset) else 0.0,
+                none if options & NO_DATA else None,
+            )
     return found
 
 

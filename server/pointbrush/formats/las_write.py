@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import count
 from typing import Any, BinaryIO
@@ -14,18 +14,16 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.las_header import COLORS, UNDOCUMENTED, split_records, wide
-from pointbrush.formats.table import Columns, Table
+from pointbrush.formats.table import Columns, Table, free_name, plain_name, stored_name
 
 # Steps that sources use; coordinates on one of these grids are written exactly.
 GRIDS = (1e-2, 1e-3, 1e-4)
 EXTRA = ("label", "category", "instance")
+TIME = "gps_time"
+MOST_NAME = 32
+"""Bytes of the name of an extra dimension."""
 READ_AS_OURS = ("label", "instance")
 """Extra dimensions that an import reads as what they are called."""
-
-
-def is_las(header: bytes) -> bool:
-    """Whether a source's header, as readers keep it, is of LAS."""
-    return split_records(header)[0][:4] == b"LASF"
 
 
 def write_las_like(out: BinaryIO, table: Table, source: bytes, *, compress: bool) -> None:
@@ -45,8 +43,9 @@ def write_las_like(out: BinaryIO, table: Table, source: bytes, *, compress: bool
     undocumented = _register_undocumented(header)
     types, _ = table.opened()
     theirs = set(header.point_format.dimension_names)
+    read_as_ours = {name for name in READ_AS_OURS if stored_name(name) not in types}
     ours = {
-        name: f"pointbrush_{name}" if name in theirs and name not in READ_AS_OURS else name
+        name: f"pointbrush_{name}" if name in theirs and name not in read_as_ours else name
         for name in EXTRA
         if name in types
     }
@@ -98,7 +97,7 @@ def _like(
     names = set(header.point_format.dimension_names)
     for color in COLORS:
         if color in names and color in columns:
-            rows[color] = columns.get(wide(color), columns[color].astype(np.uint16) * 257)
+            rows[color] = _colors_of(columns, color)
     _keep_fields(rows, columns, names - set(ours.values()) - {"X", "Y", "Z", "intensity", *COLORS})
     for number, name in enumerate(undocumented):
         byte = _source_column(columns, f"{UNDOCUMENTED}[{number}]")
@@ -115,18 +114,24 @@ def _like(
     return rows
 
 
+def _colors_of(columns: Columns, color: str) -> NDArray[np.uint16]:
+    found = _source_column(columns, wide(color))
+    return columns[color].astype(np.uint16) * 257 if found is None else found
+
+
 def _keep_fields(
     rows: laspy.ScaleAwarePointRecord, columns: Columns, names: Collection[str]
 ) -> None:
     """Write the fields ``names`` as the source has them."""
     for name in names:
         kept = _source_column(columns, name)
-        if kept is not None:
+        if kept is None:
+            parts = list(_parts(columns, name))
+            kept = np.stack(parts, axis=1) if parts else None
+        if kept is not None and name in (rows.array.dtype.names or ()):
+            rows.array[name] = kept  # as stored: laspy's own fields take values of a scale
+        elif kept is not None:
             rows[name] = kept
-            continue
-        parts = list(_parts(columns, name))
-        if parts:
-            rows[name] = np.stack(parts, axis=1)
 
 
 def _parts(columns: Columns, name: str) -> Iterator[NDArray[Any]]:
@@ -139,28 +144,56 @@ def _parts(columns: Columns, name: str) -> Iterator[NDArray[Any]]:
 
 
 def _source_column(columns: Columns, name: str) -> NDArray[Any] | None:
-    """A field of the source, which is called ``source_…`` where one of ours has its name."""
-    plain = "_".join(name.split())
-    found = columns.get(f"source_{plain}")
-    return columns.get(plain) if found is None and plain not in EXTRA else found
+    """Return a field of the source by its own name."""
+    return columns.get(stored_name(name))
 
 
 def write_las(out: BinaryIO, table: Table, classes: NDArray[np.uint16], *, compress: bool) -> None:
-    """Write columns x y z [red green blue] [intensity] label category instance.
+    """Write columns x y z [red green blue] [intensity] label category instance and further ones.
 
-    ``classes`` are the ASPRS numbers of labels, by id: they go into the classification where they
-    fit (0..255); label, category and instance are extra dimensions.  Intensity is 16 bits in LAS:
-    fractions 0..1 are scaled to 65535.  ``out`` seeks; the table is read three times.
+    Further fields are extra dimensions; ``gps_time`` is LAS's own.  ``classes`` are the ASPRS
+    numbers of labels, by id: they go into the classification where they fit (0..255); label,
+    category and instance are extra dimensions.  Intensity is 16 bits in LAS: fractions 0..1 are
+    scaled to 65535, and others that do not fit are an extra dimension beside it.  ``out`` seeks;
+    the table is read three times.
     """
     types, _ = table.opened()
     header = laspy.LasHeader(version="1.4", point_format=7 if "red" in types else 6)
     extent = _Extent.of(table)
     header.offsets, header.scales = extent.offsets, extent.steps(table)
-    present = [name for name in EXTRA if name in types]
-    header.add_extra_dims([laspy.ExtraBytesParams(name, np.uint16) for name in present])
+    held = {*"xyz", *COLORS, *(["intensity"] if extent.whole else [])}
+    if TIME in types and types[TIME].kind == "f":
+        held.add(TIME)
+    further = [name for name in types if name not in held]
+    fields = _dimensions(further, set(header.point_format.dimension_names))
+    header.add_extra_dims(
+        [laspy.ExtraBytesParams(place, types[name]) for name, place in fields.items()]
+    )
+    if TIME in held:
+        fields[TIME] = TIME
     with laspy.open(out, "w", header=header, do_compress=compress, closefd=False) as writer:
         for columns in table.blocks():
-            writer.write_points(_record(columns, header, extent.intensity, classes))
+            rows = _record(columns, header, extent.intensity, classes)
+            for name, place in fields.items():
+                rows[place] = columns[name]
+            writer.write_points(rows)
+
+
+def _dimensions(names: Iterable[str], theirs: set[str]) -> dict[str, str]:
+    """Return the extra dimension of each column, whose name has at most 32 bytes of ASCII.
+
+    A column that is called as one of LAS's own dimensions begins with ``source_``.
+    """
+    taken = {name.lower() for name in theirs}
+    found: dict[str, str] = {}
+    for name in names:
+        place = plain_name(name, MOST_NAME)
+        if place.lower() in taken:
+            place = f"source_{place}"[:MOST_NAME]
+        place = free_name(place, taken, MOST_NAME)
+        taken.add(place.lower())
+        found[name] = place
+    return found
 
 
 def _record(
@@ -178,9 +211,6 @@ def _record(
     if "intensity" in columns:
         scaled = np.rint(columns["intensity"].astype(np.float64) * intensity)
         rows.intensity = np.clip(scaled, 0, 65535).astype(np.uint16)
-    for name in EXTRA:
-        if name in columns:
-            rows[name] = columns[name]
     if "label" in columns:
         category = classes[columns["label"]]
         rows.classification = np.where(category < 256, category, 0).astype(np.uint8)
@@ -189,27 +219,33 @@ def _record(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Extent:
-    """Bounds (3,) of all points, and the factor that makes their intensities 16 bits."""
+    """Bounds (3,) of all points, and the factor that makes their intensities 16 bits.
+
+    ``whole``: intensities are whole numbers of 16 bits.
+    """
 
     lo: NDArray[np.float64]
     hi: NDArray[np.float64]
     intensity: float
+    whole: bool
 
     @classmethod
     def of(cls, table: Table) -> _Extent:
         lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
-        greatest, fractions = 0.0, False
+        least, greatest, fractions = 0.0, 0.0, False
         for columns in table.blocks():
             if len(columns["x"]) == 0:
                 continue
             lo = np.minimum(lo, [float(columns[axis].min()) for axis in "xyz"])
             hi = np.maximum(hi, [float(columns[axis].max()) for axis in "xyz"])
             if "intensity" in columns:
+                least = min(least, float(columns["intensity"].min()))
                 greatest = max(greatest, float(columns["intensity"].max()))
                 fractions = fractions or bool(np.any(columns["intensity"] % 1))
         if not np.isfinite(lo).all():
             lo = hi = np.zeros(3)
-        return cls(lo, hi, 65535.0 if 0 < greatest <= 1 and fractions else 1.0)
+        whole = least >= 0 and greatest <= 65535 and not fractions
+        return cls(lo, hi, 65535.0 if 0 < greatest <= 1 and fractions else 1.0, whole)
 
     @property
     def offsets(self) -> NDArray[np.float64]:

@@ -34,6 +34,10 @@ LABELS = (
     *("segment20", "semantic_gt20", "segment200", "semantic_gt200"),
 )
 INSTANCES = ("instance", "instances", "instance_id", "instance_label", "instance_gt")
+FACTS: Mapping[str, tuple[int, ...]] = {"pose": (4, 4), "viewpoint": (3,), "timestamp": ()}
+"""Arrays of a frame's facts, and their shapes."""
+KNOWN_ARRAYS = frozenset((*POINTS, *COLORS, *INTENSITIES, *LABELS, *INSTANCES, *FACTS, *"xyz"))
+"""Arrays of an archive that have a meaning; others of a number a point are further fields."""
 # A table of points is not wider: other arrays are.
 MAX_WIDTH = 16
 _NPY_ROWS = 1 << 20
@@ -69,19 +73,14 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     if isinstance(archive, np.ndarray):
         raise BadInputError(f"{path.name}: expected an archive of arrays, got a single array")
     with archive:
-        wanted = (*POINTS, *COLORS, *INTENSITIES, *LABELS, *INSTANCES)
-        extra = ("pose", "viewpoint", "timestamp", "x", "y", "z")
         for key in archive.files:
-            if key in wanted or key in extra or len(archive.files) == 1:
-                try:
-                    arrays[key] = np.asarray(archive[key])
-                except READ_ERRORS:
-                    raise BadInputError(
-                        f"{path.name}: expected a whole array '{key}', it is damaged"
-                    ) from None
+            try:
+                arrays[key] = np.asarray(archive[key])
+            except READ_ERRORS:
+                raise BadInputError(
+                    f"{path.name}: expected a whole array '{key}', it is damaged"
+                ) from None
         keys = ", ".join(archive.files) or "no arrays"
-        used = [*arrays, *((POINTS[0],) if len(archive.files) == 1 else ())]
-        name_left_out(path.name, archive.files, {key: key for key in used})
     points = _first(arrays, POINTS)
     if points is None and len(archive.files) == 1 and not {"x", "y", "z"} & set(arrays):
         points = next(iter(arrays))
@@ -94,7 +93,14 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     )
     count = len(columns["x"]) if "x" in columns else len(next(iter(columns.values())))
     require_count(path.name, count, options.limits)
+    further = {
+        key: array
+        for key, array in arrays.items()
+        if key not in KNOWN_ARRAYS and array.shape in ((count,), (count, 1))
+    }
+    columns = {key: array.reshape(-1) for key, array in further.items()} | columns
     columns |= _beside(path.name, arrays, count)
+    name_left_out(path.name, [key for key in arrays if key not in (points, *columns)], {})
     yield frame_from_columns(path.name, columns, options, extras=_extras(path.name, arrays))
 
 
@@ -201,7 +207,7 @@ def _columns_of(name: str, key: str, array: Array, options: ReadOptions) -> dict
         )
     if array.dtype == np.float16:
         array = array.astype(np.float32)
-    return plain_columns(array, options, intensity_first=True)
+    return plain_columns(name, array, options, intensity_first=True)
 
 
 def _beside(name: str, arrays: Mapping[str, Array], count: int) -> dict[str, Array]:
@@ -226,9 +232,8 @@ def _beside(name: str, arrays: Mapping[str, Array], count: int) -> dict[str, Arr
 
 
 def _extras(name: str, arrays: Mapping[str, Array]) -> Extras:
-    shapes = {"pose": (4, 4), "viewpoint": (3,), "timestamp": ()}
     found: dict[str, Array] = {}
-    for key, shape in shapes.items():
+    for key, shape in FACTS.items():
         if key in arrays:
             value = arrays[key]
             numeric = value.dtype.kind in "fiu"

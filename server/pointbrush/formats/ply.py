@@ -17,7 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
-from pointbrush.formats.table import Table
+from pointbrush.formats.table import Columns, Table, free_name, plain_name
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
@@ -31,10 +31,11 @@ TYPES = {
 }
 NAMES = {
     **{"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint"},
-    **{"f4": "float", "f8": "double", "i8": "int64", "u8": "uint64"},
+    **{"f4": "float", "f8": "double"},
 }
 ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
 MAX_HEADER = 1 << 20
+MAX_NAME = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,9 +295,26 @@ def _typed(name: str, prop: Property, values: NDArray[np.float64]) -> Array:
     return values.astype(kind)
 
 
+def _as_ply(columns: Columns) -> Columns:
+    made: dict[str, Array] = {}
+    taken: set[str] = set()
+    for name, values in columns.items():
+        called = free_name(plain_name(name, MAX_NAME), taken, MAX_NAME)
+        taken.add(called.lower())
+        made[called] = (
+            values.astype(np.float64)
+            if values.dtype.kind + str(values.dtype.itemsize) in ("i8", "u8")
+            else values
+        )
+    return made
+
+
 def write_ply(out: BinaryIO, table: Table, comments: tuple[str, ...] = ()) -> None:
-    """Write a table as the vertices of a binary little-endian PLY."""
-    types, blocks = table.rows()
+    """Write a table as the vertices of a binary little-endian PLY.
+
+    Names are in ASCII, and integers of 64 bits, which PLY does not have, are doubles.
+    """
+    types, blocks = Table(table.count, lambda: map(_as_ply, table.blocks())).rows()
     lines = ["ply", "format binary_little_endian 1.0"]
     lines += [f"comment {comment}" for comment in comments]
     lines.append(f"element vertex {table.count}")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+import unicodedata
+from collections.abc import Callable, Container, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, count
 from typing import IO, Any
 
 import numpy as np
@@ -51,6 +52,23 @@ class Table:
                 yield rows
 
         return types, packed()
+
+
+def stored_name(name: str) -> str:
+    """Return the column of a source's field as the source stores it, which no other one has."""
+    return f"/{name}"
+
+
+def plain_name(name: str, longest: int) -> str:
+    """Return a name in ASCII without spaces, of at most ``longest`` characters, as headers need."""
+    bare = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return "_".join(bare.split())[:longest] or "field"
+
+
+def free_name(name: str, taken: Container[str], longest: int) -> str:
+    """Return ``name``, or with a number behind it where ``taken`` has it in lower case."""
+    numbered = (f"{name[: longest - 1 - len(str(n))]}_{n}" for n in count(2))
+    return next(each for each in chain([name], numbered) if each.lower() not in taken)
 
 
 class Spools:

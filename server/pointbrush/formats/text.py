@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -35,14 +36,21 @@ HEAD = 1 << 16
 """Bytes that tell how its lines are made."""
 SAMPLE = 50
 """Rows that tell whether commas are decimal."""
+FRAMES = ("frame", "frame_id", "frame_index", "frame_number", "frame_no", "frameid")
+"""Names of columns that number the frames of a table."""
+LEAST_POINTS = 2
+"""Points of a frame, on average, from which on such a column numbers frames."""
 ECHO_START = "header:"
 ECHOED = "messages as 'rostopic echo' prints them; import their bag, or a table of their points"
+EXACT = 2.0**53
+"""Whole numbers from which on float64 rounds."""
+log = logging.getLogger(__name__)
 _COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", re.ASCII)
 _CSV_ROWS = 65536
 
 
 def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """One file as one frame, coordinates as float64.
+    """One file as one frame, coordinates as float64; of a table with a column of frames, each.
 
     Raises BadInputError naming the line for words that are no numbers, rows of different
     lengths, fewer than three columns, or a count line (PTS) that does not agree.
@@ -53,7 +61,7 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     plain = len(data) > LONG and not is_pts
     known = _read_at_once(name, data, options) if plain else None
     if known is not None:
-        yield frame_from_columns(name, known, options)
+        yield from _by_frame(name, known, options)
         return
     try:
         text = data.decode("utf-8-sig")
@@ -73,7 +81,22 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     layout = _layout(name, lines, numbers, options.chosen)
     require_count(name, len(layout.rows), options.limits)
     columns = _columns(name, lines, layout, options, is_pts=is_pts)
-    yield frame_from_columns(name, columns, options)
+    yield from _by_frame(name, columns, options)
+
+
+def _by_frame(
+    name: str, columns: Mapping[str, Array], options: ReadOptions
+) -> Iterator[PointFrame]:
+    """Yield the frames of a table, in the order of their numbers."""
+    key = next((column for column in columns if column.strip().lower() in FRAMES), None)
+    numbers = np.unique(columns[key]) if key is not None else np.empty(0)
+    if not 1 < len(numbers) <= len(columns[key or ""]) / LEAST_POINTS or np.any(numbers % 1):
+        yield frame_from_columns(name, columns, options)
+        return
+    for number in numbers:
+        rows = np.flatnonzero(columns[key or ""] == number)
+        part = {column: values[rows] for column, values in columns.items()}
+        yield frame_from_columns(f"{name} frame {number:g}", part, options)
 
 
 def _read_at_once(name: str, data: bytes, options: ReadOptions) -> dict[str, Array] | None:
@@ -102,8 +125,10 @@ def _read_at_once(name: str, data: bytes, options: ReadOptions) -> dict[str, Arr
     require_count(name, table.num_rows, options.limits)
     columns = {column: table[column].to_numpy() for column in names}
     if layout.header is not None:
-        return columns
-    return plain_columns(np.stack(list(columns.values()), axis=1), options, intensity_first=False)
+        beyond = any(np.any(np.abs(values) >= EXACT) for values in columns.values())
+        return None if beyond else columns  # whole numbers that float64 rounds
+    table_of = np.stack(list(columns.values()), axis=1)
+    return plain_columns(name, table_of, options, intensity_first=False)
 
 
 def _parsed_by_arrow(data: bytes, layout: Layout, names: list[str]) -> Any:
@@ -229,8 +254,12 @@ def _columns(
     if table is None:
         return _columns_with_words(name, lines, layout, options)
     if header is not None:
-        return {column: table[:, i] for i, column in enumerate(header) if i < width}
-    return plain_columns(table, options, intensity_first=is_pts)
+        return {
+            column: _exact(table[:, i], _words_of(lines, layout, i))
+            for i, column in enumerate(header)
+            if i < width
+        }
+    return plain_columns(name, table, options, intensity_first=is_pts)
 
 
 def _quoted(lines: list[str], rows: list[int]) -> bool:
@@ -290,25 +319,44 @@ def _columns_with_words(
         axes = roles(meaning.values())
         needed = {old for old, new in meaning.items() if new in {axes.get(a) for a in "xyz"}}
     columns: dict[str, Array] = {}
+    left_out: list[str] = []
     label = roles(meaning.values()).get("label")
-    for i, column in enumerate(names):
-        values = _numbers([words[i] for words in table], layout)
+    for column, called in zip(names, map(list, zip(*table, strict=True)), strict=True):
+        values = _numbers(called, layout)
         if isinstance(values, int) and column in needed:
             where = f"{name} line {layout.rows[values] + 1}"
             raise BadInputError(f"{where}: expected a number, got another word")
         if isinstance(values, int) and meaning[column] == label and options.class_number:
-            number, called = options.class_number, [words[i] for words in table]
+            number = options.class_number
             of_name = {word: number(name, word) for word in dict.fromkeys(called)}
             values = np.array([of_name[word] for word in called], np.float64)
-        # A column of words keeps its place among the meanings that a person gives in order.
         if not isinstance(values, int):
-            columns[column] = values
-        elif options.chosen.columns:
+            columns[column] = _exact(values, called)
+            continue
+        left_out.append(column)
+        # A column of words keeps its place among the meanings that a person gives in order.
+        if options.chosen.columns:
             columns[column] = np.full(len(table), np.nan)
+    if left_out:
+        log.warning("%s: columns of words are left out: %s", name, ", ".join(left_out))
     if layout.header is not None or options.chosen.columns:
         return columns
     table_of = np.stack(list(columns.values()), axis=1)
-    return plain_columns(table_of, options, intensity_first=False)
+    return plain_columns(name, table_of, options, intensity_first=False)
+
+
+def _words_of(lines: list[str], layout: Layout, column: int) -> Iterator[str]:
+    return (_words(lines[row], layout.separator)[column] for row in layout.rows)
+
+
+def _exact(values: NDArray[np.float64], words: Iterable[str]) -> Array:
+    """Return numbers as int64 where they are whole and float64 rounds them, else as they are."""
+    if not np.any(np.abs(values) >= EXACT):
+        return values
+    try:
+        return np.array([int(word) for word in words], np.int64)
+    except (ValueError, OverflowError):
+        return values
 
 
 def _numbers(words: list[str], layout: Layout) -> NDArray[np.float64] | int:
@@ -342,8 +390,8 @@ def _complaint(name: str, lines: list[str], layout: Layout, width: int) -> BadIn
 def write_csv(out: BinaryIO, table: Table) -> None:
     """Write a table as CSV with a header; coordinates read back bit for bit."""
     types, blocks = table.opened()
-    writer = io.TextIOWrapper(out, encoding="ascii", newline="\n", write_through=True)
-    writer.write(",".join(types) + "\n")
+    writer = io.TextIOWrapper(out, encoding="utf-8", newline="\n", write_through=True)
+    csv.writer(writer, lineterminator="\n").writerow(types)
     for columns in blocks:
         for first in range(0, len(next(iter(columns.values()))), _CSV_ROWS):
             texts = [_texts(values[first : first + _CSV_ROWS]) for values in columns.values()]

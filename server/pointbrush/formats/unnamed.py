@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import re
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,11 @@ from numpy.typing import NDArray
 from pointbrush.formats.options import ReadOptions
 
 Array = NDArray[Any]
+log = logging.getLogger(__name__)
+LABELED = re.compile(r"label|annot|segm|semantic", re.IGNORECASE)
+"""Names of files of points with labels."""
+SAMPLE = 100_000
+"""Rows that tell whether a column holds classes."""
 UNIT = 0.01
 """Greatest distance from 1 of a normal's length."""
 MOSTLY = 0.99
@@ -20,12 +27,20 @@ MANY_SHADES = 32
 """Different values of a column that is hardly a class."""
 
 
-def plain_columns(table: Array, options: ReadOptions, *, intensity_first: bool) -> dict[str, Array]:
-    """Columns of a table (N, 3 or more) that has no names: by their number and what they hold.
+def unnamed(column: int) -> str:
+    """Return the name of the field that a column without a name and a role becomes, from 0."""
+    return f"column_{column + 1}"
 
-    Where a person says what they are, all of them, called by their numbers.
+
+def plain_columns(
+    name: str, table: Array, options: ReadOptions, *, intensity_first: bool
+) -> dict[str, Array]:
+    """Columns of a table (N, 3 or more) that has no names: by their number and values.
+
+    Where a person says their meanings, all of them, called by their numbers.
     x y z, then an intensity alone; or red green blue; or intensity red green blue, which is tried
-    first with ``intensity_first``.  What is neither (normals) is left out.
+    first with ``intensity_first``.  Others (normals, classes) are fields ``column_7`` and so on.
+    A fourth column of few whole numbers in a file called after labels, as ``name`` says, is one.
     """
     width = table.shape[1]
     if options.chosen.columns:
@@ -34,12 +49,37 @@ def plain_columns(table: Array, options: ReadOptions, *, intensity_first: bool) 
     after = width >= 7 and _are_colors(table[:, 4:7])
     before = width >= 6 and _are_colors(table[:, 3:6], whole=width > 6)
     if width in (4, 5):
-        names += ["intensity"]
+        named_so = LABELED.search(name) is not None and _are_classes(table[:, 3])
+        names += ["label" if named_so else "intensity"]
     elif after and (intensity_first or not before or _ends_in_colors(table)):
         names += ["intensity", "red", "green", "blue"]
     elif before:
         names += ["red", "green", "blue"]
+    names += map(unnamed, range(len(names), width))
+    _name_classes(name, table, names)
     return {column: table[:, i] for i, column in enumerate(names)}
+
+
+def _are_classes(values: Array) -> bool:
+    """Whether a column holds few whole numbers from 0 on, as classes are counted."""
+    shades = np.unique(values[:SAMPLE])
+    whole = bool(np.isfinite(shades).all() and (shades >= 0).all() and not np.any(shades % 1))
+    return whole and 1 < len(shades) <= MANY_SHADES
+
+
+def _name_classes(name: str, table: Array, names: list[str]) -> None:
+    """Warn of columns without a name that may be classes."""
+    like = [
+        i
+        for i, column in enumerate(names)
+        if column in ("intensity", unnamed(i)) and _are_classes(table[:, i])
+    ]
+    if like:
+        meanings = ["label" if i == like[0] else old for i, old in enumerate(names)]
+        log.warning(
+            "%s: column %s holds few whole numbers and is kept as %s; if it has classes, import "
+            "with columns %s", name, like[0] + 1, names[like[0]], ",".join(meanings),
+        )  # fmt: skip
 
 
 def _ends_in_colors(table: Array) -> bool:

@@ -77,7 +77,7 @@ def import_frames(
         for stored in _store_all(frames, folder, grid_of):
             records.append(stored)
             done = len(records)
-            count = f"{done} of {total}" if total else f"{done}"
+            count = f"{done} of {total}" if total and done <= total else f"{done}"
             progress(min(done / total, 1.0) if total else 0.0, f"imported {count} frames")
         if not records:
             raise BadInputError("expected at least one frame, got none")

@@ -72,20 +72,22 @@ GAPS = "gaps.json"
 
 _PROVENANCE = "provenance"
 _FIELDS = "further fields"
+_WIDE = "whole numbers beyond 2^53"
+_SINGLE = "coordinates beyond 32-bit floats"
 _COLORS = "colours"
 _BOXES = "the points of a label, only boxes round them"
 _POINTS = "points and their labels, only boxes"
 _NAMELESS = ("names of labels", "the same object in several frames", _COLORS)
 
 _ALL = (
-    Export("ply", "PLY", "points and labels", points.write_plys, (_PROVENANCE,), (".ply",)),
-    Export("npz", "NPZ", "NumPy arrays", points.write_npzs, (_FIELDS,), (".npz",)),
+    Export("ply", "PLY", "points and labels", points.write_plys, (_PROVENANCE, _WIDE), (".ply",)),
+    Export("npz", "NPZ", "NumPy arrays", points.write_npzs, (), (".npz",)),
     Export(
         "semantickitti",
         "SemanticKITTI",
         ".bin and .label",
         semantickitti.write_semantickitti,
-        (_PROVENANCE, _COLORS, _FIELDS),
+        (_PROVENANCE, _COLORS, _FIELDS, _SINGLE),
         numbering=KITTI_NUMBERS,
         labels=("semantickitti", "*.label"),
     ),
@@ -122,7 +124,7 @@ _ALL = (
         "Cut",
         "a file per label",
         points.write_cuts,
-        (_PROVENANCE, _FIELDS, "unlabeled points"),
+        (_PROVENANCE, _WIDE, "unlabeled points"),
         masks=False,
         labels=("points", "*.ply"),
     ),
@@ -131,7 +133,7 @@ _ALL = (
         "Pointcept",
         "scenes for training",
         training.write_pointcept,
-        (_PROVENANCE, _FIELDS),
+        (_PROVENANCE, _FIELDS, _SINGLE),
         numbering=TRAINING_NUMBERS,
         splits=True,
         labels=("npy", "instance.npy"),
@@ -144,6 +146,8 @@ _ALL = (
         (
             _BOXES,
             *_NAMELESS,
+            _FIELDS,
+            _SINGLE,
             f"labels of fewer than {training.FEWEST} points",
         ),
         masks=False,
@@ -169,7 +173,7 @@ _ALL = (
         "OpenPCDet, whole",
         "points and whole boxes",
         partial(training.write_openpcdet, whole=True),
-        (_BOXES, *_NAMELESS, TILT, BOX_ATTRIBUTES, PRECISE),
+        (_BOXES, *_NAMELESS, _FIELDS, _SINGLE, TILT, BOX_ATTRIBUTES, PRECISE),
         masks=False,
         numbering=TRAINING_NUMBERS,
         splits=True,

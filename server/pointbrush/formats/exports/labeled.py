@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.boxes.scene import SceneFrame
 from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.las_header import FieldScale, scalings_of
 from pointbrush.formats.numbering import Numbering, numbering_of
-from pointbrush.formats.table import Table
+from pointbrush.formats.table import Table, stored_name
 from pointbrush.frame import PointFrame
 
 Array = NDArray[Any]
@@ -297,31 +298,43 @@ def category_of(entry: PaletteEntry) -> str:
     return entry.category or entry.name
 
 
-def point_table(frame: ExportFrame, palette: Palette, *, other: bool = False) -> Table:
-    """The points that are not deleted, as ``point_columns``; with the source's ``other`` fields."""
+def point_table(frame: ExportFrame, palette: Palette, *, stored: bool = False) -> Table:
+    """The points that are not deleted, as ``point_columns``, and the source's further fields.
+
+    ``stored``: fields as the source stores them, called by ``stored_name``.
+    """
 
     def columns(block: LabeledFrame) -> dict[str, Array]:
         made = point_columns(block, palette, block.keep)
-        return made | other_columns(block, made) if other else made
+        if stored:
+            return made | {stored_name(name): v[block.keep] for name, v in block.other.items()}
+        return made | other_columns(block, made, block.keep)
 
     if isinstance(frame, LabeledFrame):
         return Table.of(columns(frame))
     return Table(frame.kept, lambda: (columns(block) for block in frame.blocks()))
 
 
-def other_columns(frame: LabeledFrame, ours: Mapping[str, Array]) -> dict[str, Array]:
-    """The source's further fields of the points kept, in order and type.
+def other_columns(
+    frame: LabeledFrame, ours: Iterable[str], keep: NDArray[np.int64]
+) -> dict[str, Array]:
+    """Return the source's further fields of the points ``keep``, in order and type.
 
     One that is called as a field of ours is called ``source_…``: neither takes the other's place.
     """
-    taken = {name.lower() for name in ours} | {"rgb", "rgba"}
+    scalings = {} if frame.header is None else scalings_of(frame.header)
+    reserved = {name.lower() for name in ours} | {"rgb", "rgba"}
+    plain = {name: "_".join(name.split()) or "field" for name in frame.other}
+    taken = reserved | {name.lower() for name in plain.values()}
     columns: dict[str, Array] = {}
     for name, values in frame.other.items():
-        plain = "_".join(name.split()) or "field"
-        while plain.lower() in taken:
-            plain = f"source_{plain}"
-        taken.add(plain.lower())
-        columns[plain] = values[frame.keep]
+        called = plain[name]
+        if called.lower() in reserved or called in columns:
+            while called.lower() in taken:
+                called = f"source_{called}"
+            taken.add(called.lower())
+        scaling = scalings.get(name, FieldScale())
+        columns[called] = values[keep] if scaling.whole else scaling.values(values[keep])
     return columns
 
 

@@ -18,11 +18,13 @@ from pointbrush.formats.exports.labeled import (
     LabeledFrame,
     Palette,
     PaletteEntry,
+    other_columns,
     point_columns,
     point_table,
 )
 from pointbrush.formats.exports.output import Output
-from pointbrush.formats.npy import write_npz
+from pointbrush.formats.las_header import is_las
+from pointbrush.formats.npy import KNOWN_ARRAYS, write_npz
 from pointbrush.formats.pcd import write_pcd
 from pointbrush.formats.ply import write_ply
 from pointbrush.formats.table import Columns, Spools, Table
@@ -48,7 +50,7 @@ def _write(
 ) -> None:
     for frame in frames:
         with output.file(f"{frame.stem}{ending}") as file:
-            write(file, point_table(frame, palette, other=True))
+            write(file, point_table(frame, palette))
     write_palette(palette, output)
 
 
@@ -77,17 +79,16 @@ def _write_las(
     compress: bool, frames: Iterable[ExportFrame], palette: Palette, output: Output
 ) -> None:
     """LAS or LAZ; what came from one keeps header, records and fields."""
-    from pointbrush.formats.las_write import is_las, write_las, write_las_like
+    from pointbrush.formats.las_write import write_las, write_las_like
 
     classes = palette.of_dataset(LAS.name).category
     for frame in frames:
         with output.file(f"{frame.stem}{'.laz' if compress else '.las'}") as file:
-            kept = frame.header is not None and is_las(frame.header)
-            table = point_table(frame, palette, other=kept)
-            if kept and frame.header is not None:
+            if frame.header is not None and is_las(frame.header):
+                table = point_table(frame, palette, stored=True)
                 write_las_like(file, table, frame.header, compress=compress)
             else:
-                write_las(file, table, classes, compress=compress)
+                write_las(file, point_table(frame, palette), classes, compress=compress)
     write_palette(palette, output)
 
 
@@ -98,7 +99,8 @@ write_lazs = partial(_write_las, True)
 def write_npzs(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """Per frame: xyz, rgb, intensity, label, category, instance, provenance of the points kept.
 
-    ``deleted`` is a mask over all source points: the others are the ones the arrays hold.
+    The source's further fields are arrays beside them.  ``deleted`` is a mask over all source
+    points: the others are the ones the arrays hold.
     """
     for frame in frames:
         with ExitStack() as stack:
@@ -127,7 +129,7 @@ def _arrays(block: LabeledFrame, palette: Palette) -> dict[str, NDArray[Any]]:
     arrays["instance"] = palette.instance(label)
     arrays["provenance"] = block.provenance[keep]
     arrays["deleted"] = block.deleted
-    return arrays
+    return arrays | other_columns(block, (*arrays, *KNOWN_ARRAYS), keep)
 
 
 def write_cuts(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
@@ -150,7 +152,8 @@ def _points(frame: ExportFrame, palette: Palette, label: int) -> Iterator[Column
     first = 0
     for block in frame.blocks():
         mine = np.flatnonzero((block.label == label) & ~block.deleted)
-        yield point_columns(block, palette, mine) | {ROW: (first + mine).astype(np.uint32)}
+        made = point_columns(block, palette, mine) | {ROW: (first + mine).astype(np.uint32)}
+        yield made | other_columns(block, made, mine)
         first += block.count
 
 

@@ -115,7 +115,8 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
             name=request.name or source.name,
             format=listing.format,
             title=format_named(listing.format).title,
-            frames=source.count,
+            # Of a file with several frames all would have to be read.
+            frames=None if any(each.place for each in source.origins) else source.count,
             fps=fps,
             fps_from=fps_from,
             order=listing.order,
