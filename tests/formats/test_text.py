@@ -130,3 +130,43 @@ def test_what_is_wrong_in_a_long_table_is_said_by_its_line(tmp_path: Path) -> No
     (tmp_path / "a.csv").write_text("\n".join(rows))
     with pytest.raises(BadInputError, match="line 20001"):
         list(read(tmp_path / "a.csv"))
+
+
+def test_columns_without_a_name_are_kept_and_possible_classes_named(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    rows = [f"{k / 7:.3f},1,{k % 5},10,{k},30,{k % 3 + 1},{k % 4}" for k in range(40)]
+    (tmp_path / "scan.txt").write_text("\n".join(rows))
+    (frame,) = read(tmp_path / "scan.txt")
+    assert frame.rgb is not None
+    assert frame.other["column_7"].tolist() == [k % 3 + 1 for k in range(40)]
+    assert frame.other["column_8"].tolist() == [k % 4 for k in range(40)]
+    assert "columns x,y,z,red,green,blue,label" in caplog.text
+
+
+@pytest.mark.parametrize(("name", "labels"), [("a_labeled.txt", True), ("a.txt", False)])
+def test_a_fourth_column_is_a_class_where_the_file_is_called_so(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, name: str, labels: bool
+) -> None:
+    (tmp_path / name).write_text("\n".join(f"{k / 7:.3f} 1 {k / 3:.3f} {k % 3}" for k in range(30)))
+    (frame,) = read(tmp_path / name)
+    found = frame.label if labels else frame.intensity
+    assert found is not None
+    assert found.tolist() == [k % 3 for k in range(30)]
+    assert (frame.intensity is None) == labels
+    assert ("columns x,y,z,label" in caplog.text) != labels
+
+
+def test_a_column_of_frames_makes_a_sequence(tmp_path: Path) -> None:
+    rows = [f"{frame},{k},{frame},0" for k in range(5) for frame in (7, 3)]
+    (tmp_path / "a.csv").write_text("frame,x,y,z\n" + "\n".join(rows))
+    frames = list(read(tmp_path / "a.csv"))
+    assert [frame.xyz[:, 1].tolist() for frame in frames] == [[3] * 5, [7] * 5]
+    assert [frame.xyz[:, 0].tolist() for frame in frames] == [list(range(5))] * 2
+
+
+def test_numbers_beyond_53_bits_stay_exact(tmp_path: Path) -> None:
+    wide = [(1 << 60) + k for k in range(4)]
+    (tmp_path / "a.csv").write_text("x,y,z,t\n" + "\n".join(f"1,2,3,{t}" for t in wide))
+    (frame,) = read(tmp_path / "a.csv")
+    assert frame.other["t"].tolist() == wide

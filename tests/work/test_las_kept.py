@@ -136,3 +136,14 @@ def test_the_classification_is_labels_when_asked_for(tmp_path: Path) -> None:
         names = {label.id: label.name for label in workspace.labels.palette(sequence)} | {0: ""}
         found = [names[n] for n in workspace.annotations.read(sequence, 0)[0].tolist()]
     assert found == [""] * 25 + ["Ground"] * 25 + ["Building"] * 25 + ["class 64"] * 25
+
+
+def test_tree_numbers_without_classes_stay_as_they_are(tmp_path: Path) -> None:
+    header = laspy.LasHeader(point_format=6, version="1.4")
+    header.add_extra_dims([laspy.ExtraBytesParams("treeID", "int32")])
+    las = laspy.LasData(header)
+    las.x = las.y = las.z = np.arange(30.0)
+    las.treeID = np.arange(30) % 4 - 1
+    las.write(tmp_path / "trees.las")
+    found = through(tmp_path, tmp_path / "trees.las", "las")
+    assert np.array_equal(np.asarray(found["treeID"]), np.asarray(las["treeID"]))
