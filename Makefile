@@ -116,8 +116,10 @@ quickest:
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
 
+# Compared with the empty tree, every line of a tracked file is new.
 lint: $(STAMPS)/dev $(STAMPS)/node
-	@echo "== ruff, import-linter, wire types, duplicates"
+	@echo "== merge markers, white space, ruff, import-linter, wire types, duplicates"
+	@git diff --check "$$(git hash-object -t tree /dev/null)"
 	@$(BIN)/ruff check server tests benchmarks docs
 	@$(BIN)/ruff format --check --quiet server tests benchmarks docs
 	@$(BIN)/lint-imports

@@ -9,9 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from functools import partial
-from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Thread
@@ -22,6 +20,7 @@ from playwright.sync_api import Page as BrowserPage
 from playwright.sync_api import sync_playwright
 
 from tests.e2e.chromium import EXECUTABLE, FLAGS
+from tests.html_page import Page
 
 ROOT = Path(__file__).parent.parent
 FETCHED = re.compile(
@@ -31,34 +30,6 @@ FETCHED = re.compile(
 )
 NO_PAGE = "404.html"
 """A server answers with it under any address, so its links begin at the root."""
-
-
-@dataclass
-class Page(HTMLParser):
-    """Addresses that a page leads to, anchors that it has, and its tables' heads."""
-
-    links: set[str] = field(default_factory=set)
-    anchors: set[str] = field(default_factory=set)
-    heads: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        super().__init__()
-        self._head = False
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.links |= {value for name in ("href", "src") if (value := given.get(name))}
-        self.anchors |= {value for name in ("id", "name") if (value := given.get(name))}
-        if tag == "th":
-            self.heads.append("")
-        self._head = tag == "th" or (self._head and tag != "td")
-
-    def handle_endtag(self, tag: str) -> None:
-        self._head = self._head and tag != "th"
-
-    def handle_data(self, data: str) -> None:
-        if self._head:
-            self.heads[-1] += data.strip()
 
 
 @pytest.fixture(scope="module")

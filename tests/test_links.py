@@ -1,0 +1,55 @@
+"""Links between Markdown files lead to files and headings, as a code host shows them."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import markdown
+import pytest
+
+from tests.html_page import Page
+
+ROOT = Path(__file__).parent.parent
+FILES = [ROOT / "README.md"]
+EXTENSIONS = ("attr_list", "fenced_code", "tables", "toc")
+MERGE_MARKER = re.compile(r"^(<{7}|\|{7}|={7}|>{7})( |$)", re.M)
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+@cache
+def rendered(path: Path) -> Page:
+    page = Page()
+    page.feed(markdown.markdown(path.read_text(encoding="utf-8"), extensions=EXTENSIONS))
+    return page
+
+
+def dead_links(path: Path) -> list[str]:
+    """Return the relative links of a file that lead to no file, or to no heading of it."""
+    dead = []
+    for link in rendered(path).links:
+        parts = urlsplit(link)
+        if parts.scheme or parts.netloc:
+            continue
+        target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+        anchored = parts.fragment and target.suffix == ".md" and target.is_file()
+        if not target.exists() or (
+            anchored and unquote(parts.fragment) not in rendered(target).anchors
+        ):
+            dead.append(link)
+    return dead
+
+
+@pytest.mark.parametrize("path", FILES, ids=name_of)
+def test_every_link_leads_to_a_file_and_its_heading(path: Path) -> None:
+    assert dead_links(path) == []
+
+
+def test_the_readme_is_merged() -> None:
+    marker = MERGE_MARKER.search((ROOT / "README.md").read_text(encoding="utf-8"))
+    assert not marker, f"expected no merge markers, got {marker and marker[0]!r}"
