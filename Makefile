@@ -118,13 +118,14 @@ checks: $(STAMPS)/dev $(STAMPS)/node
 
 # Compared with the empty tree, every line of a tracked file is new.
 lint: $(STAMPS)/dev $(STAMPS)/node
-	@echo "== merge markers, white space, ruff, import-linter, wire types, duplicates"
+	@echo "== merge markers, white space, ruff, import-linter, wire types, duplicates, pronouns"
 	@git diff --check "$$(git hash-object -t tree /dev/null)"
 	@$(BIN)/ruff check server tests benchmarks docs
 	@$(BIN)/ruff format --check --quiet server tests benchmarks docs
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m pointbrush.streaming.typescript --check
 	@$(NPM) run --silent duplicates
+	@$(BIN)/python docs/words.py
 
 types: $(STAMPS)/dev
 	@echo "== mypy"

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pointbrush
+from docs.words import complaints, counts
 
 ROOT = Path(pointbrush.__file__).parent
 PAGE = Path(__file__).parents[1] / "webxr_client" / "src"
@@ -53,3 +54,18 @@ def test_no_comment_of_the_page_opens_with_a_riddle() -> None:
             if RIDDLE.match(text or ""):
                 found.append((path.relative_to(PAGE).as_posix(), text.splitlines()[0]))
     assert found == []
+
+
+def test_pronouns_of_prose_are_counted_and_code_is_left_out() -> None:
+    prose = "Nobody knows <!-- who --> what `who` does: see [those](whom.md).\n"
+    assert counts(prose) == (3, 6)
+    assert counts("```sh\nwho\n```\n~~~\nwhat\n~~~\nThe server answers.\n") == (0, 3)
+
+
+def test_a_page_of_many_pronouns_is_named_and_many_pages_of_some_too() -> None:
+    plain = "The server keeps the newest frame. " * 100
+    assert complaints({"a.md": plain}) == []
+    (line,) = complaints({"a.md": plain * 9, "b.md": plain + "who " * 6})
+    assert line.startswith("b.md: expected at most 8 free pronouns per 1,000 words, got 9.9 (6)")
+    (line,) = complaints(dict.fromkeys("abc", plain + "those " * 3))
+    assert line.startswith("all pages: expected at most 4 free pronouns")
