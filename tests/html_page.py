@@ -11,6 +11,8 @@ class Page(HTMLParser):
     """Collects the addresses that a page links to, its anchors and its table heads."""
 
     links: set[str] = field(default_factory=set)
+    entries: set[str] = field(default_factory=set)
+    """Links of the site's navigation."""
     anchors: set[str] = field(default_factory=set)
     heads: list[str] = field(default_factory=list)
 
@@ -21,6 +23,8 @@ class Page(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         given = dict(attrs)
         self.links |= {value for name in ("href", "src") if (value := given.get(name))}
+        if "md-nav__link" in (given.get("class") or "").split() and (link := given.get("href")):
+            self.entries.add(link)
         self.anchors |= {value for name in ("id", "name") if (value := given.get(name))}
         if tag == "th":
             self.heads.append("")

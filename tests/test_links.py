@@ -13,7 +13,7 @@ import pytest
 from tests.html_page import Page
 
 ROOT = Path(__file__).parent.parent
-FILES = [ROOT / "README.md"]
+FILES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 EXTENSIONS = ("attr_list", "fenced_code", "tables", "toc")
 MERGE_MARKER = re.compile(r"^(<{7}|\|{7}|={7}|>{7})( |$)", re.M)
 
@@ -22,10 +22,17 @@ def name_of(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
 
 
+def slug(heading: str, separator: str) -> str:
+    """Return the anchor of a heading as code hosts make it; the site's differ in runs of spaces."""
+    return re.sub(r"[^\w\s-]", "", heading.lower()).replace(" ", separator)
+
+
 @cache
 def rendered(path: Path) -> Page:
     page = Page()
-    page.feed(markdown.markdown(path.read_text(encoding="utf-8"), extensions=EXTENSIONS))
+    text = path.read_text(encoding="utf-8")
+    slugs = {"toc": {"slugify": slug}}
+    page.feed(markdown.markdown(text, extensions=EXTENSIONS, extension_configs=slugs))
     return page
 
 

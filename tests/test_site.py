@@ -28,6 +28,21 @@ FETCHED = re.compile(
     r"""|<link(?![^>]+rel=["']?canonical)[^>]+href=["']?(?:https?:)?//"""
     r"""|url\(["']?(?:https?:)?//|@import\s+["'](?:https?:)?//|class=["']?mermaid"""
 )
+MOST_ENTRIES = 40
+"""Most pages in the navigation."""
+FOUND = {
+    "troubleshooting": "troubleshooting",
+    "slow": "troubleshooting",
+    "jupyter": "examples/explore",
+    "subscribe": "howto/webhooks",
+    "swagger": "reference/rest",
+    "keyboard": "desk",
+    "shortcuts": "desk-tools",
+    "undo": "labels",
+    "delete a recording": "howto/care",
+}
+"""Words that a reader searches for, and the page that answers."""
+AMONG_THE_FIRST = 3
 NO_PAGE = "404.html"
 """A server answers with it under any address, so its links begin at the root."""
 
@@ -110,6 +125,19 @@ def test_each_example_has_a_page_that_others_lead_to(pages: dict[Path, Page], si
         assert linked, example
 
 
+def test_the_navigation_is_short_and_its_pages_list_the_others(
+    site: Path, pages: dict[Path, Page]
+) -> None:
+    def targets(path: Path, links: set[str]) -> set[Path]:
+        return {(path.parent / unquote(urlsplit(link).path)).resolve() for link in links}
+
+    home = site / "index.html"
+    navigation = targets(home, pages[home].entries)
+    assert len(navigation) <= MOST_ENTRIES
+    listed = set[Path]().union(*(targets(path, pages[path].links) for path in navigation))
+    assert set(pages) <= listed
+
+
 def test_a_list_for_language_models_has_the_pages(site: Path, pages: dict[Path, Page]) -> None:
     listed = re.findall(r"^- \[.+?\]\((.+?)\): \S", (site / "llms.txt").read_text(), re.M)
     assert {site / each for each in listed} == set(pages)
@@ -142,13 +170,18 @@ def over_http(folder: Path) -> Iterator[str]:
 
 
 def search(desk: BrowserPage, address: str) -> None:
-    """Open a page, type into its search box, and follow what is found first."""
+    """Open a page, and search for each word from there."""
     desk.goto(address)
     desk.locator(".md-search__input").click()
     desk.locator(".md-search-result__meta", has_text="Type to").wait_for()
-    desk.keyboard.type("certificate headset")
-    desk.locator(".md-search-result__item a").first.click()
-    desk.wait_for_url(re.compile("(headset|security|troubleshooting|deploy)"))
+    for words, page in FOUND.items():
+        desk.keyboard.press("Control+A")
+        desk.keyboard.type(words)
+        results = desk.locator(".md-search-result__item > a:first-child")
+        wanted = desk.locator(f".md-search-result__item > a[href*='/{page}.html']")
+        wanted.first.wait_for()
+        first = [each.get_attribute("href") or "" for each in results.all()[:AMONG_THE_FIRST]]
+        assert any(f"/{page}.html" in each for each in first), f"{words}: {first}"
 
 
 def test_a_browser_searches_and_no_page_scrolls_sideways_on_a_phone(

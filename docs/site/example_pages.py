@@ -26,7 +26,7 @@ def linked(text: str) -> str:
 
 
 def _page(path: Path) -> Iterator[str]:
-    yield from (f"# {path.name}", "")
+    yield from (f"# Example: {path.name}", "")
     if path.suffix == ".ipynb":
         yield from _notebook(path)
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import example_pages
@@ -26,34 +26,40 @@ WIDE = (
     "tracking-ablation.md",
 )
 """Pages of tables that take the room of the contents beside them."""
+ABOVE = {
+    "ARCHITECTURE.md": "explanation/architecture.md",
+    "CHANGELOG.md": "reference/changelog.md",
+    "CONTRIBUTING.md": "contributing.md",
+}
+"""Files above docs/ and their places in the site."""
 PAGES: list[Page] = []
-"""Pages in the order of the navigation."""
+"""All pages, first the pages of the navigation in its order."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that are no files of docs/."""
-    pages = {
-        "reference/cli.md": command_line(),
-        "reference/python.md": python(),
-        "reference/changelog.md": above("CHANGELOG.md"),
-        "explanation/architecture.md": above("ARCHITECTURE.md"),
-    }
-    pages |= rest_pages.pages() | example_pages.pages()
-    for place, text in pages.items():
+    pages = {place: above(name, place) for name, place in ABOVE.items()}
+    for place, text in (pages | rest_pages.pages() | example_pages.pages()).items():
         files.append(File.generated(config, place, content=text))
     return files
 
 
-def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
-    """Lead links to examples to their pages, and leave wide tables their room."""
-    if page.file.src_uri in WIDE:
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, **_: object) -> str:
+    """Complete the reference pages, and lead links to files to the pages of these files."""
+    place = page.file.src_uri
+    if place in WIDE:
         page.meta["hide"] = ["toc"]
-    return example_pages.linked(markdown)
+    if words := config.extra["search_words"].get(place):
+        page.meta["tags"] = words
+    for name, target in ABOVE.items():
+        markdown = re.sub(rf"\]\(((?:\.\./)*)\.\./{name}", rf"](\1{target}", markdown)
+    return example_pages.linked(markdown) + WRITTEN.get(place, str)()
 
 
-def on_nav(nav: Navigation, **_: object) -> None:
-    """Keep the order of the pages for ``llms.txt``."""
-    PAGES[:] = nav.pages
+def on_nav(nav: Navigation, files: Files, **_: object) -> None:
+    """Keep the pages for ``llms.txt``: first those of the navigation, in its order."""
+    others = [file.page for file in files.documentation_pages() if file.page not in nav.pages]
+    PAGES[:] = [*nav.pages, *others]
 
 
 def on_post_build(config: MkDocsConfig) -> None:
@@ -61,10 +67,10 @@ def on_post_build(config: MkDocsConfig) -> None:
     lines = [f"# {config.site_name}", "", f"> {config.site_description}", ""]
     section = None
     for page in PAGES:
-        above = page.ancestors[-1].title if page.ancestors else "Start"
-        if above != section:
-            lines += ["", f"## {above}", ""]
-            section = above
+        group = page.ancestors[-1].title if page.ancestors else "Pages"
+        if group != section:
+            lines += ["", f"## {group}", ""]
+            section = group
         lines.append(f"- [{page.title}]({page.url}): {_opening(page.markdown or '')}")
     (Path(config.site_dir) / "llms.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -79,15 +85,18 @@ def _opening(markdown: str) -> str:
     return "see there"
 
 
-def above(name: str) -> str:
-    """Return a page of the repository's top, whose links into docs/ lead to the site's pages."""
+def above(name: str, place: str) -> str:
+    """Return a page of the repository's top, with links that are right at ``place``."""
     text = (ROOT / name).read_text(encoding="utf-8")
-    return re.sub(r"\]\(docs/", "](../", text)
+    up = "../" * place.count("/")
+    for other, target in ABOVE.items():
+        text = text.replace(f"]({other}", f"]({up}{target}")
+    return text.replace("](docs/", f"]({up}")
 
 
 def command_line() -> str:
     """Return the reference of all commands, from the parser."""
-    lines = ["# The command line", "", "What the flags mean in full: [options](../options.md).", ""]
+    lines = [""]
     for name, command in _commands(parser()):
         lines += [f"## pointbrush {name}", "", f"{_sentence(command.description or name)}", ""]
         usage = command.format_usage().removeprefix("usage: ").rstrip()
@@ -120,3 +129,11 @@ def _arguments(command: argparse.ArgumentParser) -> Iterator[str]:
 
 def _cell(text: str) -> str:
     return text.replace("\n", " ").replace("|", "\\|")
+
+
+WRITTEN: dict[str, Callable[[], str]] = {
+    "reference/cli.md": command_line,
+    "reference/python.md": python,
+    "reference/rest.md": rest_pages.overview,
+}
+"""Pages whose files have the introduction alone, and the functions that write the rest."""

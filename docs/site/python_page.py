@@ -12,11 +12,7 @@ from examples import calls
 
 from pointbrush import client
 
-HEAD = """# The Python client
-
-`Client` blocks; `AsyncClient` has the same calls as coroutines. A method that says `Steps[T]` here
-returns a `T`, which `AsyncClient` awaits. Names in an example may be of an earlier one; larger
-examples are in [scripting](../scripting.md).
+CLIENTS = """
 
 ::: pointbrush.client.Client
     options:
@@ -26,7 +22,7 @@ examples are in [scripting](../scripting.md).
 """
 ERRORS = """## Errors
 
-What a server refuses raises the error that its problem names.
+If the server refuses a call, the client raises the error that the answer names.
 
 ::: pointbrush.errors
     options:
@@ -36,8 +32,8 @@ PACKAGE = "pointbrush.client."
 
 
 def python() -> str:
-    """Return the page, class by class."""
-    parts = [HEAD]
+    """Return the reference, class by class, which follows the introduction of the page."""
+    parts = [CLIENTS]
     for name in client.__all__:
         if name.endswith("Client"):
             continue

@@ -6,6 +6,7 @@ import json
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import closing
+from functools import cache
 from http import HTTPStatus
 from pathlib import Path
 from typing import Any
@@ -29,24 +30,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Server and jobs": ("server", "jobs"),
 }
 """Pages, and the tags of the calls on each."""
-HEAD = """# REST
-
-Every call is below the server's address, with a token in `Authorization: Bearer …`. A running
-server shows the same at `/api/v1/docs`, and as OpenAPI at `/api/v1/openapi.json`. The role that a
-call needs: [roles](../roles.md).
-
-The examples were recorded on a server; long lists are cut short. Errors are
-`application/problem+json`, as
-
-```http
-HTTP/1.1 404 Not Found
-Content-Type: application/problem+json
-
-{"type": "about:blank", "title": "Not found", "status": 404, "detail": "no sequence 'rooom'"}
-```
-"""
 
 
+@cache
 def description() -> dict[str, Any]:
     """Return the OpenAPI description of a server."""
     with tempfile.TemporaryDirectory() as folder:
@@ -56,24 +42,32 @@ def description() -> dict[str, Any]:
     return found
 
 
-def pages() -> dict[str, str]:
-    """Return the pages by their places."""
-    described = description()
-    exchanges = json.loads(EXCHANGES.read_text(encoding="utf-8"))
-    overview, made = [HEAD], {}
+def overview() -> str:
+    """Return tables of all calls, which follow the introduction in ``docs/reference/rest.md``."""
+    lines = [""]
     for title, tags in GROUPS.items():
-        name = title.lower().replace(" ", "-")
-        calls = list(_of_tags(described, tags))
-        overview += [f"## [{title}](rest/{name}.md)", "", "| call | does |", "|---|---|"]
-        overview += [f"| `{call}` | {_cell(_first(about))} |" for call, about in calls]
-        overview.append("")
+        lines += [f"## [{title}](rest/{_name(title)}.md)", "", "| call | does |", "|---|---|"]
+        calls = _of_tags(description(), tags)
+        lines += [f"| `{call}` | {_cell(_first(about))} |" for call, about in calls]
+        lines.append("")
+    return "\n".join([*lines, "The bodies and answers have [schemas](rest/schemas.md)."])
+
+
+def pages() -> dict[str, str]:
+    """Return the pages of the groups and of the schemas, by their places."""
+    exchanges = json.loads(EXCHANGES.read_text(encoding="utf-8"))
+    schemas = description()["components"]["schemas"]
+    made = {"reference/rest/schemas.md": "\n".join(_schemas(schemas))}
+    for title, tags in GROUPS.items():
         parts = [f"# REST: {title.lower()}", ""]
-        for call, about in calls:
+        for call, about in _of_tags(description(), tags):
             parts += _call(call, about, exchanges.get(call, {}))
-        made[f"reference/rest/{name}.md"] = "\n".join(parts)
-    made["reference/rest.md"] = "\n".join(overview)
-    made["reference/rest/schemas.md"] = "\n".join(_schemas(described["components"]["schemas"]))
+        made[f"reference/rest/{_name(title)}.md"] = "\n".join(parts)
     return made
+
+
+def _name(title: str) -> str:
+    return title.lower().replace(" ", "-")
 
 
 def _of_tags(
