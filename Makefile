@@ -59,6 +59,11 @@ $(STAMPS)/dev: $(STAMPS)/runtime
 	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[dev]'
 	@touch $@
 
+$(STAMPS)/docs: $(STAMPS)/runtime
+	@echo "== Python packages for the documentation"
+	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[docs]'
+	@touch $@
+
 $(STAMPS)/node: $(STAMPS)/nodejs webxr_client/package-lock.json
 	@echo "== page packages from the npm registry (pinned in package-lock.json)"
 	@$(NPM) ci --silent --no-audit --no-fund
@@ -171,7 +176,7 @@ torture: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## faults of every kind, 
 bench: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system peers  ## every benchmark, with its peers, in one run
 	@$(BIN)/pointbrush bench
 
-docs: $(STAMPS)/dev  ## the documentation as a site, which works from disk: build/site/index.html
+docs: $(STAMPS)/docs  ## the documentation as a site, which works from disk: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 pictures: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the pictures of desk and headset in docs/images, anew

@@ -13,11 +13,11 @@ ROOT = Path(__file__).parent.parent
 
 
 def required(project: str) -> dict[str, Requirement]:
-    """All packages that a project file names, by name."""
+    """All packages that a project file names, by name; its own extras name it too."""
     found = tomllib.loads((ROOT / project / "pyproject.toml").read_text())["project"]
     extras = found.get("optional-dependencies", {}).values()
     each = map(Requirement, [*found["dependencies"], *(text for extra in extras for text in extra)])
-    return {canonicalize_name(one.name): one for one in each}
+    return {canonicalize_name(one.name): one for one in each if one.name != found["name"]}
 
 
 @pytest.mark.parametrize("project", [".", "server/client_package"])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -23,11 +25,34 @@ with Client(sys.argv[1], sys.argv[2]) as client:
     assert (wall.frames[0].annotation() == label.id).sum() == edit.changed
 assert not {"numba", "scipy", "dask", "pyarrow", "fastapi"} & set(sys.modules)
 """
+DOCUMENTED = re.compile(r"^pip install .*$", re.M)
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(ROOT / "server" / "client_package", "wheel", tmp_path_factory.mktemp("dist"))
 
 
 @pytest.mark.timeout(900)
-def test_the_client_alone_works_and_goes_beside_pointbrush(tmp_path: Path) -> None:
-    client = build(ROOT / "server" / "client_package", "wheel", tmp_path / "client")
+def test_the_documented_ways_to_install_it_work(client: Path, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "scripting.md").read_text(encoding="utf-8")
+    checkout, wheel, index = DOCUMENTED.findall(page)
+    programs = install(client, tmp_path / "fresh")
+    (tmp_path / "server").symlink_to(ROOT / "server")
+    (tmp_path / "dist").symlink_to(client.parent)
+    environment = os.environ | {"PATH": f"{programs}{os.pathsep}{os.environ['PATH']}"}
+    # Nothing is published yet: a folder of wheels stands for the index.
+    local = {"PIP_NO_INDEX": "1", "PIP_FIND_LINKS": str(client.parent)}
+    for command, more in ((checkout, {}), (wheel, local), (index, local)):
+        pip = f"pip uninstall --yes pointbrush-client && {command}"
+        script = f"{pip} && python -c 'import pointbrush.client'"
+        subprocess.run(
+            ["bash", "-ec", script], env=environment | more, cwd=tmp_path, check=True, timeout=300
+        )
+
+
+@pytest.mark.timeout(900)
+def test_the_client_alone_works_and_goes_beside_pointbrush(client: Path, tmp_path: Path) -> None:
     whole = build(ROOT, "wheel", tmp_path / "whole")
     programs = install(client, tmp_path / "fresh")
 
