@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 import tomllib
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,6 +27,7 @@ import yaml
 from PIL import Image
 
 from pointbrush.client import Client
+from pointbrush.samples import generate
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
@@ -36,9 +38,10 @@ from tests.waiting import PATIENCE
 from tests.work.test_box_import import sustechpoints
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+README = ROOT / "README.md"
+PAGES = [README, *sorted((ROOT / "docs").rglob("*.md"))]
 ADDRESS = "http://127.0.0.1:8080"
-MOST_NOT_RUN = 18
+MOST_NOT_RUN = 19
 FENCE = re.compile(
     r"(?:^<!-- not run: (?P<reason>.+?) -->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```$", re.M | re.S
 )
@@ -54,6 +57,7 @@ SERVERS = ("demo", "serve")
 SHELL = frozenset("&|;<>*?$`")
 """Signs of a line that is for a shell."""
 POINTS = 400
+SAMPLE_FRAMES = 3
 
 
 @dataclass(frozen=True)
@@ -76,7 +80,7 @@ def name_of(page: Path) -> str:
 
 RUN = [
     page
-    for page in PAGES
+    for page in PAGES[1:]  # the README has a test of its own
     if not PAGE.search(page.read_text())
     and any(each.kind in ("sh", "python") and each.reason is None for each in snippets(page))
 ]
@@ -174,6 +178,8 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
         for name in ("juggling", "room", "kitchen", "drive", "drive-fitted", "scene")
         if re.search(rf"\b{name}\b", text) and f"--name {name}" not in text
     ]
+    if sample := request.param == README:
+        given.remove("juggling")
     for name in given:
         import_frames(
             (surface(POINTS, i) for i in range(frames)),
@@ -188,6 +194,9 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
         values = np.zeros(POINTS, np.uint16)
         values[:100] = label.id
         workspace.annotations.put(name, 0, values, author="ada", layer="label")
+    if sample:
+        job = workspace.imports.begin_sample(frames=SAMPLE_FRAMES)
+        assert workspace.runner.wait(job.id, PATIENCE).state == "done"
     workspace.close()
     write_files(tmp_path)
     return Place(tmp_path, settings)
@@ -233,14 +242,31 @@ def write_files(folder: Path) -> None:
 def test_what_a_page_says_to_type_works(
     page: Path, place: Place, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    type_in(page, place, monkeypatch)
+
+
+@pytest.mark.parametrize("place", [README], indirect=True, ids=["README.md"])
+def test_the_readme_labels_the_red_pin(place: Place, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = type_in(README, place, monkeypatch)
+    made = generate("juggling", seed=0, frames=SAMPLE_FRAMES)
+    with zipfile.ZipFile(place.folder / "juggling.zip") as exported:
+        for i, truth in enumerate(made.truth):
+            labelled = np.load(exported.open(f"label/{i:06}.npy")) == names["pin"].id
+            assert (labelled & (truth == 1)).sum() > 0.7 * (labelled | (truth == 1)).sum()
+
+
+def type_in(page: Path, place: Place, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Run a page's snippets, those of the client against a server; returns the names they make."""
     monkeypatch.chdir(place.folder)
     run = [each for each in snippets(page) if each.reason is None]
     names: dict[str, Any] = {"token": TOKEN}
     if not any(each.kind == "python" and "client" in each.text.lower() for each in run):
         run_all(run, place, names, ADDRESS)
-        return
+        return names
     with serving(place.settings) as served, Client(served.url, TOKEN) as client:
-        run_all(run, place, names | {"client": client}, served.url)
+        names["client"] = client
+        run_all(run, place, names, served.url)
+    return names
 
 
 def run_all(run: list[Snippet], place: Place, names: dict[str, Any], url: str) -> None:
