@@ -33,28 +33,26 @@ OBJECT = Shape(
     "A candidate of the object tool; the samples are rays at the object.",
     (
         RADIUS,
-        Parameter("negatives", Rays(MOST_RAYS), (), "rays at what is no part of it"),
+        Parameter("negatives", Rays(MOST_RAYS), (), "rays at points that do not belong to it"),
         Parameter(
             "candidate",
             Text(MOST_NAME),
             "",
-            "the id of a candidate of the newest answer; another one is refused (409)",
+            "the id of a candidate of the newest answer; the server refuses other ids (409)",
         ),
         Parameter(
             "level",
             Whole(0, MOST_LEVELS - 1),
             None,
-            "without `candidate`: the level to take, from 0, the smallest; null: the best",
+            "without `candidate`: the level to take, from 0 (the smallest); null: the best",
         ),
-        Parameter(
-            "previous", Text(MOST_NAME), "", "the candidate taken so far, as it was asked with"
-        ),
+        Parameter("previous", Text(MOST_NAME), "", "the candidate taken so far, as in the request"),
         Parameter("take_labelled", Flag(), False, "also points of other labels"),
         Parameter(
             "replaces",
             EditName(),
             None,
-            "this author's last edit, taken back first, so that a refined object is one undo",
+            "this author's last edit, which the stroke replaces: one undo reverts a refined object",
         ),
     ),
     take=_by_candidate,

@@ -155,6 +155,6 @@ def _to_up(up: tuple[float, float, float]) -> NDArray[np.float64]:
 
 CLUSTER = region_shape(
     "cluster",
-    "All that stands within the radius of each other round each place met, without the ground.",
+    "Points above the ground round each place met, without gaps wider than the radius.",
     cluster,
 )

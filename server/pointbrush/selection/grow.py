@@ -152,5 +152,5 @@ def _surroundings(
 
 
 GROW = region_shape(
-    "grow", "The connected region of like colour and normal round each place met.", grow
+    "grow", "The connected region of similar colour and normal round each place met.", grow
 )

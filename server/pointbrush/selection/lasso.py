@@ -69,7 +69,7 @@ def _placed(values: Values, T_new_old: NDArray[np.float64]) -> Values:
 
 LASSO = Shape(
     "lasso",
-    "What a camera sees inside an outline.",
+    "Points that a camera sees inside an outline.",
     (
         Parameter(
             "polygon",

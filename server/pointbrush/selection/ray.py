@@ -182,7 +182,12 @@ def _take(at: Selecting) -> Parts:
 RAY = Shape(
     "ray",
     "A ball round the first surface that each ray meets, or all along the ray.",
-    (RADIUS, Parameter("through", Flag(), False, "all points along the ray, not the first met")),
+    (
+        RADIUS,
+        Parameter(
+            "through", Flag(), False, "take all points along the ray, not only the first surface"
+        ),
+    ),
     take=_take,
     meets=lambda values: not values["through"],
 )

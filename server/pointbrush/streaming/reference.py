@@ -1,4 +1,4 @@
-"""Write the pages of messages from the models, so that what is written is what is spoken.
+"""Write the pages of messages from the models.
 
 ``python -m pointbrush.streaming.reference`` writes them; a test fails when one is stale.
 """
@@ -20,11 +20,13 @@ TARGET = Path(__file__).parents[3] / "docs"
 SOURCES = Path(__file__).parent / "messages"
 HEAD = """# {title}
 
-Written from `server/pointbrush/streaming/messages/` by `python -m pointbrush.streaming.reference`;
-[protocol.md](protocol.md) says how they play together.  Pages: what the [client](messages.md) says,
-what the [server](messages-server.md) says, and [pieces](messages-pieces.md) of both.
-The subprotocol is `pointbrush.{hash}`.
-Types are TypeScript's; `?` marks a field that may be left out.  Bytes are little-endian.
+This page lists the fields of each message; [protocol.md](protocol.md) describes a session.  The
+pages are: messages from the [client](messages.md), messages from the [server](messages-server.md),
+and [pieces](messages-pieces.md) of both.  Types are TypeScript's; `?` marks an optional field.
+Bytes are little-endian.  The subprotocol is `pointbrush.{hash}`.
+
+`python -m pointbrush.streaming.reference` writes the pages from
+`server/pointbrush/streaming/messages/`.
 """
 
 
@@ -92,7 +94,7 @@ def _documented(model: ast.ClassDef) -> Iterator[tuple[str, str]]:
 
 
 def _default(schema: dict[str, Any]) -> str:
-    """Describe the value of a field that is left out, if that is more than nothing."""
+    """Return the default of an optional field, or nothing if the default is empty."""
     default = schema.get("default")
     return f" = {json.dumps(default)}" if default not in (None, "", []) else ""
 

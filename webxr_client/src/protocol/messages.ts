@@ -6,10 +6,11 @@ export const SCHEMA_HASH = 'bd0676461d6d';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
- * Request of what a stroke of shape ``object``, ``grow``, ``cluster`` or ``plane`` would take.
+ * Request the points that a stroke of shape object, grow, cluster or plane would take.
  *
- * The newest request counts: one that still waits when another comes is not answered.  Without
- * ``samples``: only whether the frame is prepared for objects, which it is from then on.
+ * The server answers the newest request and drops an older one that still waits.  Without
+ * ``samples``, the answer only reports whether the frame is prepared for the object tool, and the
+ * server prepares it.
  */
 export interface Ask {
   type: 'ask';
@@ -25,7 +26,7 @@ export interface Ask {
 export interface Brush {
   /** sphere, ray, grow, cluster, plane, object: metres */
   radius?: number;
-  /** ray: all points along the ray, not the first met */
+  /** ray: take all points along the ray, not only the first surface */
   through?: boolean;
   /** lasso: vertices in normalised device coordinates, x right and y up, -1..1 */
   polygon?: [number, number][] | null;
@@ -37,32 +38,32 @@ export interface Brush {
   size?: [number, number, number] | null;
   /** box: orientation x, y, z, w */
   quaternion?: [number, number, number, number] | null;
-  /** object: rays at what is no part of it */
+  /** object: rays at points that do not belong to it */
   negatives?: Sample[];
-  /** object: the id of a candidate of the newest answer; another one is refused (409) */
+  /** object: the id of a candidate of the newest answer; the server refuses other ids (409) */
   candidate?: string;
-  /** object: without `candidate`: the level to take, from 0, the smallest; null: the best */
+  /** object: without `candidate`: the level to take, from 0 (the smallest); null: the best */
   level?: number | null;
-  /** object: the candidate taken so far, as it was asked with */
+  /** object: the candidate taken so far, as in the request */
   previous?: string;
   /** object: also points of other labels */
   take_labelled?: boolean;
-  /** object: this author's last edit, taken back first, so that a refined object is one undo */
+  /** object: this author's last edit, which the stroke replaces: one undo reverts a refined object */
   replaces?: string | null;
   label?: number;
   tool?: 'paint' | 'erase' | 'delete' | 'restore';
-  /** `sphere`: The volume that a ball sweeps along the samples' origins. `ray`: A ball round the first surface that each ray meets, or all along the ray. `lasso`: What a camera sees inside an outline. `box`: The inside of a box. `grow`: The connected region of like colour and normal round each place met. `cluster`: All that stands within the radius of each other round each place met, without the ground. `plane`: The flat surface round each place met: ground, a wall. `object`: A candidate of the object tool; the samples are rays at the object. */
+  /** `sphere`: The volume that a ball sweeps along the samples' origins. `ray`: A ball round the first surface that each ray meets, or all along the ray. `lasso`: Points that a camera sees inside an outline. `box`: The inside of a box. `grow`: The connected region of similar colour and normal round each place met. `cluster`: Points above the ground round each place met, without gaps wider than the radius. `plane`: The flat surface round each place met: ground, a wall. `object`: A candidate of the object tool; the samples are rays at the object. */
   shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'cluster' | 'plane' | 'object';
   only_unlabeled?: boolean;
-  /** labels that only this viewer hides, beside those that the palette hides; 0: points without a label. Their points are left alone, and rays pass through them. */
+  /** labels that only this viewer hides, beside the hidden labels of the palette; 0: points without a label. Strokes do not change their points, and rays pass through them. */
   hidden?: number[];
-  /** painted beside the frame that the stroke is drawn in, as one edit: their points lie over it by the recording's poses, those of a tracked label by its track. */
+  /** further frames that the stroke paints, in the same edit. The poses of the recording place their points over the stroke's frame; the track places a tracked label's points. */
   frames?: number[];
-  /** box that is shown: points outside it are left alone, by every shape, and rays pass through them. */
+  /** the visible box: no shape changes points outside it, and rays pass through them. */
   clip?: ClipBox | null;
 }
 
-/** Place of this person, in room coordinates (y up, metres); absent parts are null. */
+/** Position of this person in room coordinates (y up, metres); missing parts are null. */
 export interface ClientPresence {
   type: 'presence';
   frame?: number;
@@ -84,11 +85,11 @@ export interface ClipBox {
 }
 
 /**
- * The client applied ``frames`` frame messages and may be sent as many more.
+ * The client has applied ``frames`` frame messages; the server may send as many more.
  *
- * With 0 of them it only says how the page keeps up.  ``frame_ms`` is the page's measured time
- * per rendered frame, ``target_ms`` what its display wants; a page that falls behind is sent
- * fewer points.  ``points`` caps points per frame.
+ * With 0 frames the message only reports the speed of the page.  ``frame_ms`` is the page's
+ * measured time per rendered frame, ``target_ms`` the time that its display allows; the server
+ * sends fewer points to a slow page.  ``points`` limits the points per frame.
  */
 export interface Credit {
   type: 'credit';
@@ -100,13 +101,13 @@ export interface Credit {
   points?: number | null;
 }
 
-/** Frames that the client dropped from its cache and must be sent again when shown. */
+/** Frames that the client has dropped from its cache; the server sends them again when shown. */
 export interface Forget {
   type: 'forget';
   frames: number[];
 }
 
-/** The first message: who this is; answered with ``welcome``. */
+/** First message: the name and colour of the person; the server answers ``welcome``. */
 export interface Hello {
   type: 'hello';
   name?: string;
@@ -115,11 +116,12 @@ export interface Hello {
 }
 
 /**
- * Open a sequence; ``revision`` is the last one the client has, when it resumes.
+ * Open a sequence; a client that resumes sends the last ``revision`` that it has.
  *
- * ``held`` lists the frames that it still has, each with the number of chunks from the first on:
- * these are not sent again.  Without it, edits in all frames are told and points come anew.
- * ``identity`` is the import's that both are of: another one of this name is opened from new.
+ * ``held`` lists the frames that the client still has, each with the number of its chunks from the
+ * first on; the server does not send these chunks again.  Without ``held``, it sends the edits of
+ * all frames and all points.  ``identity`` is the import that ``revision`` and ``held`` belong to;
+ * if the sequence has another identity, it is opened anew.
  */
 export interface Open {
   type: 'open';
@@ -130,13 +132,13 @@ export interface Open {
   held?: [number, number][] | null;
 }
 
-/** Stop the clock, at ``frame`` if given; that frame is refined to all its points. */
+/** Stop the clock, at ``frame`` if given; the server refines this frame to all its points. */
 export interface Pause {
   type: 'pause';
   frame?: number | null;
 }
 
-/** Send frames in time with a clock that starts at ``frame`` when this arrives. */
+/** Play frames by a clock that starts at ``frame`` when this message arrives. */
 export interface Play {
   type: 'play';
   frame: number;
@@ -144,7 +146,7 @@ export interface Play {
   loop?: boolean;
 }
 
-/** Bring back what this author's last undo took; answered like ``undo``. */
+/** Restore the edit that this author's last undo took back; answered like ``undo``. */
 export interface Redo {
   type: 'redo';
   id: string;
@@ -160,7 +162,7 @@ export interface Sample {
 /**
  * Show one frame: its first levels at once, then refinement up to all points.
  *
- * ``around``: frames that are laid over it, sent as it is, after it and in this order.
+ * ``around``: frames that are laid over it; they are sent likewise, after it and in this order.
  */
 export interface Seek {
   type: 'seek';
@@ -168,7 +170,7 @@ export interface Seek {
   around?: number[];
 }
 
-/** A stroke starts; the same ``id`` sent again after a lost connection applies once. */
+/** A stroke starts; the server applies an ``id`` once, also when it is sent twice. */
 export interface StrokeBegin {
   type: 'stroke_begin';
   id: string;
@@ -176,26 +178,26 @@ export interface StrokeBegin {
   brush: Brush;
 }
 
-/** The stroke is given up before its end: nothing of it stays; there is no answer. */
+/** Cancel a stroke before its end: it changes nothing, and there is no answer. */
 export interface StrokeCancel {
   type: 'stroke_cancel';
   id: string;
 }
 
-/** The stroke is over; answered with a final ``stroke_result`` once it is durable. */
+/** The stroke ends; the server answers a final ``stroke_result`` when the edit is durable. */
 export interface StrokeEnd {
   type: 'stroke_end';
   id: string;
 }
 
-/** More samples of a stroke; answered with ``stroke_result``, not final. */
+/** More samples of a stroke; the server answers ``stroke_result``, which is not final. */
 export interface StrokeSamples {
   type: 'stroke_samples';
   id: string;
   samples: Sample[];
 }
 
-/** Start a tracking run; its ``job`` messages follow. */
+/** Start a tracking run; the server sends its ``job`` messages. */
 export interface Track {
   method?: string;
   overwrite?: 'never' | 'tracked' | 'all';
@@ -209,13 +211,13 @@ export interface Track {
   stop: number;
 }
 
-/** Take back this author's last edit; answered with a final ``stroke_result``. */
+/** Take back this author's last edit; the server answers a final ``stroke_result``. */
 export interface Undo {
   type: 'undo';
   id: string;
 }
 
-/** Chunks of a large frame, most wanted first; replaces the previous list. */
+/** Chunks of a large frame in the order of urgency; the list replaces the previous one. */
 export interface Want {
   type: 'want';
   frame: number;
@@ -225,14 +227,14 @@ export interface Want {
 /**
  * Label values of a frame's points, whole (``base`` null) or as a delta from ``base``.
  *
- * A value is a label id, 0 unlabeled, or 65535 for a deleted point.
- * whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
- * delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
- * single one for all.  Who applies all of them in the order they come is always right.  ``base``
- * is no older than the last change of the frame and no newer than what the viewer has: who holds
- * the frame at a revision below it has missed something and sends ``open`` with the last revision
- * it is sure of.  The answer to that, ``sequence``, counts for all that is held: the deltas up to
- * its revision follow.
+ * A value is a label id, 0 for unlabeled, or 65535 for a deleted point.
+ * Whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
+ * Delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
+ * single one for all.  A client that applies all messages in order of arrival is always right.
+ * ``base`` is not older than the last change of the frame and not newer than the viewer's labels.
+ * A client whose labels of the frame are older than ``base`` has missed a message and sends
+ * ``open`` with the last revision that it knows to be complete.  The server answers ``sequence``,
+ * which holds for all frames of the client; the deltas up to its revision follow.
  */
 export interface Annotation {
   type: 'annotation';
@@ -249,7 +251,7 @@ export interface Annotation {
   values: Uint8Array;
 }
 
-/** An oriented box of a label: one size, and a pose in each frame that it is in. */
+/** An oriented box of a label: one size, and a pose in each of its frames. */
 export interface Box {
   id: number;
   label: number;
@@ -259,7 +261,7 @@ export interface Box {
   provenance: 'fitted' | 'drawn' | 'imported';
 }
 
-/** Place of a box in one frame; its attributes go before those of the box. */
+/** Pose of a box in one frame; its attributes take precedence over the box's attributes. */
 export interface BoxPose {
   centre: [number, number, number];
   quaternion: [number, number, number, number];
@@ -269,9 +271,9 @@ export interface BoxPose {
 }
 
 /**
- * Boxes that changed, as they are now, and ids of those that are gone.
+ * Changed boxes in their new state, and the ids of removed boxes.
  *
- * After ``open`` all there are (``whole``), and then with every edit that changes boxes.
+ * Sent with all boxes after ``open`` (``whole``), and then with every edit that changes boxes.
  */
 export interface Boxes {
   type: 'boxes';
@@ -285,8 +287,8 @@ export interface Boxes {
 /**
  * Points that a click would take: ``runs`` holds first number and length, uint32 each.
  *
- * ``id`` is opaque, and void once the frame or the clicks change; empty for the regions of other
- * shapes.  ``score``: the overlap with the object that is expected, 0..1.
+ * ``id`` is opaque and becomes void when the frame or the clicks change; it is empty for the
+ * regions of other shapes.  ``score``: the expected overlap with the object, 0..1.
  */
 export interface Candidate {
   id: string;
@@ -299,8 +301,8 @@ export interface Candidate {
 /**
  * The answer to ``ask``: at most six candidates from part to group.
  *
- * ``first``: the one to show first.  ``ready``: the whole frame is prepared; else they come from
- * what is near the clicks.
+ * ``first``: the candidate to show first.  ``ready``: the whole frame is prepared; otherwise the
+ * candidates come from the points near the clicks.
  */
 export interface Candidates {
   type: 'candidates';
@@ -312,12 +314,13 @@ export interface Candidates {
 }
 
 /**
- * A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
+ * A run of points, encoded with the meshoptimizer vertex codec, 12 bytes per point.
  *
- * Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a byte zero.
- * Where bit 0 of the first vertex's flags is set, all of r and b are less g (modulo 256).
- * Bits 1 and 2 say how many low bits r, g and b have lost: value = v << n | v >> (8 - 2n); with
- * n = 3 the bytes of r and g are a little-endian word of r (lowest), g and b in 5, 6 and 5 bits.
+ * Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a zero byte.
+ * If bit 0 of the first vertex's flags is set, g was subtracted from all r and b (modulo 256).
+ * Bits 1 and 2 are the number n of low bits that r, g and b have lost:
+ * value = v << n | v >> (8 - 2n).  If n = 3, the bytes of r and g are a little-endian word with r
+ * (lowest), g and b in 5, 6 and 5 bits.
  * Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
  */
 export interface Chunk {
@@ -334,9 +337,10 @@ export interface Chunk {
 }
 
 /**
- * Chunks of a frame as parts of a depth image, in place of ``frame``; numbers are the same.
+ * Chunks of a frame as parts of a depth image, instead of ``frame``; same chunk numbers.
  *
- * Sent to who said ``depth`` in ``hello``.  A chunk needs the depths of all before it.
+ * Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks before
+ * it.
  */
 export interface Depth {
   type: 'depth';
@@ -348,7 +352,7 @@ export interface Depth {
   data: Uint8Array;
 }
 
-/** A run of points that is a band of a depth image: docs/depth-format.md. */
+/** A run of points as a band of a depth image: docs/depth-format.md. */
 export interface DepthChunk {
   index: number;
   level: number;
@@ -360,7 +364,7 @@ export interface DepthChunk {
   hi: [number, number, number];
 }
 
-/** RFC 9457 fields; ``about`` is the id of the stroke, undo, track or ask refused, if any. */
+/** RFC 9457 fields; ``about`` is the id of the refused stroke, undo, track or ask, if any. */
 export interface Error {
   type: 'error';
   title: string;
@@ -371,10 +375,10 @@ export interface Error {
 }
 
 /**
- * Chunks of a frame, in stored order: a prefix, or what refines the prefix sent before.
+ * Chunks of a frame in stored order: a prefix of the frame, or its continuation.
  *
- * Of a large frame, the chunks asked for.  The ``annotation`` of these points, whole, comes just
- * before, so that they never show without their labels.
+ * For a large frame: the requested chunks.  The whole ``annotation`` of these points comes just
+ * before, so that points never show without their labels.
  */
 export interface Frame {
   type: 'frame';
@@ -386,7 +390,7 @@ export interface Frame {
   data: Uint8Array;
 }
 
-/** Long work and how far it is. */
+/** State and progress of a job. */
 export interface Job {
   type: 'job';
   id: string;
@@ -411,7 +415,7 @@ export interface Label {
   visible: boolean;
 }
 
-/** The palette, whole; and how many points each label has in all frames together. */
+/** The whole palette, and the number of points of each label in all frames. */
 export interface Labels {
   type: 'labels';
   sequence: string;
@@ -423,11 +427,11 @@ export interface Labels {
 }
 
 /**
- * Pixels of a depth camera; all frames of a recording have the same.
+ * Pixels of a depth camera, equal for all frames of a recording.
  *
- * With a depth of d units, the point of pixel (column, row) lies d * ``unit`` metres from ``eye``
- * along ``sign`` times axis ``axis``, and (``tangent`` + ``pitch`` * pixel) times as far along the
- * other two axes: the first one with the column, the second with the row.
+ * With a depth of d units, the point of pixel (column, row) is d * ``unit`` metres from ``eye``
+ * along ``sign`` times axis ``axis``, and (``tangent`` + ``pitch`` * pixel) times this distance
+ * along the other two axes: the first with the column, the second with the row.
  */
 export interface Lattice {
   width: number;
@@ -440,14 +444,14 @@ export interface Lattice {
   unit: number;
 }
 
-/** A frame is prepared for the object tool: what is asked of it is answered from all of it. */
+/** A frame is prepared for the object tool: further answers use all its points. */
 export interface Prepared {
   type: 'prepared';
   sequence: string;
   frame: number;
 }
 
-/** The answer to ``open``, and sent again when the manifest changes. */
+/** The answer to ``open``; sent again when the manifest changes. */
 export interface SequenceInfo {
   type: 'sequence';
   id: string;
@@ -470,7 +474,7 @@ export interface SequenceInfo {
   frame: number;
 }
 
-/** Place of another person; ``left``: they have gone. */
+/** Position of another person; ``left``: the person has left. */
 export interface ServerPresence {
   type: 'presence';
   viewer: string;
@@ -486,9 +490,9 @@ export interface ServerPresence {
 }
 
 /**
- * ``touched``: newly touched points so far; ``final`` once the edit is durable.
+ * ``touched``: number of points touched so far; ``final``: the edit is durable.
  *
- * ``changed``: those of them that the stroke changes; what the hand feels.
+ * ``changed``: number of touched points that the stroke changes; it drives the haptic pulse.
  */
 export interface StrokeResult {
   type: 'stroke_result';
@@ -501,7 +505,7 @@ export interface StrokeResult {
   final: boolean;
 }
 
-/** Cells that changed (all of them after ``open``); one without points and state goes. */
+/** Changed cells (all cells after ``open``); remove a cell without points and state. */
 export interface Timeline {
   type: 'timeline';
   sequence: string;
@@ -510,7 +514,7 @@ export interface Timeline {
   cells: TimelineCell[];
 }
 
-/** One label in one frame: how many points, where from, how sure. */
+/** One label in one frame: points, painted points, confidence and state. */
 export interface TimelineCell {
   frame: number;
   label: number;

@@ -25,21 +25,22 @@ from pointbrush.work.tracking.options import RunOptions
 
 
 class Hello(Message):
-    """The first message: who this is; answered with ``welcome``."""
+    """First message: the name and colour of the person; the server answers ``welcome``."""
 
     type: Literal["hello"] = "hello"
     name: Annotated[str, Field(max_length=64)] = ""
     color: Color | None = None
     depth: bool = False
-    """Frames of depth cameras may come as ``depth`` messages in place of ``frame``."""
+    """The server may send frames of depth cameras as ``depth`` messages instead of ``frame``."""
 
 
 class Open(Message):
-    """Open a sequence; ``revision`` is the last one the client has, when it resumes.
+    """Open a sequence; a client that resumes sends the last ``revision`` that it has.
 
-    ``held`` lists the frames that it still has, each with the number of chunks from the first on:
-    these are not sent again.  Without it, edits in all frames are told and points come anew.
-    ``identity`` is the import's that both are of: another one of this name is opened from new.
+    ``held`` lists the frames that the client still has, each with the number of its chunks from the
+    first on; the server does not send these chunks again.  Without ``held``, it sends the edits of
+    all frames and all points.  ``identity`` is the import that ``revision`` and ``held`` belong to;
+    if the sequence has another identity, it is opened anew.
     """
 
     type: Literal["open"] = "open"
@@ -51,7 +52,7 @@ class Open(Message):
 
 
 class Play(Message):
-    """Send frames in time with a clock that starts at ``frame`` when this arrives."""
+    """Play frames by a clock that starts at ``frame`` when this message arrives."""
 
     type: Literal["play"] = "play"
     frame: FrameIndex
@@ -60,7 +61,7 @@ class Play(Message):
 
 
 class Pause(Message):
-    """Stop the clock, at ``frame`` if given; that frame is refined to all its points."""
+    """Stop the clock, at ``frame`` if given; the server refines this frame to all its points."""
 
     type: Literal["pause"] = "pause"
     frame: FrameIndex | None = None
@@ -69,7 +70,7 @@ class Pause(Message):
 class Seek(Message):
     """Show one frame: its first levels at once, then refinement up to all points.
 
-    ``around``: frames that are laid over it, sent as it is, after it and in this order.
+    ``around``: frames that are laid over it; they are sent likewise, after it and in this order.
     """
 
     type: Literal["seek"] = "seek"
@@ -78,11 +79,11 @@ class Seek(Message):
 
 
 class Credit(Message):
-    """The client applied ``frames`` frame messages and may be sent as many more.
+    """The client has applied ``frames`` frame messages; the server may send as many more.
 
-    With 0 of them it only says how the page keeps up.  ``frame_ms`` is the page's measured time
-    per rendered frame, ``target_ms`` what its display wants; a page that falls behind is sent
-    fewer points.  ``points`` caps points per frame.
+    With 0 frames the message only reports the speed of the page.  ``frame_ms`` is the page's
+    measured time per rendered frame, ``target_ms`` the time that its display allows; the server
+    sends fewer points to a slow page.  ``points`` limits the points per frame.
     """
 
     type: Literal["credit"] = "credit"
@@ -95,14 +96,14 @@ class Credit(Message):
 
 
 class Forget(Message):
-    """Frames that the client dropped from its cache and must be sent again when shown."""
+    """Frames that the client has dropped from its cache; the server sends them again when shown."""
 
     type: Literal["forget"] = "forget"
     frames: Annotated[list[FrameIndex], Field(max_length=65536)]
 
 
 class Want(Message):
-    """Chunks of a large frame, most wanted first; replaces the previous list."""
+    """Chunks of a large frame in the order of urgency; the list replaces the previous one."""
 
     type: Literal["want"] = "want"
     frame: FrameIndex
@@ -110,7 +111,7 @@ class Want(Message):
 
 
 class StrokeBegin(Message):
-    """A stroke starts; the same ``id`` sent again after a lost connection applies once."""
+    """A stroke starts; the server applies an ``id`` once, also when it is sent twice."""
 
     type: Literal["stroke_begin"] = "stroke_begin"
     id: Uuid
@@ -119,7 +120,7 @@ class StrokeBegin(Message):
 
 
 class StrokeSamples(Message):
-    """More samples of a stroke; answered with ``stroke_result``, not final."""
+    """More samples of a stroke; the server answers ``stroke_result``, which is not final."""
 
     type: Literal["stroke_samples"] = "stroke_samples"
     id: Uuid
@@ -127,24 +128,25 @@ class StrokeSamples(Message):
 
 
 class StrokeEnd(Message):
-    """The stroke is over; answered with a final ``stroke_result`` once it is durable."""
+    """The stroke ends; the server answers a final ``stroke_result`` when the edit is durable."""
 
     type: Literal["stroke_end"] = "stroke_end"
     id: Uuid
 
 
 class StrokeCancel(Message):
-    """The stroke is given up before its end: nothing of it stays; there is no answer."""
+    """Cancel a stroke before its end: it changes nothing, and there is no answer."""
 
     type: Literal["stroke_cancel"] = "stroke_cancel"
     id: Uuid
 
 
 class Ask(Message):
-    """Request of what a stroke of shape ``object``, ``grow``, ``cluster`` or ``plane`` would take.
+    """Request the points that a stroke of shape object, grow, cluster or plane would take.
 
-    The newest request counts: one that still waits when another comes is not answered.  Without
-    ``samples``: only whether the frame is prepared for objects, which it is from then on.
+    The server answers the newest request and drops an older one that still waits.  Without
+    ``samples``, the answer only reports whether the frame is prepared for the object tool, and the
+    server prepares it.
     """
 
     type: Literal["ask"] = "ask"
@@ -152,29 +154,29 @@ class Ask(Message):
     frame: FrameIndex
     brush: Brush
     samples: Annotated[list[Sample], Field(max_length=64)]
-    """Rays at the object, or where the region is."""
+    """Rays at the object or at the region."""
     negatives: Annotated[list[Sample], Field(max_length=64, default_factory=list)]
-    """Rays at what is no part of the object."""
+    """Rays at points that do not belong to the object."""
     previous: Annotated[str, Field(max_length=64)] = ""
-    """The candidate taken so far: what is offered keeps to it as far as the clicks allow."""
+    """The candidate taken so far; the new candidates stay close to it if the clicks allow that."""
 
 
 class Undo(Message):
-    """Take back this author's last edit; answered with a final ``stroke_result``."""
+    """Take back this author's last edit; the server answers a final ``stroke_result``."""
 
     type: Literal["undo"] = "undo"
     id: Uuid
 
 
 class Redo(Message):
-    """Bring back what this author's last undo took; answered like ``undo``."""
+    """Restore the edit that this author's last undo took back; answered like ``undo``."""
 
     type: Literal["redo"] = "redo"
     id: Uuid
 
 
 class Track(Message, RunOptions):
-    """Start a tracking run; its ``job`` messages follow."""
+    """Start a tracking run; the server sends its ``job`` messages."""
 
     type: Literal["track"] = "track"
     id: Uuid
@@ -185,7 +187,7 @@ class Track(Message, RunOptions):
 
 
 class ClientPresence(Message):
-    """Place of this person, in room coordinates (y up, metres); absent parts are null."""
+    """Position of this person in room coordinates (y up, metres); missing parts are null."""
 
     type: Literal["presence"] = "presence"
     frame: FrameIndex = 0

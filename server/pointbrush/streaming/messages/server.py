@@ -37,18 +37,18 @@ class Welcome(Message):
     role: Role
     version: str
     credits: int
-    """Frame messages that the server may send before the first credit comes back."""
+    """Frame messages that the server may send before the client returns a credit."""
     account: str = ""
-    """The account that edits and jobs are by; ``author`` is the name shown for it."""
+    """The account to which edits and jobs belong; ``author`` is its displayed name."""
 
 
 class SequenceInfo(Message):
-    """The answer to ``open``, and sent again when the manifest changes."""
+    """The answer to ``open``; sent again when the manifest changes."""
 
     type: Literal["sequence"] = "sequence"
     id: Id
     identity: Id
-    """Of this import: what is held of another one, also under the same ``id``, is void."""
+    """Id of this import: data of another import is void, even under the same ``id``."""
     name: str
     frames: Count
     fps: float
@@ -59,26 +59,26 @@ class SequenceInfo(Message):
     hi: Vec3
     """Bounds over all frames, in local coordinates (source minus shift)."""
     room: Matrix4
-    """``T_room_local``: stands the recording on the floor, y up, metres."""
+    """``T_room_local``: places the recording on the floor, y up, metres."""
     cameras: bool
-    """True: cameras took pictures of its frames, of all or some."""
+    """True: some or all frames have camera pictures."""
     large: bool
-    """True: chunks form an octree, ask for them with ``want``; the table comes over HTTP."""
+    """True: chunks form an octree; request them with ``want``, and their table over HTTP."""
     position_error: float
-    """Greatest distance between a streamed coordinate and the stored one, metres per axis."""
+    """Greatest difference of a streamed and the stored coordinate, metres per axis."""
     color_error: float
-    """Greatest root mean square of what a ``depth`` frame's colours differ from the stored ones."""
+    """Greatest root mean square difference of a ``depth`` frame's colours from the stored ones."""
     lattice: Lattice | None
-    """The pixels of ``depth`` messages; null: there are none."""
+    """The pixels of ``depth`` messages; null: there are no such messages."""
     revision: Count
     frame: FrameIndex
 
 
 class Frame(Message):
-    """Chunks of a frame, in stored order: a prefix, or what refines the prefix sent before.
+    """Chunks of a frame in stored order: a prefix of the frame, or its continuation.
 
-    Of a large frame, the chunks asked for.  The ``annotation`` of these points, whole, comes just
-    before, so that they never show without their labels.
+    For a large frame: the requested chunks.  The whole ``annotation`` of these points comes just
+    before, so that points never show without their labels.
     """
 
     type: Literal["frame"] = "frame"
@@ -92,9 +92,10 @@ class Frame(Message):
 
 
 class Depth(Message):
-    """Chunks of a frame as parts of a depth image, in place of ``frame``; numbers are the same.
+    """Chunks of a frame as parts of a depth image, instead of ``frame``; same chunk numbers.
 
-    Sent to who said ``depth`` in ``hello``.  A chunk needs the depths of all before it.
+    Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks before
+    it.
     """
 
     type: Literal["depth"] = "depth"
@@ -110,14 +111,14 @@ class Depth(Message):
 class Annotation(Message):
     """Label values of a frame's points, whole (``base`` null) or as a delta from ``base``.
 
-    A value is a label id, 0 unlabeled, or 65535 for a deleted point.
-    whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
-    delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
-    single one for all.  Who applies all of them in the order they come is always right.  ``base``
-    is no older than the last change of the frame and no newer than what the viewer has: who holds
-    the frame at a revision below it has missed something and sends ``open`` with the last revision
-    it is sure of.  The answer to that, ``sequence``, counts for all that is held: the deltas up to
-    its revision follow.
+    A value is a label id, 0 for unlabeled, or 65535 for a deleted point.
+    Whole: runs over [first, first + count): ``lengths`` uint32 and ``values`` uint16, as many.
+    Delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
+    single one for all.  A client that applies all messages in order of arrival is always right.
+    ``base`` is not older than the last change of the frame and not newer than the viewer's labels.
+    A client whose labels of the frame are older than ``base`` has missed a message and sends
+    ``open`` with the last revision that it knows to be complete.  The server answers ``sequence``,
+    which holds for all frames of the client; the deltas up to its revision follow.
     """
 
     type: Literal["annotation"] = "annotation"
@@ -128,7 +129,7 @@ class Annotation(Message):
     edit: str | None = None
     author: str | None = None
     provisional: bool = False
-    """A tracking run's finding, shown before the run is committed."""
+    """True: a result of a tracking run that is not committed yet."""
     first: Count = 0
     count: Count = 0
     lengths: bytes
@@ -136,9 +137,9 @@ class Annotation(Message):
 
 
 class StrokeResult(Message):
-    """``touched``: newly touched points so far; ``final`` once the edit is durable.
+    """``touched``: number of points touched so far; ``final``: the edit is durable.
 
-    ``changed``: those of them that the stroke changes; what the hand feels.
+    ``changed``: number of touched points that the stroke changes; it drives the haptic pulse.
     """
 
     type: Literal["stroke_result"] = "stroke_result"
@@ -154,8 +155,8 @@ class StrokeResult(Message):
 class Candidate(Message):
     """Points that a click would take: ``runs`` holds first number and length, uint32 each.
 
-    ``id`` is opaque, and void once the frame or the clicks change; empty for the regions of other
-    shapes.  ``score``: the overlap with the object that is expected, 0..1.
+    ``id`` is opaque and becomes void when the frame or the clicks change; it is empty for the
+    regions of other shapes.  ``score``: the expected overlap with the object, 0..1.
     """
 
     id: Annotated[str, Field(max_length=64)]
@@ -168,8 +169,8 @@ class Candidate(Message):
 class Candidates(Message):
     """The answer to ``ask``: at most six candidates from part to group.
 
-    ``first``: the one to show first.  ``ready``: the whole frame is prepared; else they come from
-    what is near the clicks.
+    ``first``: the candidate to show first.  ``ready``: the whole frame is prepared; otherwise the
+    candidates come from the points near the clicks.
     """
 
     type: Literal["candidates"] = "candidates"
@@ -181,7 +182,7 @@ class Candidates(Message):
 
 
 class Prepared(Message):
-    """A frame is prepared for the object tool: what is asked of it is answered from all of it."""
+    """A frame is prepared for the object tool: further answers use all its points."""
 
     type: Literal["prepared"] = "prepared"
     sequence: Id
@@ -189,7 +190,7 @@ class Prepared(Message):
 
 
 class Labels(Message):
-    """The palette, whole; and how many points each label has in all frames together."""
+    """The whole palette, and the number of points of each label in all frames."""
 
     type: Literal["labels"] = "labels"
     sequence: Id
@@ -197,12 +198,12 @@ class Labels(Message):
     labels: list[Label]
     counts: dict[str, Count]
     undo: str | None
-    """Summary of the edit that this author's undo would take back, or null."""
+    """Summary of the edit that an undo of this author would take back, or null."""
     redo: str | None
 
 
 class TimelineCell(Message):
-    """One label in one frame: how many points, where from, how sure."""
+    """One label in one frame: points, painted points, confidence and state."""
 
     frame: FrameIndex
     label: LabelId
@@ -213,7 +214,7 @@ class TimelineCell(Message):
 
 
 class Timeline(Message):
-    """Cells that changed (all of them after ``open``); one without points and state goes."""
+    """Changed cells (all cells after ``open``); remove a cell without points and state."""
 
     type: Literal["timeline"] = "timeline"
     sequence: Id
@@ -223,9 +224,9 @@ class Timeline(Message):
 
 
 class Boxes(Message):
-    """Boxes that changed, as they are now, and ids of those that are gone.
+    """Changed boxes in their new state, and the ids of removed boxes.
 
-    After ``open`` all there are (``whole``), and then with every edit that changes boxes.
+    Sent with all boxes after ``open`` (``whole``), and then with every edit that changes boxes.
     """
 
     type: Literal["boxes"] = "boxes"
@@ -237,7 +238,7 @@ class Boxes(Message):
 
 
 class Job(Message):
-    """Long work and how far it is."""
+    """State and progress of a job."""
 
     type: Literal["job"] = "job"
     id: Id
@@ -249,13 +250,13 @@ class Job(Message):
     frame: FrameIndex | None = None
     error: str | None = None
     edit: str | None = None
-    """The edit that it makes: the id of the ``track`` that asked for it."""
+    """The edit that the job makes: the id of the ``track`` message that started it."""
     owner: str = ""
-    """The account that began it: it may stop the job, and whoever manages."""
+    """The account that started the job; this account and managers may stop it."""
 
 
 class ServerPresence(Message):
-    """Place of another person; ``left``: they have gone."""
+    """Position of another person; ``left``: the person has left."""
 
     type: Literal["presence"] = "presence"
     viewer: Id
@@ -271,7 +272,7 @@ class ServerPresence(Message):
 
 
 class Error(Message):
-    """RFC 9457 fields; ``about`` is the id of the stroke, undo, track or ask refused, if any."""
+    """RFC 9457 fields; ``about`` is the id of the refused stroke, undo, track or ask, if any."""
 
     type: Literal["error"] = "error"
     title: str
@@ -279,7 +280,7 @@ class Error(Message):
     status: int
     about: str | None = None
     closed: str | None = None
-    """The sequence that is no longer open to this viewer: it was deleted, or cannot be read."""
+    """The sequence that was closed for this viewer: it was deleted or cannot be read."""
 
 
 ServerMessage = Annotated[

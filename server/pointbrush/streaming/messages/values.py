@@ -51,7 +51,7 @@ JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 
 
 class Message(BaseModel):
-    """Base: unknown fields are refused, types are not coerced."""
+    """Base class: refuses unknown fields and does not convert types."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
@@ -81,24 +81,24 @@ BoxId = Annotated[int, Field(ge=1, lt=2**31)]
 
 
 class BoxPose(Message):
-    """Place of a box in one frame; its attributes go before those of the box."""
+    """Pose of a box in one frame; its attributes take precedence over the box's attributes."""
 
     centre: Vec3
     """Source coordinates, metres."""
     quaternion: Quaternion
-    """x, y, z, w: from the box's axes, x forward, y left, z up, to those of the frame."""
+    """x, y, z, w: from the box's axes (x forward, y left, z up) to the axes of the frame."""
     provenance: BoxProvenance
     confidence: Annotated[float, Field(ge=0, le=1)]
     attributes: dict[AttributeName, AttributeValue]
 
 
 class Box(Message):
-    """An oriented box of a label: one size, and a pose in each frame that it is in."""
+    """An oriented box of a label: one size, and a pose in each of its frames."""
 
     id: BoxId
     label: LabelId
     size: Vec3
-    """Length, width, height, metres: along the box's x, y, z."""
+    """Length, width and height along the box's x, y and z, metres."""
     poses: dict[str, BoxPose]
     """By frame."""
     attributes: dict[AttributeName, AttributeValue]
@@ -106,11 +106,11 @@ class Box(Message):
 
 
 class Lattice(Message):
-    """Pixels of a depth camera; all frames of a recording have the same.
+    """Pixels of a depth camera, equal for all frames of a recording.
 
-    With a depth of d units, the point of pixel (column, row) lies d * ``unit`` metres from ``eye``
-    along ``sign`` times axis ``axis``, and (``tangent`` + ``pitch`` * pixel) times as far along the
-    other two axes: the first one with the column, the second with the row.
+    With a depth of d units, the point of pixel (column, row) is d * ``unit`` metres from ``eye``
+    along ``sign`` times axis ``axis``, and (``tangent`` + ``pitch`` * pixel) times this distance
+    along the other two axes: the first with the column, the second with the row.
     """
 
     width: Count
@@ -125,7 +125,7 @@ class Lattice(Message):
 
 
 class DepthChunk(Message):
-    """A run of points that is a band of a depth image: docs/depth-format.md."""
+    """A run of points as a band of a depth image: docs/depth-format.md."""
 
     index: Count
     level: Annotated[int, Field(ge=0, le=64)]
@@ -139,12 +139,13 @@ class DepthChunk(Message):
 
 
 class Chunk(Message):
-    """A run of points, encoded with the meshoptimizer vertex codec, 12 bytes a point.
+    """A run of points, encoded with the meshoptimizer vertex codec, 12 bytes per point.
 
-    Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a byte zero.
-    Where bit 0 of the first vertex's flags is set, all of r and b are less g (modulo 256).
-    Bits 1 and 2 say how many low bits r, g and b have lost: value = v << n | v >> (8 - 2n); with
-    n = 3 the bytes of r and g are a little-endian word of r (lowest), g and b in 5, 6 and 5 bits.
+    Decoded layout: x, y, z uint16; r, g, b, intensity uint8; flags uint8; a zero byte.
+    If bit 0 of the first vertex's flags is set, g was subtracted from all r and b (modulo 256).
+    Bits 1 and 2 are the number n of low bits that r, g and b have lost:
+    value = v << n | v >> (8 - 2n).  If n = 3, the bytes of r and g are a little-endian word with r
+    (lowest), g and b in 5, 6 and 5 bits.
     Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
     """
 
@@ -195,7 +196,7 @@ def _product(shape: tuple[int, ...]) -> int:
 
 
 def _field(parameter: Parameter, shapes: list[str]) -> tuple[Any, Any]:
-    """Return a parameter's type and field; what has no default may be null for other shapes."""
+    """Return a parameter's type and field; a field without a default may be null."""
     kind, default = _type_of(parameter.kind), parameter.default
     if default is None or isinstance(parameter.kind, Numbers):
         kind, default = kind | None, None
@@ -218,7 +219,7 @@ _Parameters: Any = create_model("_Parameters", __base__=Message, **_parameters()
 
 
 def _box() -> dict[str, Any]:
-    """Return the fields of a box, those of the shape of that name."""
+    """Return the fields of a box, which are the parameters of the shape ``box``."""
     return {
         each.name: (_type_of(each.kind), Field(*_default(each), description=each.about))
         for each in BOX.parameters
@@ -248,16 +249,18 @@ class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is i
     only_unlabeled: bool = False
     hidden: Annotated[list[LabelId], Field(max_length=65535)] = Field(
         [],
-        description="labels that only this viewer hides, beside those that the palette hides; 0: "
-        "points without a label. Their points are left alone, and rays pass through them.",
+        description="labels that only this viewer hides, beside the hidden labels of the "
+        "palette; 0: points without a label. Strokes do not change their points, and rays pass "
+        "through them.",
     )
     frames: Annotated[list[FrameIndex], Field(max_length=MAX_FRAMES)] = Field(
         [],
-        description="painted beside the frame that the stroke is drawn in, as one edit: their "
-        "points lie over it by the recording's poses, those of a tracked label by its track.",
+        description="further frames that the stroke paints, in the same edit. The poses of the "
+        "recording place their points over the stroke's frame; the track places a tracked "
+        "label's points.",
     )
     clip: ClipBox | None = Field(
         None,
-        description="box that is shown: points outside it are left alone, by every shape, and "
-        "rays pass through them.",
+        description="the visible box: no shape changes points outside it, and rays pass through "
+        "them.",
     )
