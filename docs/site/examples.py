@@ -13,17 +13,17 @@ import httpx
 HERE = Path(__file__).parent
 CALLS = HERE / "calls.py"
 EXCHANGES = HERE / "exchanges.json"
-"""A request and an answer of each call of REST, as a server gave it; texts and bytes are left out.
+"""A request and an answer of each call of REST, as a server gave it, without texts and bytes.
 
 Written by ``WRITE_EXCHANGES=docs/site/exchanges.json pytest tests/test_reference.py``.
 """
 WITHOUT_ONE = {
     "GET /api/v1/sequences/{seq}/frames/{i}/images/{camera}": "The answer is the picture's file.",
     "POST /api/v1/sequences/{seq}/source-labels": (
-        "The recordings of the examples came without labels: theirs are refused with 409."
+        "The recordings of the examples have no labels in their files, so the call answers 409."
     ),
     "POST /api/v1/projects/{p}/merge": (
-        "The answer is an edit, or, before three people have handed their copies in, a 409."
+        "The answer is an edit, or 409 before three people have submitted their copies."
     ),
 }
 """Calls whose exchange the examples cannot record, and why."""

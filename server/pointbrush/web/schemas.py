@@ -94,20 +94,22 @@ class SequenceOut(BaseModel):
     large: bool
     source: str
     created: Annotated[datetime | None, Field(description="when it was imported")] = None
-    labelled: Annotated[int, Field(description="frames with labelled points")] = 0
+    labelled: Annotated[int, Field(description="number of frames with labelled points")] = 0
     labels: Annotated[int, Field(description="labels")] = 0
     labels_used: Annotated[int, Field(description="labels that have points in some frame")] = 0
-    damaged: Annotated[str | None, Field(description="what is wrong with it")] = None
+    damaged: Annotated[str | None, Field(description="reason why it cannot be opened")] = None
     labels_missing: Annotated[
-        str | None, Field(description="why the labels in its files did not come in")
+        str | None, Field(description="reason why the labels in its files were not imported")
     ] = None
     project: Annotated[str, Field(description="id of its project")] = "default"
     copy_of: Annotated[
-        str | None, Field(description="recording that it is a copy of, for one person")
+        str | None, Field(description="the recording of which this is one person's copy")
     ] = None
-    identity: Annotated[str | None, Field(description="tells this import from others")] = None
+    identity: Annotated[str | None, Field(description="id of this import")] = None
     deleted: Annotated[datetime | None, Field(description="when it was deleted")] = None
-    until: Annotated[datetime | None, Field(description="how long it can be restored")] = None
+    until: Annotated[
+        datetime | None, Field(description="end of the time in which it can be restored")
+    ] = None
 
     @classmethod
     def listed(cls, entry: Listed) -> SequenceOut:
@@ -169,7 +171,7 @@ class SequenceOut(BaseModel):
 
 
 class SequencePatch(Body):
-    """Fields of an imported sequence that may be changed."""
+    """Changes of a recording."""
 
     name: Name | None = None
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
@@ -195,9 +197,9 @@ class LabelOut(Out):
 
 
 class LabelBody(Body):
-    """A new label; ``id`` and ``color`` are chosen when absent.
+    """A new label; the server chooses a missing ``id`` and ``color``.
 
-    ``distinct``: a name or colour that another label has gives way to a free one, "pin 2" say.
+    ``distinct``: replace a name or colour that is in use by a free one, for example "pin 2".
     """
 
     name: Name
@@ -210,7 +212,7 @@ class LabelBody(Body):
 
 
 class LabelPatch(Body):
-    """Fields of a label that may be changed; absent ones stay."""
+    """Changes of a label; missing fields do not change."""
 
     name: Name | None = None
     category: Annotated[str, Field(max_length=200, pattern=f"^{VISIBLE}*$")] | None = None
@@ -220,7 +222,7 @@ class LabelPatch(Body):
 
 
 class StrokeBody(Brush):
-    """A whole stroke.  The same ``id`` sent twice is applied once."""
+    """A whole stroke; the server applies an ``id`` once."""
 
     _integral = model_validator(mode="before")(integral)
     id: Uuid | None = None
@@ -228,7 +230,7 @@ class StrokeBody(Brush):
 
 
 class EditOut(BaseModel):
-    """Outcome of an edit, which is durable."""
+    """Result of an edit, which is durable."""
 
     edit: str
     changed: int
@@ -241,23 +243,25 @@ class EditOut(BaseModel):
 
 
 class MergeBody(Body):
-    """Labels whose points go to another one."""
+    """Labels whose points another label takes."""
 
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=1000)]
 
 
 class SplitBody(Body):
-    """Rule by which a label's points in a frame are told apart."""
+    """Rule that divides a label's points in a frame into parts."""
 
     frame: FrameIndex
     gap: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = Field(
-        None, description="metres between parts; null: wider than the points' own spacing"
+        None, description="metres between parts; null: more than the spacing of the points"
     )
-    least: int = Field(10, ge=1, le=10**9, description="points of a part; fewer stay with the rest")
+    least: int = Field(
+        10, ge=1, le=10**9, description="least points of a part; smaller parts stay with the label"
+    )
 
 
 class SplitOut(EditOut):
-    """Outcome of a split: the new labels, and the gap between parts, metres."""
+    """Result of a split: the new labels, and the gap between parts, metres."""
 
     labels: list[int]
     gap: float
@@ -270,7 +274,7 @@ class SplitOut(EditOut):
 
 
 class UndoBody(Body):
-    """``id``: a UUID for the undo itself, so that sending it again takes back nothing more."""
+    """``id``: the UUID of the undo, which is applied once."""
 
     id: Uuid | None = None
 
@@ -325,7 +329,7 @@ class SessionBody(Body):
 
 
 class SessionOut(BaseModel):
-    """The person who is signed in."""
+    """The signed-in person."""
 
     author: str
     role: Role
@@ -345,15 +349,17 @@ CommandKey = Annotated[str, Field(min_length=1, max_length=32)]
 
 
 class OwnKeysBody(Body):
-    """Keys that the caller gave to commands of the page, by the commands' words."""
+    """Keyboard shortcuts of the caller, by the text of the command."""
 
     keys: Annotated[dict[Command, CommandKey], Field(max_length=256)]
 
 
 class OwnKeysOut(BaseModel):
-    """The caller's own keys."""
+    """The keyboard shortcuts of the caller."""
 
-    keys: Annotated[dict[str, str] | None, Field(description="null: none were ever chosen")]
+    keys: Annotated[
+        dict[str, str] | None, Field(description="null: the caller has never chosen any")
+    ]
 
 
 class Health(BaseModel):

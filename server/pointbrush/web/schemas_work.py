@@ -72,7 +72,7 @@ class ImportBody(ImportOptions):
 
 @dataclass(frozen=True)
 class PreviewOut(Preview):
-    """Preview of an import; ``upload`` names files that a preview was sent, for an hour."""
+    """Preview of an import; ``upload`` names its uploaded files for an hour."""
 
     upload: str | None = None
 
@@ -85,8 +85,8 @@ class PreviewOut(Preview):
 class TrackingBody(Body, RunOptions):
     """A tracking run; ``stop`` below ``start`` tracks backward.
 
-    A label ends at its first lost frame unless ``continue_lost``, and at the next frame where it
-    is painted with ``until_painted``; with ``stop_unsure`` the run ends where a label is doubtful.
+    A label ends at its first lost frame unless ``continue_lost``, and with ``until_painted`` at the
+    next frame in which it is painted.  With ``stop_unsure`` the run ends at a doubtful frame.
     """
 
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
@@ -97,7 +97,7 @@ class TrackingBody(Body, RunOptions):
 
 
 class AcceptBody(Body):
-    """Labels of a frame that a person vouches for."""
+    """Labels of a frame that a person accepts."""
 
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)]
     id: Uuid | None = None
@@ -112,7 +112,7 @@ class CopyBody(Body):
 
 
 class ClearBody(Body):
-    """Labels to take from their points, in this frame or up to ``stop`` (included)."""
+    """Labels to remove from their points, in this frame or up to ``stop`` (included)."""
 
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)]
     stop: FrameIndex | None = None
@@ -145,7 +145,7 @@ class TrackOut(Out):
 
 
 class JobOut(Out):
-    """Long work and how far it is."""
+    """State and progress of a job."""
 
     id: str
     kind: Literal["import", "tracking", "export", "prediction", "fitting"]
@@ -155,4 +155,4 @@ class JobOut(Out):
     message: str
     result: dict[str, Any] | None
     error: str | None
-    owner: Annotated[str | None, Field(description="the account that began it")] = None
+    owner: Annotated[str | None, Field(description="the account that started it")] = None

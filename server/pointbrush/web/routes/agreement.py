@@ -30,12 +30,12 @@ class PlaceOut(Out):
     first: list[str]
     second: list[str]
     labels: Annotated[
-        list[list[int]], Field(description="their numbers, in the first copy and in the second")
+        list[list[int]], Field(description="their numbers in the first and the second copy")
     ]
     points: int
     has: Annotated[
         int | None,
-        Field(description="whose labels the recording has: 0 the first's, 1 the second's"),
+        Field(description="0: the recording has the label of the first copy, 1: of the second"),
     ]
     place: Annotated[Vec3 | None, Field(description="source coordinates; null in an octree")]
 
@@ -53,22 +53,22 @@ Numbers = Annotated[list[Annotated[int, Field(ge=1, le=65534)]], Field(max_lengt
 
 
 class RegionBody(Body):
-    """Points to which a copy gives one of these labels; ``frame`` null: in all handed in."""
+    """Points with one of these labels in a copy; ``frame`` null: in all submitted frames."""
 
     labels: Annotated[
         dict[Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)], Numbers],
         Field(
             min_length=1, max_length=9, json_schema_extra={"additionalProperties": False},
-            description="labels by the id of the copy",
+            description="labels, by the id of the copy",
         ),
     ]  # fmt: skip
     frame: FrameIndex | None = None
 
 
 class MergeBody(Body):
-    """Labels to take: of ``majority``, three people or more, or of one copy by its id.
+    """Labels to merge: the ``majority`` of at least three people, or one copy by its id.
 
-    ``region``: only of these points.
+    ``region``: merge only these points.
     """
 
     sequence: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]
@@ -78,7 +78,7 @@ class MergeBody(Body):
 
 
 class ScoreOut(Out):
-    """Work of a person on frames of known truth; objects that are found, missed and added."""
+    """Work of a person on frames with ground truth; objects found, missed and added."""
 
     person: Annotated[str, Field(validation_alias="account")]
     frames: int
@@ -90,7 +90,7 @@ class ScoreOut(Out):
 
 @router.get("/projects/{p}/agreement", responses=responses(404))
 def get_agreement(p: ProjectId, sequence: Whole, workspace: Ws) -> list[PairOut]:
-    """Compare each two people's copies of a recording, in frames that both have handed in."""
+    """Compare the copies of a recording in pairs, in frames that both people have submitted."""
     return [PairOut.of(each) for each in workspace.agreeing.compare(p, sequence)]
 
 
@@ -106,5 +106,5 @@ def merge(p: ProjectId, body: MergeBody, workspace: Ws, who: Caller) -> EditOut:
 
 @router.get("/projects/{p}/scores", responses=responses(404))
 def get_scores(p: ProjectId, workspace: Ws) -> list[ScoreOut]:
-    """Compare what each person has handed in of known truth with it; the best come first."""
+    """Compare the submitted labels of each person with the ground truth, the best first."""
     return [ScoreOut.of(each) for each in workspace.agreeing.scores(p)]

@@ -35,7 +35,7 @@ from pointbrush.workspace import Workspace
 router = resource("annotations")
 MAX_FILES = 20_000
 MAX_FIELD = 1 << 20
-DryRun = Annotated[bool, Query(description="say what is found, and write nothing")]
+DryRun = Annotated[bool, Query(description="report the labels without writing anything")]
 
 
 class LabelImportOptions(Body):
@@ -84,7 +84,7 @@ async def import_labels(
     *,
     dry_run: DryRun = False,
 ) -> JobOut:
-    """Import labels made elsewhere as one edit; the job's result reports what was found."""
+    """Import labels of other tools as one edit; the result of the job counts labels and points."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == "multipart/form-data":
         job = await _uploaded(request, workspace, seq, who.author, dry_run=dry_run)

@@ -35,7 +35,7 @@ Confidence = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 
 class PoseBody(Body):
-    """Place of a box in a frame: centre and rotation in source coordinates."""
+    """Pose of a box in a frame: centre and rotation in source coordinates."""
 
     centre: Vec3
     quaternion: Quaternion
@@ -45,7 +45,7 @@ class PoseBody(Body):
 
 
 class BoxBody(Body):
-    """A new box; ``edit``: the edit's UUID, the same one twice is applied once."""
+    """A new box; ``edit``: the edit's UUID, which is applied once."""
 
     label: PaintId
     size: Sides
@@ -56,7 +56,7 @@ class BoxBody(Body):
 
 
 class PoseChange(Body):
-    """Changes of a pose: what is not given stays; a place that is given is *drawn*."""
+    """Changes of a pose; missing fields do not change, a given position counts as *drawn*."""
 
     centre: Vec3 | None = None
     quaternion: Quaternion | None = None
@@ -88,7 +88,7 @@ def _given(pose: dict[str, Any]) -> dict[str, Any]:
 
 
 class PointsBody(Body):
-    """Frames ``I:J`` whose points to label, null: all that the box is in."""
+    """Frames ``I:J`` whose points to label; null: all frames with a pose of the box."""
 
     frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] | None = None
     only_unlabeled: bool = False
@@ -96,9 +96,9 @@ class PointsBody(Body):
 
 
 class FitBody(Body):
-    """Labels whose boxes are fitted, all unless given; those of a category; in frames ``I:J``.
+    """Labels whose boxes are fitted (by default all), a category of labels, frames ``I:J``.
 
-    ``redraw``: also what somebody drew.  ``id``: the UUID of the job and of its edit.
+    ``redraw``: also replace drawn boxes.  ``id``: the UUID of the job and of its edit.
     """
 
     labels: Annotated[list[PaintId], Field(max_length=65535)] | None = None
@@ -109,14 +109,14 @@ class FitBody(Body):
 
 
 class BoxesOut(BaseModel):
-    """Boxes, and the revision of the recording that they are of."""
+    """Boxes, and the revision of the recording."""
 
     boxes: list[Box]
     revision: int
 
 
 class BoxEditOut(BaseModel):
-    """A box as its edit left it; the edit is durable."""
+    """A box after its edit, which is durable."""
 
     box: Box
     edit: str
@@ -133,10 +133,12 @@ class BoxEditOut(BaseModel):
 def list_boxes(
     seq: WholeSequence,
     workspace: Ws,
-    frame: Annotated[FrameIndex | None, Query(description="those with a pose in it")] = None,
-    label: Annotated[PaintId | None, Query(description="those of a label")] = None,
+    frame: Annotated[
+        FrameIndex | None, Query(description="boxes with a pose in this frame")
+    ] = None,
+    label: Annotated[PaintId | None, Query(description="boxes of this label")] = None,
 ) -> BoxesOut:
-    """The boxes of a recording, with all their poses."""
+    """List the boxes of a recording with all their poses."""
     found = workspace.labels.boxes.listing(seq, frame=frame, label=label)
     return BoxesOut(boxes=[box_message(box) for box in found.boxes], revision=found.revision)
 
@@ -145,7 +147,7 @@ def list_boxes(
 def add_box(
     seq: WholeSequence, body: BoxBody, response: Response, workspace: Ws, who: Caller
 ) -> BoxEditOut:
-    """Add a box; frames and label must be there, a locked label takes none (409)."""
+    """Add a box; its frames and its label must exist, and the label must not be locked (409)."""
     box = box_of(0, body.model_dump(exclude={"edit"}))
     made = workspace.labels.boxes.add(seq, who.author, box, edit_id=body.edit)
     response.headers["Location"] = f"/api/v1/sequences/{seq}/boxes/{made.box.id}"
@@ -156,9 +158,9 @@ def add_box(
 def fit_boxes(
     seq: SequenceId, body: FitBody, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
-    """Fit a box to the points of each label over frames, in a job; it is one edit.
+    """Fit a box to the points of each label over frames, in a job; the result is one edit.
 
-    Its result: ``edit``, ``fitted`` ids of boxes, and ``skipped``: labels with the reason.
+    The result of the job: ``edit``, ids of ``fitted`` boxes, and ``skipped`` labels with reasons.
     """
     given = body.model_dump(exclude={"id"})
     job = workspace.fitting.fit(seq, author=who.author, edit=body.id, **given)
@@ -168,7 +170,7 @@ def fit_boxes(
 
 @router.get("/sequences/{seq}/boxes/{id}", responses=responses(404))
 def get_box(seq: WholeSequence, id: BoxPath, workspace: Ws) -> Box:
-    """One box."""
+    """Return a box."""
     return box_message(workspace.labels.boxes.get(seq, id))
 
 
@@ -176,7 +178,7 @@ def get_box(seq: WholeSequence, id: BoxPath, workspace: Ws) -> Box:
 def change_box(
     seq: WholeSequence, id: BoxPath, body: BoxChange, workspace: Ws, who: Caller
 ) -> BoxEditOut:
-    """Move, turn, resize a box, give it another label, change its attributes."""
+    """Move, turn or resize a box, or change its label or attributes."""
     boxes = workspace.labels.boxes
     return BoxEditOut.of(boxes.change(seq, who.author, id, body.asked(), edit_id=body.edit))
 
@@ -197,7 +199,7 @@ def delete_box(
 def paint_box(
     seq: SequenceId, id: BoxPath, body: PointsBody, workspace: Ws, who: Caller
 ) -> EditOut:
-    """Give the points inside a box its label, in frames that it is in: one edit."""
+    """Give the points inside a box its label, in frames that have a pose of it; one edit."""
     return EditOut.of(
         workspace.boxes.paint(
             seq,

@@ -36,12 +36,12 @@ Other = Annotated[
     ),
 ]
 Share = Annotated[float, Field(ge=0, le=1)]
-CompareBy = Annotated[By, Query(description="labels are the same by")]
+CompareBy = Annotated[By, Query(description="compare labels by")]
 TEXT = {"schema": {"type": "string"}}
 
 
 class FindingOut(Out):
-    """A suspicious thing; its ``id`` is the same at every check as long as it is there."""
+    """A finding; its ``id`` is the same in every check until the finding is gone."""
 
     id: str
     kind: Kind
@@ -50,11 +50,11 @@ class FindingOut(Out):
     first: int | None
     last: int | None
     place: Annotated[Vec3 | None, Field(description="in frame `first`, source coordinates")]
-    settled: Annotated[bool, Field(description="its frames or labels are accepted as they are")]
+    settled: Annotated[bool, Field(description="its frames or labels are accepted")]
 
 
 class ChecksOut(Out):
-    """Findings in the order to go through them, and what could not be looked at."""
+    """Findings in order of importance, and the parts that could not be checked."""
 
     findings: list[FindingOut]
     unchecked: list[str]
@@ -66,15 +66,15 @@ def get_checks(
     workspace: Ws,
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
 ) -> ChecksOut:
-    """Labels of few points, of one name, far from their object, that jump, unlike neighbours.
+    """Find labels with few points or equal names, far from their object, that jump or differ.
 
-    And boxes that jump, overlap, differ in size, are off the ground, or not where their points are.
+    Also boxes that jump, overlap, change their size, float, or lie apart from their points.
     """
     return ChecksOut.of(workspace.reviewing.checks(seq, frames))
 
 
 class LabelAgreementOut(Out):
-    """A label by name: its points in the first, the second and both."""
+    """A label by name: its points in the first annotation, the second and both."""
 
     name: str
     iou: Share
@@ -84,7 +84,7 @@ class LabelAgreementOut(Out):
 
 
 class FrameAgreementOut(Out):
-    """Points of a frame that either labelled, and those of them that differ."""
+    """Number of labelled points of a frame in either annotation, and of differing points."""
 
     frame: int
     labelled: int
@@ -92,7 +92,7 @@ class FrameAgreementOut(Out):
 
 
 class BoxScoreOut(Out):
-    """Boxes of the second against those of the first, the same from a 3D IoU on."""
+    """Boxes of the second annotation compared with the first; boxes match from a 3D IoU on."""
 
     iou: Share
     ap: Share
@@ -111,14 +111,14 @@ class ClassAgreementOut(Out):
 
 
 class BoxAgreementOut(Out):
-    """Boxes of both; ``hota`` is null without boxes or without the package trackeval."""
+    """Agreement of boxes; ``hota`` is null without boxes or without the package trackeval."""
 
     classes: list[ClassAgreementOut]
     hota: Share | None
 
 
 class AgreementOut(Out):
-    """Null where neither has labelled anything; ``boxes`` where they are asked for."""
+    """Null if neither annotation has labels; ``boxes`` only on request."""
 
     miou: Share | None
     same: Share | None
@@ -137,11 +137,11 @@ def get_agreement(
     by: CompareBy = "name",
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
     *,
-    boxes: Annotated[bool, Query(description="compare the boxes of classes too")] = False,
+    boxes: Annotated[bool, Query(description="also compare the boxes of classes")] = False,
 ) -> AgreementOut:
-    """IoU of each label between two annotations, and the points of each frame that differ.
+    """Return the IoU of each label between two annotations, and the differing points per frame.
 
-    With ``boxes`` average precision, precision and recall by class too, and HOTA.
+    With ``boxes`` also average precision, precision, recall by class, and HOTA.
     """
     gate.require_seen(who, other)
     found = AgreementOut.of(workspace.reviewing.agreement(seq, other, by, frames))
@@ -173,7 +173,7 @@ def get_difference(
 ) -> Response:
     """Draw the differences of two annotations as a picture from above.
 
-    Blue: only the first has a label, orange: only the second, pink: another one, light: the same.
+    Blue: labelled only in the first; orange: only in the second; pink: different; light: equal.
     """
     gate.require_seen(who, other)
     return Response(workspace.reviewing.difference(seq, other, i, by), media_type=PNG)
@@ -193,7 +193,7 @@ def get_report(
     format: Annotated[Literal["html", "csv"], Query()] = "html",
     table: Annotated[Table, Query(description="of a CSV")] = "frames",
 ) -> Response:
-    """Progress, points per label, confidence, and seconds and strokes per frame and person."""
+    """Report progress, points per label, confidence, and time and strokes per frame and person."""
     report = workspace.reviewing.report(seq)
     if format == "html":
         headers = {"Content-Security-Policy": POLICY}

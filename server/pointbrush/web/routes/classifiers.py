@@ -35,10 +35,10 @@ Recordings = Annotated[list[RecordingId], Field(max_length=1000)]
 
 
 class ClassifierBody(Body):
-    """A new classifier; ``classes`` None: all of the palettes of the recordings that teach it.
+    """A new classifier; ``classes`` null: all classes in the palettes of its recordings.
 
-    ``model``: name of a plug-in or service of this server that answers in place of the trees.
-    ``imported``: imported labels teach beside painted ones.
+    ``model``: name of a plug-in or service of this server that replaces the trees.
+    ``imported``: the classifier also learns from imported labels.
     """
 
     name: ClassName
@@ -49,7 +49,7 @@ class ClassifierBody(Body):
 
 
 class TeachBody(Body):
-    """Recordings that teach from now on too."""
+    """Additional recordings to learn from."""
 
     recordings: Recordings = Field(default_factory=list)
 
@@ -57,7 +57,7 @@ class TeachBody(Body):
 class ClassifierOut(Out):
     """A classifier: ``taught_by`` recordings with their examples, ``examples`` of each class.
 
-    ``score``: share of held-out examples that are right, mean of the classes; ``cell``: metres.
+    ``score``: mean share of correct held-out examples over the classes; ``cell``: metres.
     """
 
     id: str
@@ -72,7 +72,7 @@ class ClassifierOut(Out):
 
 
 class PredictionBody(Body):
-    """Points to predict: ``labels``: as these alone; ``place``: near it alone, source metres."""
+    """Points to predict: ``labels``: only as these; ``place``: only near it, source metres."""
 
     classifier: ClassifierId
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
@@ -80,7 +80,7 @@ class PredictionBody(Body):
 
 
 class ApplyBody(Body, ApplyOptions):
-    """A classifier to apply to frames ``I:J``, all unless given."""
+    """A classifier to apply to frames ``I:J``; by default to all frames."""
 
     classifier: ClassifierId
     frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] = ""
@@ -89,9 +89,9 @@ class ApplyBody(Body, ApplyOptions):
 
 
 class PlaceOut(Out):
-    """A place in doubt: ``centre`` on a surface, source metres, ``radius`` of a stroke there.
+    """A doubtful place: ``centre`` on a surface, source metres; ``radius`` of a stroke there.
 
-    ``points`` of the piece; the two ``classes`` that it may be, the likelier first.
+    ``points`` of the piece; its two most likely ``classes``, the likelier first.
     """
 
     sequence: str
@@ -105,7 +105,7 @@ class PlaceOut(Out):
 
 @router.get("/classifiers")
 def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
-    """The classifiers of the workspace, by id."""
+    """List the classifiers of the workspace, by id."""
     return [ClassifierOut.of(each) for each in workspace.classifiers.listing()]
 
 
@@ -113,7 +113,7 @@ def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
 def create_classifier(
     body: ClassifierBody, workspace: Ws, who: Caller, gate: TheGate
 ) -> ClassifierOut:
-    """Make a classifier; what is painted in ``recordings`` teaches it at once, and later too."""
+    """Create a classifier that learns from the painted points of ``recordings``, now and later."""
     gate.require_seen(who, *body.recordings)
     made = workspace.classifiers.create(
         body.name, body.recordings, body.classes, body.model, body.imported
@@ -132,20 +132,20 @@ async def bring_classifier(
     workspace: Ws,
     name: Annotated[str | None, Query(min_length=1, max_length=NAME_LENGTH)] = None,
 ) -> ClassifierOut:
-    """Take in a classifier's file, from another workspace say."""
+    """Import the file of a classifier, for example from another workspace."""
     data = bytes(await body_within(request, MOST_BYTES, "classifier"))
     return ClassifierOut.of(await run_in_threadpool(workspace.classifiers.bring, data, name))
 
 
 @router.get("/classifiers/{id}", responses=responses(404))
 def get_classifier(id: ClassifierPath, workspace: Ws) -> ClassifierOut:
-    """One classifier."""
+    """Return a classifier."""
     return ClassifierOut.of(workspace.classifiers.about(id))
 
 
 @router.delete("/classifiers/{id}", status_code=204, responses=responses(404))
 def delete_classifier(id: ClassifierPath, workspace: Ws) -> None:
-    """Delete a classifier; what it labelled stays."""
+    """Delete a classifier; the labels that it has predicted stay."""
     workspace.classifiers.delete(id)
 
 
@@ -155,7 +155,7 @@ def delete_classifier(id: ClassifierPath, workspace: Ws) -> None:
     responses={200: {"description": "The file", "content": {MEDIA_TYPE: BINARY}}, **responses(404)},
 )
 def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
-    """A classifier as a file, to be taken elsewhere."""
+    """Return a classifier as a file for another workspace."""
     headers = {"Content-Disposition": f'attachment; filename="{id}.npz"'}
     data = workspace.classifiers.file(id)
     return Response(data, media_type=MEDIA_TYPE, headers=headers)
@@ -165,7 +165,7 @@ def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
 def teach_classifier(
     id: ClassifierPath, body: TeachBody, workspace: Ws, who: Caller, gate: TheGate
 ) -> ClassifierOut:
-    """Teach what is painted now, also in further recordings, and write it down."""
+    """Train on all painted points, also of further recordings, and store the classifier."""
     gate.require_seen(who, *body.recordings)
     return ClassifierOut.of(workspace.classifiers.teach(id, body.recordings))
 
@@ -188,11 +188,11 @@ def predict(
     workspace: Ws,
     format: Annotated[Literal["npz", "stored"], Query()] = "npz",
 ) -> Response:
-    """The classes of a frame's points, from all that is painted by now; nothing is changed.
+    """Predict the classes of a frame's points from all painted points, without changing labels.
 
-    ``npz``, source order: ``label`` uint16, 0 where the palette has none of the class; ``class``
-    uint8 from 1, 0 while nothing is taught; ``confidence`` uint8; ``classes`` their names; of a
-    part of the frame also ``index`` uint32, the points' numbers.  ``stored``: for pages, see
+    ``npz``, source order: ``label`` uint16, 0 if the palette has no label of the class; ``class``
+    uint8 from 1, 0 before the first training; ``confidence`` uint8; ``classes``, the names.  For a
+    part of the frame also ``index`` uint32, the numbers of the points.  ``stored``: for pages, see
     docs/classifier.md.
     """
     found = workspace.classifiers.predict(
@@ -242,14 +242,16 @@ def get_doubt(
     gate: TheGate,
     classifier: Annotated[str, Query(pattern=ID, max_length=64)],
     frame: Annotated[FrameIndex | None, Query()] = None,
-    all: Annotated[bool, Query(alias="workspace", description="other recordings too")] = False,
+    all: Annotated[bool, Query(alias="workspace", description="in other recordings, too")] = False,
     near: Annotated[
         list[FiniteFloat] | None,
-        Query(min_length=3, max_length=3, description="x, y, z: round this place of a large frame"),
+        Query(
+            min_length=3, max_length=3, description="x, y, z: round this position in a large frame"
+        ),
     ] = None,
     most: Annotated[int, Query(ge=1, le=100)] = 5,
 ) -> list[PlaceOut]:
-    """Places whose answer would teach most, the best first: in a frame, or in some of all."""
+    """List the places where a label would teach most, the best first, in one or in all frames."""
     found = workspace.classifiers.doubt(
         classifier, seq, frame=frame, workspace=all, near=near, most=most
     )
@@ -260,7 +262,7 @@ def get_doubt(
 def apply_classifier(
     seq: SequenceId, body: ApplyBody, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
-    """Label what nobody has labelled in frames, in a job; it is one edit, provenance 4."""
+    """Label the unlabelled points of frames in a job; one edit of provenance 4."""
     job = workspace.classifiers.apply(seq, author=who.author, edit=body.id, **ApplyOptions.of(body))
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
@@ -268,5 +270,5 @@ def apply_classifier(
 
 @router.delete("/sequences/{seq}/features", status_code=204, responses=responses(404))
 def drop_features(seq: SequenceId, workspace: Ws) -> None:
-    """Drop what is kept in memory about the surroundings of a recording's points."""
+    """Drop the cached features of a recording from memory."""
     workspace.classifiers.forget_features(seq)

@@ -20,10 +20,10 @@ router = resource("edits")
 async def post_stroke(
     seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Caller
 ) -> EditOut:
-    """Apply a stroke; answered once it is durable.
+    """Apply a stroke; the call returns when the edit is durable.
 
-    Deleted points and those of locked and hidden labels (``visible: false``, or in the stroke's
-    ``hidden``) are left alone; painting with such a label is refused (409).
+    Deleted points and points of locked and hidden labels (``visible: false``, or in the stroke's
+    ``hidden``) do not change; painting with such a label is refused (409).
     """
     # Of a function that is not async, FastAPI checks the answer in a thread once more.
     apply = workspace.strokes.apply
@@ -32,13 +32,13 @@ async def post_stroke(
 
 @router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
 def undo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
-    """Take back the caller's last edit, only where nobody has changed the points since."""
+    """Take back the caller's last edit, except on points that another edit has changed since."""
     return EditOut.of(workspace.labels.undo(seq, who.author, body.id if body else None))
 
 
 @router.post("/sequences/{seq}/redo", responses=responses(404, 409, 413))
 def redo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
-    """Bring back what the caller's last undo took."""
+    """Restore the edit that the caller's last undo took back."""
     return EditOut.of(workspace.labels.redo(seq, who.author, body.id if body else None))
 
 
@@ -49,7 +49,7 @@ def list_edits(
     before: Annotated[int | None, Query(ge=0, lt=2**53, description="a revision")] = None,
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
 ) -> list[EditInfoOut]:
-    """The history, newest first."""
+    """Return the edits, the newest first."""
     name = workspace.labels.accounts.name
     edits = workspace.labels.edits(seq, before=before, limit=limit)
     return [EditInfoOut.of(replace(edit, author=name(edit.author))) for edit in edits]

@@ -28,7 +28,7 @@ TRACKING = "tracking"
 
 
 class EventsOut(Out):
-    """Edits after a revision, oldest first, doubts of the tracking among them, and jobs.
+    """Edits and tracking doubts after a revision, the oldest first, and jobs.
 
     ``revision`` and ``jobs_seen`` are for the next call's ``after`` and ``jobs_seen``.
     """
@@ -57,17 +57,18 @@ async def wait_for_events(
     request: Request,
     workspace: Ws,
     after: Annotated[
-        int | None, Query(ge=0, lt=2**53, description="a revision; none: the present one")
+        int | None, Query(ge=0, lt=2**53, description="a revision; none: the current one")
     ] = None,
     jobs_seen: Annotated[
-        str | None, Query(max_length=64, description="of the last answer; none: jobs are news")
+        str | None,
+        Query(max_length=64, description="of the previous answer; none: return all jobs"),
     ] = None,
     wait: Annotated[float, Query(ge=0, le=LONGEST_WAIT, description="seconds")] = 0.0,
 ) -> EventsOut:
-    """Wait for edits and changes of jobs; answers with what happened, or nothing after ``wait``.
+    """Wait for edits and changes of jobs; the answer is empty if nothing happens within ``wait``.
 
-    Asked with the ``revision`` and ``jobs_seen`` of the last answer, nothing is missed, also where
-    the connection was lost or the server restarted meanwhile.
+    With the ``revision`` and ``jobs_seen`` of the previous answer a client misses nothing, even if
+    the connection was lost or the server restarted.
     """
     watching: Watching = request.app.state.watching
 

@@ -206,10 +206,10 @@ async def respond(
 
 
 class ExportOut(BaseModel):
-    """An export format: what its files contain, and what of points and labels they cannot hold.
+    """An export format: the contents of its files, and the data that it cannot hold.
 
-    ``splits``: its frames are split for training and validation.  ``whole_boxes``: it has the boxes
-    of the labels, not those that end where points end.
+    ``splits``: its frames are split for training and validation.  ``whole_boxes``: it has whole
+    boxes, not boxes that enclose only the visible points.
     """
 
     format: str
@@ -222,7 +222,7 @@ class ExportOut(BaseModel):
 
 @router.get("/exports")
 def list_exports() -> list[ExportOut]:
-    """The export formats, in the order in which they are offered."""
+    """List the export formats in the order of the page."""
     return [
         ExportOut(
             format=each.name,
@@ -257,7 +257,7 @@ async def export_sequence(
     ] = 0.0,
     snapshot: SnapshotQuery = None,
 ) -> Response:
-    """Frames with their labels in the source's order, as a zip."""
+    """Return frames with their labels in source order, as a zip."""
     return await respond(
         request.app.state.exports,
         person_of(request, who),

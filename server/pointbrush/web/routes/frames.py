@@ -71,7 +71,7 @@ def get_points(
     workspace: Ws,
     format: Annotated[Literal["npy", "npz"], Query()] = "npy",
 ) -> Response:
-    """All points in the source's order and coordinates: structured ``.npy``, or ``.npz``."""
+    """Return all points in source order and coordinates: structured ``.npy``, or ``.npz``."""
     frame = workspace.recording(seq)[i]
     if format == "npz":
         fields = {
@@ -107,11 +107,10 @@ def get_annotation(
     snapshot: SnapshotQuery = None,
     if_none_match: Annotated[str | None, Header()] = None,
 ) -> Response:
-    """One value a point in the source's order: uint16 labels, uint8 provenance, bool deleted.
+    """Return one value per point in source order: uint16 labels, uint8 provenance, bool deleted.
 
-    ``order`` stored: in that of the wire chunks, as the page has the points.
-
-    Or uint8 confidence of what was predicted, 0 elsewhere.
+    The layer confidence is uint8, and 0 for points that were not predicted.  ``order`` stored: in
+    the order of the wire chunks, which the page uses.
     The ``ETag`` is the revision of the frame's last change, in any layer, or of the snapshot.
     """
     past = None if snapshot is None else workspace.versions.labels(seq, snapshot)
@@ -157,8 +156,8 @@ def put_annotation(
 ) -> EditOut:
     """Replace a layer, as one edit.
 
-    ``If-Match`` refuses it (409) when this frame has changed since that revision, or the revision
-    is yet to come; edits in other frames do not matter.
+    ``If-Match`` refuses the call (409) if this frame has changed since that revision, or if the
+    revision does not exist yet; edits in other frames do not count.
     """
     count = workspace.recording(seq)[i].count
     commit = workspace.annotations.put(
@@ -176,7 +175,7 @@ def put_annotation(
 
 @router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
 def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
-    """Return each wire chunk's place, its points and how to dequantise them."""
+    """Return the position, the points and the dequantisation of each wire chunk."""
     recording = workspace.recording(seq)
     frame = recording[i]
     rows = [_row(chunk) for chunk in frame.chunks]
@@ -206,9 +205,9 @@ def get_chunk(
         str | None, Query(max_length=64, description="the import's, from the table")
     ] = None,
 ) -> Response:
-    """One chunk's bytes.  With ``identity`` they never change: a cache or CDN can stand in front.
+    """Return the bytes of a chunk.  With ``identity`` they never change, so caches may store them.
 
-    Without it the URL may come to mean another recording, and is asked for again each time.
+    Without it the URL may later belong to another recording, so caches must revalidate it.
     """
     recording = workspace.recording(seq)
     if identity not in (None, recording.identity):
@@ -233,7 +232,7 @@ def get_thumbnail(
     # For caches alone: another import of the name has another address.
     of: Annotated[str, Query(max_length=64, description="the identity; changes nothing")] = "",  # noqa: ARG001
 ) -> Response:
-    """A small picture of the frame, from the sensor or over all of it."""
+    """Return a small picture of the frame, from the sensor or of the whole frame."""
     return Response(
         workspace.thumbnail(seq, i), media_type="image/jpeg", headers={"Cache-Control": HOUR}
     )
@@ -243,7 +242,7 @@ class CameraOut(Out):
     """A picture of a frame; a point p in source coordinates is at ``K (T_camera_frame p)``.
 
     ``distortion`` are the coefficients of ``model`` (``plumb_bob``: k1, k2, p1, p2, k3; none: the
-    picture is rectified).  ``K`` and ``T_camera_frame`` are null where they are not known.
+    picture is rectified).  ``K`` and ``T_camera_frame`` are null if they are unknown.
     """
 
     name: str
@@ -257,7 +256,7 @@ class CameraOut(Out):
 
 @router.get("/sequences/{seq}/frames/{i}/cameras", responses=responses(404))
 def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[CameraOut]:
-    """The cameras that took a picture at this frame; [] where there is none."""
+    """List the cameras that have a picture of this frame."""
     return [CameraOut.of(each) for each in workspace.recording(seq).projections(i)]
 
 
@@ -280,7 +279,7 @@ def get_image(
     request: Request,
     workspace: Ws,
 ) -> Response:
-    """The picture that a camera took at this frame, byte for byte as it was imported."""
+    """Return a camera's picture of this frame, byte for byte as imported."""
     recording = workspace.recording(seq)
     name, content = recording.picture(i, camera)
     tag = f'"{recording.identity}-{name}"'
@@ -291,7 +290,7 @@ def get_image(
 
 
 class MovingOut(BaseModel):
-    """Placement of the points of a tracked label, source coordinates."""
+    """Placement of a tracked label's points, source coordinates."""
 
     label: int
     T_shown_frame: Matrix4
@@ -300,7 +299,7 @@ class MovingOut(BaseModel):
 class PlacementOut(BaseModel):
     """Placement of a frame over the shown one, source coordinates, row-major 4x4.
 
-    ``moving``: labels whose points lie elsewhere, by their tracks.
+    ``moving``: labels whose tracks place their points elsewhere.
     """
 
     frame: int
@@ -329,9 +328,9 @@ class PlacementOut(BaseModel):
 def list_placements(
     seq: SequenceId, i: FramePath, workspace: Ws, before: Many = 0, after: Many = 0
 ) -> list[PlacementOut]:
-    """Frame ``i`` and those round it: where a stroke with ``frames`` takes their points to lie.
+    """Return the placement of frame ``i`` and of its neighbours for a stroke with ``frames``.
 
-    By the recording's poses, and points of a label that is tracked in both frames by its track.
+    The poses of the recording place the frames; its track places the points of a tracked label.
     """
     recording = workspace.recording(seq)
     shift = np.asarray(recording.manifest.shift, np.float64)

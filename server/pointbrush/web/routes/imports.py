@@ -121,7 +121,7 @@ async def import_sequence(
 
 
 class EachBody(Body):
-    """A folder of the server, in which each file or folder is a recording."""
+    """A folder on the server; each file or folder in it is a recording."""
 
     path: Text
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
@@ -131,7 +131,7 @@ class EachBody(Body):
 def import_each(
     p: ProjectId, body: EachBody, workspace: Ws, who: Caller, gate: TheGate, request: Request
 ) -> list[JobOut]:
-    """Import everything in a folder under the allowed roots, a recording each, into a project."""
+    """Import each entry of a folder under the allowed roots as a recording of a project."""
     workspace.library.require_writable()
     roots = workspace.import_roots(own=gate.is_own(request, who))
     (folder,) = allowed(body.path, roots)
@@ -147,10 +147,10 @@ def import_each(
     response_model=PreviewOut,
 )
 async def preview_import(request: Request, workspace: Ws, who: Caller) -> PreviewOut | JSONResponse:
-    """Preview an import; nothing is written.
+    """Preview an import without writing anything.
 
-    Uploaded files are kept for an hour: ``upload`` of the answer, also of one that says what is
-    wrong with them, names them to later previews and to the import.
+    The server keeps uploaded files for an hour, also if the answer is an error: ``upload`` of the
+    answer names them in later previews and in the import.
     """
     await run_in_threadpool(workspace.library.require_writable)
     wanted = await _wanted(request, workspace, who)
@@ -173,7 +173,7 @@ async def preview_import(request: Request, workspace: Ws, who: Caller) -> Previe
 
 @router.delete("/imports/{upload}", status_code=204, responses=responses(404))
 def drop_upload(upload: UploadPath, request: Request, who: Caller) -> None:
-    """Remove the files that a preview was sent."""
+    """Remove the files that were uploaded for a preview."""
     kept: KeptUploads = request.app.state.kept_uploads
     found = kept.find(upload, who.author)
     kept.forget(found)

@@ -19,13 +19,13 @@ router = resource("jobs")
 
 @router.get("/jobs", responses=responses())
 def list_jobs(workspace: Ws, who: Caller, gate: TheGate) -> list[JobOut]:
-    """All remembered jobs of recordings that are for the caller, newest first."""
+    """List the jobs of recordings that the caller may open, the newest first."""
     return [JobOut.of(job) for job in workspace.jobs.all() if gate.may_see_job(who, job)]
 
 
 @router.get("/jobs/{id}", responses=responses(404))
 def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> JobOut:
-    """One job."""
+    """Return a job."""
     job = workspace.jobs.get(id.lower())
     if not gate.may_see_job(who, job):
         raise NotFoundError(f"job: expected a known id, got {id}")
@@ -37,9 +37,11 @@ def cancel_job(
     id: JobPath,
     workspace: Ws,
     who: Caller,
-    keep: Annotated[bool, Query(description="commit what a tracking run has found")] = False,
+    keep: Annotated[
+        bool, Query(description="commit the frames that a tracking run has finished")
+    ] = False,
 ) -> JobOut:
-    """Ask a job to stop: one's own, or with the role manager anybody's."""
+    """Ask a job to stop: the caller's own job, or any job with the role manager."""
     if workspace.jobs.get(id.lower()).owner != who.author:
         require(who.role, CANCEL_ANY)
     return JobOut.of(workspace.jobs.cancel(id.lower(), keep=keep))

@@ -29,14 +29,12 @@ from pointbrush.web.schemas import (
 from pointbrush.work.palettes import NamedLabel, add_labels, add_template, offered
 
 router = resource("labels")
-EditId = Annotated[
-    Uuid | None, Query(description="the edit's UUID: the same one twice is applied once")
-]
+EditId = Annotated[Uuid | None, Query(description="the edit's UUID, which is applied once")]
 
 
 @router.get("/sequences/{seq}/labels", responses=responses(404))
 def list_labels(seq: WholeSequence, workspace: Ws) -> list[LabelOut]:
-    """All labels of a sequence."""
+    """List the labels of a recording."""
     return [LabelOut.of(label) for label in workspace.labels.palette(seq)]
 
 
@@ -57,7 +55,7 @@ def create_label(
 
 @router.get("/sequences/{seq}/labels/{id}", responses=responses(404))
 def get_label(seq: WholeSequence, id: LabelPath, workspace: Ws) -> LabelOut:
-    """One label."""
+    """Return a label."""
     return LabelOut.of(workspace.labels.label(seq, id))
 
 
@@ -94,7 +92,7 @@ def merge_labels(
     who: Caller,
     edit: EditId = None,
 ) -> EditOut:
-    """Give all points of other labels to this one, in every frame, and remove them: one edit."""
+    """Give the points of other labels to this label in all frames, and remove them; one edit."""
     return EditOut.of(workspace.labels.merge_labels(seq, who.author, id, body.labels, edit_id=edit))
 
 
@@ -107,7 +105,7 @@ def split_label(
     who: Caller,
     edit: EditId = None,
 ) -> SplitOut:
-    """Give each connected part of a label in a frame a label of its own; the largest keeps it."""
+    """Give each connected part of a label in a frame its own label, except the largest part."""
     split = workspace.splitting.split
     return SplitOut.done(
         split(seq, who.author, id, body.frame, edit=edit, gap=body.gap, least=body.least)
@@ -115,7 +113,7 @@ def split_label(
 
 
 class PaletteLabel(BaseModel):
-    """A label without its id; further fields of an exported ``palette.json`` are passed over."""
+    """A label without its id; other fields of an exported ``palette.json`` are ignored."""
 
     name: Name
     category: Annotated[str, Field(max_length=200, pattern=f"^{VISIBLE}*$")] = ""
@@ -123,14 +121,14 @@ class PaletteLabel(BaseModel):
 
 
 class PaletteBody(Body):
-    """Labels to add, or the template that has them."""
+    """Labels to add, or a template that contains them."""
 
     template: Annotated[str, Field(max_length=64)] | None = None
     labels: Annotated[list[PaletteLabel], Field(max_length=65534, default_factory=list)]
 
 
 class OrderBody(Body):
-    """Ids of labels, first to last; labels that it does not name follow."""
+    """Ids of labels, first to last; missing labels follow."""
 
     labels: Annotated[list[LabelId], Field(max_length=65534)]
 
@@ -142,21 +140,21 @@ class PaletteOut(BaseModel):
 
 
 class OfferedOut(BaseModel):
-    """Categories to choose from, by number; ``selected``: a label gets no other one."""
+    """Categories for labels, by number; ``selected``: labels get no other category."""
 
     selected: bool
     names: list[str]
 
 
 class Added(BaseModel):
-    """Names of labels that were not there before."""
+    """Names of the new labels."""
 
     added: list[str]
 
 
 @router.get("/templates")
 def list_templates() -> dict[str, PaletteOut]:
-    """Palettes of well-known datasets, by name."""
+    """List the palettes of well-known datasets, by name."""
     return {
         name: PaletteOut(
             labels=[
@@ -170,7 +168,7 @@ def list_templates() -> dict[str, PaletteOut]:
 
 @router.get("/sequences/{seq}/palette", responses=responses(404))
 def get_palette(seq: WholeSequence, workspace: Ws) -> PaletteOut:
-    """The palette; the answer can be posted to another recording."""
+    """Return the palette; the answer can be posted to another recording."""
     return PaletteOut(
         labels=[
             # An older palette may hold what no name may hold now.
@@ -186,7 +184,7 @@ def get_palette(seq: WholeSequence, workspace: Ws) -> PaletteOut:
 
 @router.post("/sequences/{seq}/palette", responses=responses(404, 409, 413))
 def add_palette(seq: WholeSequence, body: PaletteBody, workspace: Ws, who: Caller) -> Added:
-    """Add the labels of a file or a template that are not there yet, as one edit."""
+    """Add the missing labels of a file or a template, as one edit."""
     if (body.template is None) == (not body.labels):
         raise BadInputError("template: expected a template or labels, got both or none of them")
     if body.template is not None:
@@ -198,7 +196,7 @@ def add_palette(seq: WholeSequence, body: PaletteBody, workspace: Ws, who: Calle
 
 @router.get("/sequences/{seq}/categories", responses=responses(404))
 def list_categories(seq: WholeSequence, workspace: Ws) -> OfferedOut:
-    """Categories to choose from for labels: those the project has selected, or all."""
+    """List the categories for labels: the selection of the project, or all categories."""
     selected, names = offered(workspace.labels, seq)
     return OfferedOut(selected=selected, names=names)
 
@@ -207,5 +205,5 @@ def list_categories(seq: WholeSequence, workspace: Ws) -> OfferedOut:
 def arrange_palette(
     seq: WholeSequence, body: OrderBody, workspace: Ws, who: Caller, edit: EditId = None
 ) -> EditOut:
-    """Put the labels in an order, as one edit."""
+    """Order the labels, as one edit."""
     return EditOut.of(workspace.labels.arrange_labels(seq, who.author, body.labels, edit_id=edit))

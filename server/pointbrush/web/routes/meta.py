@@ -52,25 +52,25 @@ def sign_in(body: SessionBody, request: Request, response: Response) -> SessionO
 
 @router.get("/session", responses=responses())
 def who_am_i(who: Caller) -> SessionOut:
-    """Identity of the caller."""
+    """Return the identity of the caller."""
     return _out(who)
 
 
 @router.get("/me", responses=responses())
 def me(who: Caller) -> MeOut:
-    """Return the caller's identity, and the message schema that the socket speaks."""
+    """Return the caller's identity, and the hash of the socket's messages."""
     return MeOut(author=who.name, role=who.role, schema_=schema_hash(), version=__version__)
 
 
 @router.get("/me/keys", responses=responses())
 def own_keys(who: Caller, workspace: Ws) -> OwnKeysOut:
-    """Return the keys that the caller gave to commands of the page, in whichever browser."""
+    """Return the keyboard shortcuts that the caller has chosen, in all browsers."""
     return OwnKeysOut(keys=workspace.labels.own_keys.get(who.author))
 
 
 @router.put("/me/keys", status_code=204, responses=responses(413))
 def set_own_keys(body: OwnKeysBody, who: Caller, workspace: Ws) -> None:
-    """Store the caller's own keys, in place of all that were there."""
+    """Replace the keyboard shortcuts of the caller."""
     workspace.labels.own_keys.put(who.author, body.keys)
 
 

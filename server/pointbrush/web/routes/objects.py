@@ -23,7 +23,7 @@ Rays = Annotated[list[Sample], Field(max_length=64)]
 
 
 class ObjectBody(Body):
-    """Rays at an object, and at what is no part of it; see a stroke of shape ``object``."""
+    """Rays at an object, and at points outside it; see a stroke of shape ``object``."""
 
     positives: Annotated[Rays, Field(min_length=1)]
     negatives: Annotated[Rays, Field(default_factory=list)]
@@ -36,7 +36,7 @@ class ObjectBody(Body):
 
 
 class CandidateOut(BaseModel):
-    """Points that a click can mean: ``runs`` are first number and length, in source order."""
+    """Points that a click may select: ``runs`` are first number and length, in source order."""
 
     id: str
     level: int
@@ -48,7 +48,7 @@ class CandidateOut(BaseModel):
 class ObjectOut(BaseModel):
     """At most six candidates from part to group; ``first`` is the one to show first.
 
-    ``ready``: the frame is prepared whole; else they come from what is near the clicks.
+    ``ready``: the whole frame is prepared; else candidates come from points near the clicks.
     """
 
     candidates: list[CandidateOut]
@@ -74,7 +74,7 @@ class ObjectOut(BaseModel):
 
 @router.post("/sequences/{seq}/frames/{i}/object", responses=responses(404, 413))
 def ask_object(seq: SequenceId, i: FramePath, body: ObjectBody, workspace: Ws) -> ObjectOut:
-    """Candidates for some clicks; take one with a stroke of shape ``object``."""
+    """Return candidates for clicks on an object; a stroke of shape ``object`` takes one."""
     answer = workspace.strokes.preview(seq, i, {**body.model_dump(), "shape": "object"})
     return ObjectOut.of(workspace, seq, i, answer)
 

@@ -34,7 +34,7 @@ Categories = Annotated[
 
 
 class ProjectBody(Body):
-    """A new project; ``roles`` by account: none given, everybody keeps theirs of the workspace."""
+    """A new project; ``roles`` by account; without ``roles``, the roles of the workspace apply."""
 
     name: Name
     id: Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)] | None = None
@@ -44,9 +44,9 @@ class ProjectBody(Body):
 
 
 class ProjectPatch(Body):
-    """Values to set; those left out stay.
+    """Values to set; missing fields do not change.
 
-    ``recordings`` come from the projects that they were in; ``categories`` null: all of them.
+    ``recordings`` move from their former projects; ``categories`` null: all categories.
     """
 
     name: Name | None = None
@@ -81,13 +81,13 @@ _OF_PROJECT = ("id", "name", "created", "roles", "categories")
 
 @router.get("/projects")
 def list_projects(workspace: Ws, who: Caller) -> list[ProjectOut]:
-    """All projects that are for the caller, by name."""
+    """List the projects that the caller may open, by name."""
     return [ProjectOut.seen(each) for each in workspace.projects.all(who.author, who.role)]
 
 
 @router.post("/projects", status_code=201, responses=responses(404, 409, 413))
 def create_project(body: ProjectBody, response: Response, workspace: Ws, who: Caller) -> ProjectOut:
-    """Make a project, of an id made from its name unless one is given."""
+    """Create a project; its id derives from its name unless one is given."""
     change = Change(body.name, body.categories, roles=body.roles, recordings=body.recordings)
     made = ProjectOut.seen(workspace.projects.create(change, body.id, who.author, who.role))
     response.headers["Location"] = f"/api/v1/projects/{made.id}"
@@ -96,21 +96,21 @@ def create_project(body: ProjectBody, response: Response, workspace: Ws, who: Ca
 
 @router.get("/projects/{p}", responses=responses(404))
 def get_project(p: ProjectId, workspace: Ws, who: Caller) -> ProjectOut:
-    """One project."""
+    """Return a project."""
     return ProjectOut.seen(workspace.projects.get(p, who.author, who.role))
 
 
 class ClassFiguresOut(Out):
-    """Points of a class, and its objects: labels that have any."""
+    """Points of a class, and its objects: the labels with points."""
 
     name: str
     points: int
     objects: int
-    hours: Annotated[float, Field(description="by its share of painted points")]
+    hours: Annotated[float, Field(description="by the class's share of painted points")]
 
 
 class PersonFiguresOut(Out):
-    """Hours that a person's edits took, how many they were, and the points of their strokes."""
+    """Hours and number of a person's edits, and the points of their strokes."""
 
     name: str
     hours: float
@@ -119,7 +119,7 @@ class PersonFiguresOut(Out):
 
 
 class StatisticsOut(Out):
-    """Figures of a project: those of most points, and of most hours, come first."""
+    """Figures of a project; classes are sorted by points, people by hours, the largest first."""
 
     recordings: int
     labelled_frames: int
@@ -132,7 +132,7 @@ class StatisticsOut(Out):
 
 @router.get("/projects/{p}/statistics", responses=responses(404))
 def get_statistics(p: ProjectId, workspace: Ws) -> StatisticsOut:
-    """Points, objects and hours of a project, by class and by person, from the times of edits."""
+    """Return points, objects and hours of a project by class and by person, from its edits."""
     found = workspace.projects.statistics(p)
     classes = [
         ClassFiguresOut(name=e.name, points=e.points, objects=e.objects, hours=e.seconds / 3600)
@@ -155,7 +155,7 @@ def get_statistics(p: ProjectId, workspace: Ws) -> StatisticsOut:
 
 @router.patch("/projects/{p}", responses=responses(404, 409, 413))
 def patch_project(p: ProjectId, body: ProjectPatch, workspace: Ws, who: Caller) -> ProjectOut:
-    """Change name, roles or categories of a project, or put recordings into it."""
+    """Change name, roles or categories of a project, or move recordings into it."""
     change = Change(
         body.name,
         body.categories,
@@ -168,5 +168,5 @@ def patch_project(p: ProjectId, body: ProjectPatch, workspace: Ws, who: Caller) 
 
 @router.delete("/projects/{p}", status_code=204, responses=responses(404, 409))
 def delete_project(p: ProjectId, workspace: Ws) -> None:
-    """Delete a project without recordings, and its tasks; the first one stays."""
+    """Delete a project without recordings, and its tasks; the first project stays."""
     workspace.projects.remove(p)

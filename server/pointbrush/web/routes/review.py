@@ -26,7 +26,7 @@ Person = Annotated[str, Field(max_length=128, pattern=f"^{VISIBLE}*$")]
 
 
 class FrameReviewBody(Body):
-    """Values to set; absent ones stay, "" takes a note or a person away."""
+    """Values to set; missing fields do not change, "" removes a note or an assignee."""
 
     state: State | None = None
     note: Note | None = None
@@ -36,7 +36,7 @@ class FrameReviewBody(Body):
 
 
 class ReviewBody(FrameReviewBody):
-    """The same of frames ``first`` to ``last``, or of a label as a whole."""
+    """Values for frames ``first`` to ``last``, or for a label in all frames."""
 
     first: FrameIndex | None = None
     last: FrameIndex | None = None
@@ -50,7 +50,7 @@ LabelOrNone = Annotated[
 
 
 class StandingOut(Out):
-    """State of frames ``first`` to ``last``, or of a label as a whole."""
+    """State of frames ``first`` to ``last``, or of a label in all frames."""
 
     first: int | None
     last: int | None
@@ -61,11 +61,11 @@ class StandingOut(Out):
     assignee: str
     by: str
     at: datetime | None
-    changed: Annotated[bool, Field(description="labels changed after the state was given")]
+    changed: Annotated[bool, Field(description="labels have changed since the decision")]
 
 
 class OverviewOut(Out):
-    """The review of a recording: frames in each state, and all about which something was said."""
+    """The review of a recording: number of frames in each state, and all states with notes."""
 
     counts: dict[State, int]
     frames: list[StandingOut]
@@ -74,7 +74,7 @@ class OverviewOut(Out):
 
 
 class ReviewOut(Out):
-    """A decision; null is what it did not set."""
+    """A decision; null: not set by the decision."""
 
     first: int | None
     last: int | None
@@ -98,8 +98,8 @@ def get_review(seq: SequenceId, workspace: Ws) -> OverviewOut:
 def put_review(seq: SequenceId, body: ReviewBody, workspace: Ws, who: Caller) -> OverviewOut:
     """Set state, note or assignee of frames ``first`` to ``last``, or state and note of a label.
 
-    Accepting, rejecting and taking that back need the role reviewer, giving frames to people the
-    role manager.  What is accepted or open again loses its note.
+    Accepting, rejecting and reverting these need the role reviewer; assigning frames to people
+    needs the role manager.  A frame or label that is accepted or reopened loses its note.
     """
     _put(workspace, seq, who, body, body.first, body.last)
     return OverviewOut.of(workspace.reviewing.overview(seq))

@@ -22,8 +22,12 @@ from pointbrush.web.schemas import (
 )
 from pointbrush.workspace import Workspace
 
-CopiesQuery = Annotated[bool, Query(description="copies for several people, too: of reviewers")]
-DeletedQuery = Annotated[bool, Query(description="those that can be restored, newest first")]
+CopiesQuery = Annotated[
+    bool, Query(description="include the copies of several people; for reviewers")
+]
+DeletedQuery = Annotated[
+    bool, Query(description="recordings that can be restored, the newest first")
+]
 
 IdentityQuery = Annotated[
     str | None, Query(max_length=100, description="of the recording that is meant")
@@ -75,10 +79,10 @@ def list_sequences(
     deleted: DeletedQuery = False,
     copies: CopiesQuery = False,
 ) -> list[SequenceOut]:
-    """All recordings that are for the caller, by name, also damaged ones.
+    """List the recordings that the caller may open, by name, damaged ones included.
 
-    ``deleted``: those that can be restored.  A search finds those that can be opened.  Who labels
-    a copy has it in the place of the recording, and is not told.
+    ``deleted``: recordings that can be restored.  A search finds only recordings that can be
+    opened.  An annotator with a copy sees the copy instead of the recording.
     """
     if deleted:
         gone = workspace.deletion.deleted()
@@ -99,13 +103,13 @@ def list_sequences(
 
 @router.get("/sequences/{seq}", responses=responses(404))
 def get_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
-    """One recording's manifest."""
+    """Return the manifest of a recording."""
     return _out(workspace, seq)
 
 
 @router.patch("/sequences/{seq}", responses=responses(404, 409, 413))
 def patch_sequence(seq: SequenceId, patch: SequencePatch, workspace: Ws) -> SequenceOut:
-    """Change a recording's name, rate or the transform that stands it on the floor."""
+    """Change the name, the rate or the floor transform of a recording."""
     fields = {name: value for name, value in patch.model_dump().items() if value is not None}
     if patch.room is not None:
         fields["room"] = np.array(patch.room).reshape(4, 4)
@@ -116,9 +120,9 @@ def patch_sequence(seq: SequenceId, patch: SequencePatch, workspace: Ws) -> Sequ
 
 @router.post("/sequences/{seq}/source-labels", responses=responses(404, 409))
 def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> SequenceOut:
-    """Bring in the labels in a recording's own files, where they did not come in with it.
+    """Import the labels in a recording's own files, unless its import has done so.
 
-    The call can be repeated: they come in once.
+    The call can be repeated: the labels are imported once.
     """
     workspace.imports.bring_labels(seq, who.author)
     return _out(workspace, seq)
@@ -126,7 +130,7 @@ def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Sequenc
 
 @router.post("/sequences/{seq}/floor", responses=responses(404, 409, 413))
 def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> SequenceOut:
-    """Stand a recording on the surface that rays point at; one is enough, three level it better."""
+    """Place a recording on the surface that rays point at; one is enough, three level it better."""
     samples = [sample.model_dump() for sample in body.samples]
     workspace.stand_on_floor(seq, body.frame, samples)
     return _out(workspace, seq)
@@ -134,25 +138,25 @@ def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> SequenceO
 
 @router.delete("/sequences/{seq}/floor", responses=responses(404, 409))
 def reset_floor(seq: SequenceId, workspace: Ws) -> SequenceOut:
-    """Stand a recording as the import found it."""
+    """Place a recording on the floor that the import found."""
     workspace.reset_floor(seq)
     return _out(workspace, seq)
 
 
 @router.delete("/sequences/{seq}", status_code=204, responses=responses(404, 409))
 def delete_sequence(seq: SequenceId, workspace: Ws, identity: IdentityQuery = None) -> None:
-    """Delete a recording with everything painted on it; it can be restored for 30 days.
+    """Delete a recording with its labels; it can be restored for 30 days.
 
-    With the ``identity`` of its manifest the call can be repeated, and deletes no other one.
+    With the ``identity`` of its manifest the call can be repeated without deleting another one.
     """
     workspace.deletion.delete(seq, identity)
 
 
 @router.post("/sequences/{seq}/restore", responses=responses(404, 409))
 def restore_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
-    """Bring a deleted recording back with all its labels, by its id or its ``identity``.
+    """Restore a deleted recording with all its labels, by its id or its ``identity``.
 
-    Of several with this id the last one deleted.  If the id is taken meanwhile, it gets another.
-    By its ``identity`` the call can be repeated.
+    If several have this id, the last deleted one is restored.  If the id is in use, the recording
+    gets another id.  With the ``identity`` the call can be repeated.
     """
     return SequenceOut.listed(workspace.listing.entry(workspace.deletion.restore(seq)))

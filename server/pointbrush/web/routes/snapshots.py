@@ -18,13 +18,13 @@ SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description
 
 
 class SnapshotBody(Body):
-    """A version to make."""
+    """A version to create."""
 
     name: Name
 
 
 class SnapshotOut(Out):
-    """A version: the revision that each recording had then."""
+    """A version: the revisions of the recordings at its time."""
 
     id: str
     name: str
@@ -34,7 +34,7 @@ class SnapshotOut(Out):
 
 
 class LabelDifferenceOut(Out):
-    """A label that came, went, or has another name, category or colour."""
+    """A label that was added, removed, or has another name, category or colour."""
 
     label: int
     name: str
@@ -42,7 +42,7 @@ class LabelDifferenceOut(Out):
 
 
 class FrameDifferenceOut(Out):
-    """Points that got a label, lost theirs, or have another; labels with points in one alone."""
+    """Points with a new, removed or different label; labels with points in one version only."""
 
     frame: int
     came: int
@@ -53,7 +53,7 @@ class FrameDifferenceOut(Out):
 
 
 class DifferenceOut(Out):
-    """Difference of a recording's labels; what is the same is left out."""
+    """Difference of a recording's labels; equal parts are left out."""
 
     sequence: str
     labels: list[LabelDifferenceOut]
@@ -62,7 +62,7 @@ class DifferenceOut(Out):
 
 @router.get("/projects/{p}/snapshots", responses=responses(404))
 def list_snapshots(p: ProjectId, workspace: Ws) -> list[SnapshotOut]:
-    """The versions of a project's labels, the newest first."""
+    """List the versions of a project's labels, the newest first."""
     return [SnapshotOut.of(each) for each in workspace.versions.all(p)]
 
 
@@ -70,7 +70,7 @@ def list_snapshots(p: ProjectId, workspace: Ws) -> list[SnapshotOut]:
 def create_snapshot(
     p: ProjectId, body: SnapshotBody, response: Response, workspace: Ws, who: Caller
 ) -> SnapshotOut:
-    """Name the labels of a project as they are now."""
+    """Store the current labels of a project as a named version."""
     made = workspace.versions.create(p, body.name, who.author)
     response.headers["Location"] = f"/api/v1/projects/{p}/snapshots/{made.id}"
     return SnapshotOut.of(made)
@@ -78,13 +78,13 @@ def create_snapshot(
 
 @router.get("/projects/{p}/snapshots/{s}", responses=responses(404))
 def get_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> SnapshotOut:
-    """One version."""
+    """Return a version."""
     return SnapshotOut.of(workspace.versions.get(p, s))
 
 
 @router.delete("/projects/{p}/snapshots/{s}", status_code=204, responses=responses(404))
 def delete_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> None:
-    """Forget a version; labels stay."""
+    """Delete a version; labels stay."""
     workspace.versions.remove(p, s)
 
 
@@ -101,14 +101,14 @@ def get_difference(
             alias="with",
             pattern=SEQUENCE_ID,
             max_length=64,
-            description="another snapshot; without it the labels of now",
+            description="another snapshot; by default the current labels",
         ),
     ] = None,
     sequence: Annotated[
-        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="of this one alone")
+        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="only of this recording")
     ] = None,
 ) -> list[DifferenceOut]:
-    """Difference of two versions, of all recordings that are in both, by frame."""
+    """Return the difference of two versions by frame, for the recordings that both have."""
     found = workspace.versions.difference(p, s, other, sequence)
     roles = gate.roles_in(who, (each.sequence for each in found))
     return [DifferenceOut.of(each) for each in found if each.sequence in roles]

@@ -27,10 +27,10 @@ SequenceName = Annotated[str, Field(pattern=SEQUENCE_ID, max_length=64)]
 
 
 class TasksBody(Body):
-    """Tasks to make: of ``recordings``, null: all of the project; ``every`` so many frames one.
+    """Tasks to create: for ``recordings`` (null: all of the project), each of ``every`` frames.
 
-    ``people`` label the same, each a copy that the others do not see; ``truth``: the labels that
-    are there are hidden, and known to be right.
+    ``people``: so many people label the same frames, each in a copy that the others do not see.
+    ``truth``: the existing labels are hidden and count as ground truth.
     """
 
     recordings: Annotated[list[SequenceName], Field(max_length=10_000)] | None = None
@@ -43,13 +43,13 @@ class TasksBody(Body):
 
 
 class NextBody(Body):
-    """Work that is asked for: ``label`` frames, or ``review`` what others have labelled."""
+    """The kind of work: ``label`` frames, or ``review`` the labels of other people."""
 
     work: Literal["label", "review"] = "label"
 
 
 class TaskPatch(Body):
-    """Values to set; absent ones stay, "" takes a note or a person away."""
+    """Values to set; missing fields do not change, "" removes a note or an assignee."""
 
     state: TaskState | None = None
     assignee: Person | None = None
@@ -76,7 +76,7 @@ class TaskOut(Out):
 
 
 class TaskEventOut(Out):
-    """A change of a task: state, assignee and note from then on."""
+    """A change of a task: its new state, assignee and note."""
 
     at: Annotated[datetime, Field(validation_alias="time")]
     by: Annotated[str, Field(validation_alias="author")]
@@ -100,16 +100,16 @@ def list_tasks(
     after: Annotated[int, Query(ge=0, lt=2**31, description="a task's number")] = 0,
     limit: Annotated[int, Query(ge=1, le=10_000)] = 1000,
 ) -> list[TaskOut]:
-    """The tasks of a project, by number; who labels sees none of others' copies."""
+    """List the tasks of a project by number; annotators do not see copies of other people."""
     wanted = Wanted(state, person, sequence, after, limit)
     return [TaskOut.of(task) for task in workspace.queue.entries(p, wanted, _asker(who))]
 
 
 @router.post("/projects/{p}/tasks", status_code=201, responses=responses(404, 409, 413))
 def create_tasks(p: ProjectId, body: TasksBody, workspace: Ws, who: Caller) -> list[TaskOut]:
-    """Make a task of each recording, or of each ``every`` frames of it.
+    """Create a task for each recording, or for each ``every`` frames of it.
 
-    Frames that have a task which is not accepted yet get no other (409).  With an ``id`` the call
+    Frames with a task that is not accepted yet get no second task (409).  With an ``id`` the call
     can be repeated.
     """
     new = NewTasks(
@@ -122,10 +122,10 @@ def create_tasks(p: ProjectId, body: TasksBody, workspace: Ws, who: Caller) -> l
 def next_task(
     p: ProjectId, workspace: Ws, who: Caller, body: NextBody | None = None
 ) -> TaskOut | None:
-    """Take the next task, which then is nobody else's; null where there is none.
+    """Take the next task, which is then reserved for the caller; null if there is none.
 
-    Whoever has begun one gets the same again.  Then come those returned to the caller, those meant
-    for them, and free ones, the oldest first.
+    A caller with an unfinished task gets this task again.  Then follow tasks that were returned to
+    the caller, tasks that are assigned to the caller, and free tasks, the oldest first.
     """
     review = body is not None and body.work == "review"
     if review:
@@ -136,16 +136,16 @@ def next_task(
 
 @router.get("/projects/{p}/tasks/{t}", responses=responses(404))
 def get_task(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> TaskOut:
-    """One task."""
+    """Return a task."""
     return TaskOut.of(workspace.queue.get(p, t, _asker(who)))
 
 
 @router.patch("/projects/{p}/tasks/{t}", responses=responses(404, 409, 413))
 def patch_task(p: ProjectId, t: TaskNumber, body: TaskPatch, workspace: Ws, who: Caller) -> TaskOut:
-    """Hand a task in, give it back, accept or return it, with a note that is pinned to a place.
+    """Submit, release, accept or return a task, with a note at a position.
 
-    Accepting, returning and notes need the role reviewer, and another person's work; giving tasks
-    to people the role manager.
+    Accepting, returning and notes need the role reviewer and a task of another person; assigning
+    tasks to people needs the role manager.
     """
     place = None if body.place is None else (body.place[0], body.place[1], body.place[2])
     wish = Wish(body.state, body.assignee, body.note, body.frame, place)
@@ -160,5 +160,5 @@ def delete_task(p: ProjectId, t: TaskNumber, workspace: Ws) -> None:
 
 @router.get("/projects/{p}/tasks/{t}/history", responses=responses(404))
 def get_task_history(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> list[TaskEventOut]:
-    """The changes of a task, the newest first."""
+    """List the changes of a task, the newest first."""
     return [TaskEventOut.of(each) for each in workspace.queue.history(p, t, _asker(who))]

@@ -26,10 +26,10 @@ DatasetNumber = Annotated[int, Field(ge=0, le=65535)]
 
 
 class CategoryBody(Body):
-    """A class; its number never changes.  ``datasets`` are its numbers in those by name.
+    """A class; its number never changes.  ``datasets``: its numbers in other datasets, by name.
 
     ``size``: length, width, height of its objects, metres, ``spread``: their standard deviation;
-    null keeps what is known.
+    null keeps the stored values.
     """
 
     number: Annotated[int, Field(ge=1, le=65535)]
@@ -57,7 +57,7 @@ AttributeText = Annotated[str, Field(min_length=1, max_length=NAME_LIMIT, patter
 
 
 class AttributeBody(Body):
-    """An attribute of boxes, for a track or for each frame; ``choices`` of the kind choice."""
+    """An attribute of boxes, per track or per frame; ``choices`` are for the kind choice."""
 
     name: AttributeText
     kind: AttributeKind
@@ -70,9 +70,9 @@ class AttributeBody(Body):
 
 
 class TaxonomyBody(Body):
-    """Classes to add, and new names and colours of those that there are.
+    """Classes to add, and new names and colours of existing classes.
 
-    ``attributes`` of boxes take the place of those defined; null leaves them.
+    ``attributes`` of boxes replace the existing ones; null keeps these.
     """
 
     categories: Annotated[list[CategoryBody], Field(max_length=65535, default_factory=list)]
@@ -116,13 +116,13 @@ class TaxonomyOut(BaseModel):
 
 @router.get("/taxonomy")
 def get_taxonomy(workspace: Ws) -> TaxonomyOut:
-    """All classes of the workspace; the answer can be put into another one."""
+    """Return the classes of the workspace; the answer can be put into another workspace."""
     return TaxonomyOut.of(workspace.labels.taxonomy)
 
 
 @router.put("/taxonomy", responses=responses(409, 413))
 def put_taxonomy(body: TaxonomyBody, workspace: Ws) -> TaxonomyOut:
-    """Add classes, change their names, colours and sizes; those left out stay."""
+    """Add classes, or change their names, colours and sizes; other classes do not change."""
     attributes = None if body.attributes is None else [a.attribute() for a in body.attributes]
     wanted = [each.category() for each in body.categories]
     workspace.labels.taxonomy.put(wanted, attributes)

@@ -42,21 +42,21 @@ def start_tracking(
 
 @router.post("/sequences/{seq}/frames/{i}/accept", responses=responses(404, 409))
 def accept(seq: SequenceId, i: FramePath, body: AcceptBody, workspace: Ws, who: Caller) -> EditOut:
-    """Make what tracking found of the labels in this frame count as painted; one edit."""
+    """Mark the tracked points of labels in this frame as painted; one edit."""
     return EditOut.of(workspace.verdicts.give("accept", seq, [i], body.labels, who.author, body.id))
 
 
 @router.post("/sequences/{seq}/frames/{i}/copy", responses=responses(404, 409))
 def copy(seq: SequenceId, i: FramePath, body: CopyBody, workspace: Ws, who: Caller) -> EditOut:
-    """Label points as points at the same place in another frame are; one edit."""
+    """Copy labels from the points at the same place in another frame; one edit."""
     return EditOut.of(workspace.copying.copy(seq, i, body.source, body.labels, who.author, body.id))
 
 
 @router.post("/sequences/{seq}/frames/{i}/clear", responses=responses(404, 409))
 def clear(seq: SequenceId, i: FramePath, body: ClearBody, workspace: Ws, who: Caller) -> EditOut:
-    """Take labels from all of their points in a range of frames, painted ones too; one edit.
+    """Remove labels from all their points in a range of frames, painted points included; one edit.
 
-    `POST /sequences/{seq}/clear` takes back only what tracking found.
+    `POST /sequences/{seq}/clear` keeps painted points.
     """
     stop = i if body.stop is None else body.stop
     frames = range(min(i, stop), max(i, stop) + 1)
@@ -65,7 +65,7 @@ def clear(seq: SequenceId, i: FramePath, body: ClearBody, workspace: Ws, who: Ca
 
 @router.post("/sequences/{seq}/accept", responses=responses(404, 409))
 def accept_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller) -> EditOut:
-    """Make what tracking found of the labels in a stretch of frames count as painted; one edit."""
+    """Mark the tracked points of labels in a range of frames as painted; one edit."""
     return EditOut.of(
         workspace.verdicts.give("accept", seq, body.frames, body.labels, who.author, body.id)
     )
@@ -73,10 +73,10 @@ def accept_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Calle
 
 @router.post("/sequences/{seq}/clear", responses=responses(404, 409))
 def clear_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller) -> EditOut:
-    """Take back what tracking found of the labels in a stretch of frames; one edit.
+    """Remove labels from their tracked points in a range of frames; one edit.
 
-    Painted points stay, and the frames are in doubt no more.
-    `POST /sequences/{seq}/frames/{i}/clear` takes the labels from painted points too.
+    Painted points stay, and the frames are no longer in doubt.
+    `POST /sequences/{seq}/frames/{i}/clear` also removes painted points.
     """
     return EditOut.of(
         workspace.verdicts.give("clear", seq, body.frames, body.labels, who.author, body.id)
@@ -85,5 +85,5 @@ def clear_stretch(seq: SequenceId, body: StretchBody, workspace: Ws, who: Caller
 
 @router.get("/sequences/{seq}/tracks", responses=responses(404))
 def list_tracks(seq: WholeSequence, workspace: Ws) -> list[TrackOut]:
-    """Pose, confidence and state of every tracked label in every frame."""
+    """Return pose, confidence and state of every tracked label in every frame."""
     return [TrackOut.of(track) for track in workspace.labels.tracks(seq)]

@@ -19,14 +19,14 @@ WebhookId = Annotated[str, Path(pattern="^[0-9a-f]{16}$", description="webhook i
 
 
 class WebhookBody(Body):
-    """An address to tell; ``topics`` null: all."""
+    """The address of a webhook; ``topics`` null: all topics."""
 
     url: Annotated[str, Field(min_length=1, max_length=2000, pattern=r"^https?://[!-~]+$")]
     topics: Annotated[list[Topic], Field(min_length=1, max_length=3)] | None = None
 
 
 class WebhookOut(Out):
-    """An address that is told events of topics."""
+    """A webhook: its address and its topics."""
 
     id: str
     url: str
@@ -35,13 +35,13 @@ class WebhookOut(Out):
 
 
 class NewWebhookOut(WebhookOut):
-    """The same with the secret that signs events, which is told this once."""
+    """A new webhook with the secret that signs its events; no other answer contains the secret."""
 
     secret: str
 
 
 class DeliveryOut(Out):
-    """An event: when it was delivered, how often it was tried, what went wrong last."""
+    """An event: time of delivery, number of attempts, and the last error."""
 
     id: str
     topic: Topic
@@ -53,23 +53,23 @@ class DeliveryOut(Out):
 
 @router.get("/projects/{p}/webhooks", responses=responses(404))
 def list_webhooks(p: ProjectId, workspace: Ws) -> list[WebhookOut]:
-    """The webhooks of a project."""
+    """List the webhooks of a project."""
     return [WebhookOut.of(each) for each in workspace.hooks.all(p)]
 
 
 @router.post("/projects/{p}/webhooks", status_code=201, responses=responses(404, 413))
 def create_webhook(p: ProjectId, body: WebhookBody, workspace: Ws) -> NewWebhookOut:
-    """Tell an address what happens from now on: steps of tasks, edits by the minute, jobs."""
+    """Send future events to an address: changes of tasks, edits (once a minute), ended jobs."""
     return NewWebhookOut.of(workspace.hooks.add(p, body.url, body.topics))
 
 
 @router.delete("/projects/{p}/webhooks/{w}", status_code=204, responses=responses(404))
 def delete_webhook(p: ProjectId, w: WebhookId, workspace: Ws) -> None:
-    """Remove a webhook, and what is on its way to it."""
+    """Remove a webhook and its undelivered events."""
     workspace.hooks.remove(p, w)
 
 
 @router.get("/projects/{p}/webhooks/{w}/deliveries", responses=responses(404))
 def list_deliveries(p: ProjectId, w: WebhookId, workspace: Ws) -> list[DeliveryOut]:
-    """The latest events of a webhook, the newest first."""
+    """List the latest events of a webhook, the newest first."""
     return [DeliveryOut.of(each) for each in workspace.hooks.deliveries(p, w)]
