@@ -1,9 +1,9 @@
-"""Compare two annotations of the same points: two recordings of one source, labelled twice.
+"""Compare two annotations of the same points: two recordings imported from one source.
 
     python docs/examples/agreement.py http://127.0.0.1:8080 TOKEN by-ada by-grace report/
 
-Labels are the same when their names are. The folder gets a table of labels, a picture of the frame
-that differs most, and both recordings' progress.
+Labels match by name. The script writes a table of labels, a picture of the frame with the most
+differences, and a progress report of each recording into the folder.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def main(url: str, token: str, first: str, second: str, out: str) -> None:
         review = client[first].review
         found = review.agreement(second)
         if found.miou is None or found.same is None:
-            raise SystemExit("neither has labelled anything")
+            raise SystemExit("neither recording has labels")
         print(f"{found.same:.1%} of the labelled points are the same, mean IoU {found.miou:.3f}")
         with (folder / "labels.csv").open("w", newline="", encoding="utf-8") as file:
             table = csv.writer(file)

@@ -2,8 +2,8 @@
 
     python docs/examples/bulk_import.py http://127.0.0.1:8080 TOKEN recordings/
 
-A recording that is on the server already, by its name, is left out: the script can be run again
-after it was stopped. All get the same palette, and the labels that a folder has in `labels`.
+The script skips folders whose name is already on the server, so you can run it again after an
+interruption. All recordings get the same palette; labels in a subfolder `labels` are imported.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LABELS = "labels"
 
 
 def main(url: str, token: str, folder: str) -> None:
-    """Upload what is not there yet, and tell how each import ended."""
+    """Upload the missing recordings, and print the result of each import."""
     with Client(url, token) as client:
         known = {recording.name for recording in client.sequences()}
         wanted = [path for path in sorted(Path(folder).iterdir()) if path.is_dir()]

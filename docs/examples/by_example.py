@@ -1,9 +1,9 @@
-"""Answer the places where a classifier doubts most, by a truth that is known, and apply it.
+"""Label the places where a classifier is least sure, from ground truth, and apply it.
 
     python docs/examples/by_example.py http://127.0.0.1:8080 TOKEN juggling truth.npy --strokes 10
 
-``truth.npy``: a label id for each point of frame 0, source order, 0 for none: what you would see.
-Each stroke is a ball with the label of the point in its middle, as a person would paint it.
+``truth.npy`` contains a label id for each point of frame 0 in source order, 0 for none. It stands
+for a person: each stroke is a ball with the label of the point at its centre.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pointbrush.client import Client
 
 
 def main() -> None:
-    """Paint one stroke of each label, then those that teach most."""
+    """Paint one stroke of each label, then the strokes that teach most."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("url")
     parser.add_argument("token")

@@ -1,4 +1,4 @@
-"""Frames and labels as a dataset that torch's DataLoader takes; torch itself is not needed here.
+"""Read an export as a dataset for torch's DataLoader; the script itself does not need torch.
 
     python docs/examples/dataset.py http://127.0.0.1:8080 TOKEN juggling juggling.zip
 
@@ -26,9 +26,9 @@ from pointbrush.client import Client
 class LabelledFrames:
     """An npz export: item i is a dict of arrays of frame i.
 
-    ``points``: as many are drawn from each frame, so that frames stack to batches; None keeps all.
-    ``classes``: numbers of the categories by name, the same in the exports of all recordings of a
-    workspace; ``label`` has them, 0 is unlabeled.
+    ``points``: number of points that are drawn from each frame, so that frames stack to batches;
+    None keeps all points.  ``classes``: numbers of the categories by name, equal in all exports of
+    a workspace; ``label`` contains these numbers, 0 is unlabeled.
     """
 
     def __init__(self, export: str | Path, points: int | None = None) -> None:
@@ -45,7 +45,7 @@ class LabelledFrames:
         return len(self.names)
 
     def __getitem__(self, index: int) -> dict[str, np.ndarray]:
-        # Opened anew for each item: the workers of a DataLoader are processes of their own.
+        # Open the archive for each item, since the workers of a DataLoader are separate processes.
         with (
             zipfile.ZipFile(self.export) as archive,
             np.load(io.BytesIO(archive.read(self.names[index]))) as arrays,
@@ -68,7 +68,7 @@ class LabelledFrames:
 
 
 def main(url: str, token: str, sequence: str, out: str) -> None:
-    """Export a recording and tell what is in it."""
+    """Export a recording and print its number of points per class."""
     with Client(url, token) as client:
         client[sequence].export("npz", Path(out))
     frames = LabelledFrames(out)

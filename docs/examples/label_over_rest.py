@@ -27,12 +27,12 @@ def wait(api: httpx.Client, job: dict[str, object]) -> dict[str, object]:
 
 
 def load(api: httpx.Client, path: str) -> np.ndarray:
-    """A .npy answer as an array."""
+    """Return the array of a .npy answer."""
     return np.load(io.BytesIO(api.get(path).raise_for_status().content))
 
 
 def main(url: str, token: str, path: str) -> None:
-    """Run the whole story once."""
+    """Import, paint, track, undo, read and export once."""
     headers = {"Authorization": f"Bearer {token}"}
     with httpx.Client(base_url=f"{url}/api/v1", headers=headers, timeout=60) as api:
         # 1. Import a recording.
@@ -55,17 +55,17 @@ def main(url: str, token: str, path: str) -> None:
         edit = api.post(f"{sequence}/frames/0/strokes", json=stroke).raise_for_status().json()
         print(f"painted {edit['changed']} points")
 
-        # 3. Carry the label to the last frame, and see how sure the tracker was.
+        # 3. Track the label to the last frame, and print the confidence of each frame.
         if frames > 1:
             run = {"labels": [label["id"]], "start": 0, "stop": frames - 1, "method": "icp"}
             wait(api, api.post(f"{sequence}/tracking", json=run).raise_for_status().json())
             for track in api.get(f"{sequence}/tracks").raise_for_status().json():
                 print(f"frame {track['frame']}: {track['state']}, {track['confidence']:.2f}")
-            # The whole run is one edit: one undo takes it back, one redo brings it again.
+            # The whole run is one edit: one undo reverts it, one redo restores it.
             api.post(f"{sequence}/undo").raise_for_status()
             api.post(f"{sequence}/redo").raise_for_status()
 
-        # 4. Read annotations as arrays, in the order of the source's points; export a zip.
+        # 4. Read an annotation as an array in source order; export a zip.
         annotation = load(api, f"{sequence}/frames/{frames - 1}/annotation")
         print(f"last frame: {int((annotation == label['id']).sum())} points of the object")
         export = api.get(f"{sequence}/export", params={"format": "npz"}).raise_for_status()

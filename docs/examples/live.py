@@ -1,8 +1,8 @@
-"""React to what people do: frames in which a tracking run was not sure are put up for review.
+"""Watch a recording, and put frames with doubtful tracking results up for review.
 
     python docs/examples/live.py http://127.0.0.1:8080 TOKEN juggling
 
-It goes on until it is stopped, also while the server restarts.
+The script runs until you stop it, and continues after a restart of the server.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pointbrush.client import Client, Doubt, Job
 
 
 def main(url: str, token: str, name: str) -> None:
-    """Watch a recording."""
+    """Print the events of a recording, and mark doubtful frames."""
     with Client(url, token) as client:
         recording = client[name]
         names = {label.id: label.name for label in recording.labels()}

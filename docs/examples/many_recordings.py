@@ -18,7 +18,7 @@ AT_ONCE = 20
 
 
 async def classes_in(recording: Recording[AsyncLink]) -> Counter[str]:
-    """Count the points of each class, frame after frame."""
+    """Count the points of each class in all frames."""
     names = {label.id: label.category or label.name for label in await recording.labels()}
     found: Counter[str] = Counter()
     for frame in recording.frames:

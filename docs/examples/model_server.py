@@ -1,11 +1,11 @@
-"""Score the classes of label by example from a service of your own: a toy model over HTTP.
+"""Score the classes for label by example in your own service: a toy model over HTTP.
 
     python docs/examples/model_server.py --port 9100
     pointbrush serve --models nearest=http://127.0.0.1:9100
     pointbrush example drive --name mine --model nearest
 
-The toy keeps the mean features of each class, and scores a cell by its nearness to them.  Put your
-network in place of ``learn`` and ``scores``.  The calls are described in docs/howto/own-model.md.
+The toy stores the mean features of each class and scores a cell by its distance to them.  Replace
+``learn`` and ``scores`` by your network.  docs/howto/own-model.md describes the calls.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ Arrays = dict[str, np.ndarray]
 
 
 def about(_: Arrays) -> Arrays:
-    """Tell what the model takes, whether it learns, and the classes it knows (none: any)."""
+    """Describe the model: its input, whether it learns, and its fixed classes (none: any)."""
     known = np.empty(0, "U1")
     return {"takes": np.array("features"), "learns": np.array(True), "classes": known}
 
 
 def learn(given: Arrays) -> Arrays:
-    """Keep each class's mean, and the features' spread; the answer is what ``scores`` gets."""
+    """Return the mean of each class and the spread of the features, the state for ``scores``."""
     rows, classes = given["features"], given["classes"]
     every = range(len(given["names"]))
     means = [rows[classes == k].mean(axis=0) if (classes == k).any() else 1e6 for k in every]
@@ -33,7 +33,7 @@ def learn(given: Arrays) -> Arrays:
 
 
 def scores(given: Arrays) -> Arrays:
-    """Score each cell (row) as each class (column): the nearer, the higher."""
+    """Return the score of each class (column) for each cell (row), from their distances."""
     learnt = np.frombuffer(given["state"].tobytes(), np.float32)
     *means, spread = learnt.reshape(len(given["names"]) + 1, -1)
     away = [np.abs((given["features"] - mean) / spread).mean(axis=1) for mean in means]

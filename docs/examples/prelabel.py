@@ -1,10 +1,10 @@
-"""Label a recording by your own model, and let people correct what it is not sure of.
+"""Label a recording with your own model, and let people correct the frames that it is unsure of.
 
     python docs/examples/prelabel.py http://127.0.0.1:8080 TOKEN juggling
 
-Labels of a model come in as imported ones (provenance 3): a person's strokes go over them, and
-a frame that the model is unsure of is put up for review with a note. On the page, the list of
-frames in review is the list of what to correct.
+The labels are imported (provenance 3), so people can paint over them. The script puts each frame
+with a low mean probability up for review with a note. People correct the frames in the review list
+of the page.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from pointbrush.client import Client
 
 CLASSES = {1: "person", 2: "room"}
 SURE = 0.9
-"""Mean probability from which a frame needs no person."""
+"""Least mean probability of a frame that needs no correction."""
 
 
 def predict(points: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Return a class and its probability for each point; put your network here.
 
-    The toy: people stand in the front half of the room, and near the border it is unsure.
+    The toy predicts people in the front half of the room, and is unsure near the border.
     """
     depth = points["xyz"][:, 2]
     border = (depth.min() + depth.max()) / 2
@@ -35,7 +35,7 @@ def predict(points: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def main(url: str, token: str, sequence: str) -> None:
-    """Predict every frame, import the labels as one edit, ask for review where it is unsure."""
+    """Predict every frame, import the labels as one edit, put unsure frames up for review."""
     with Client(url, token) as client, tempfile.TemporaryDirectory() as folder:
         recording = client[sequence]
         unsure = {}

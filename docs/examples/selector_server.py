@@ -1,11 +1,11 @@
-"""Answer the object tool's clicks from a service of your own: a toy model over HTTP.
+"""Answer the object tool's clicks in your own service: a toy model over HTTP.
 
     python docs/examples/selector_server.py --port 9000
     pointbrush serve --selector http://127.0.0.1:9000
 
-The toy takes the points within a few distances of the clicks.  Put your promptable network in place
-of ``regions``: it gets the frame once (``prepare``), and then clicks on it (``candidates``).
-The calls are described in docs/object-tool.md.
+The toy returns the points within several distances of the clicks.  Replace ``regions`` by your
+promptable network: it receives a frame once (``prepare``) and then the clicks on it
+(``candidates``).  docs/object-tool.md describes the calls.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ frames: OrderedDict[bytes, np.ndarray] = OrderedDict()
 
 
 def prepare(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Keep a frame, and tell its name."""
+    """Store a frame and return its name."""
     xyz = arrays["xyz"]
     name = b"frame-%d" % hash(xyz.tobytes())
     frames[name] = xyz
@@ -38,7 +38,7 @@ def prepare(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def candidates(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Regions for clicks on a frame, the one to show first in front."""
+    """Return the regions for clicks on a frame, the best first."""
     xyz = frames[arrays["state"].tobytes()]
     found = regions(xyz, arrays["positives"], arrays["negatives"])
     answer = {f"indices_{i}": numbers for i, numbers in enumerate(found)}
@@ -47,7 +47,7 @@ def candidates(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def regions(xyz: np.ndarray, positives: np.ndarray, negatives: np.ndarray) -> list[np.ndarray]:
-    """The toy model: points near a positive click, and nearer to it than to a negative one."""
+    """Return the points near a positive click that are farther from all negative clicks."""
     near = distance(xyz, positives)
     kept = near < distance(xyz, negatives)
     found = [np.flatnonzero(kept & (near < reach)) for reach in DISTANCES]
@@ -55,7 +55,7 @@ def regions(xyz: np.ndarray, positives: np.ndarray, negatives: np.ndarray) -> li
 
 
 def distance(xyz: np.ndarray, clicks: np.ndarray) -> np.ndarray:
-    """Metres from each point (N,) to the nearest click."""
+    """Return the distance in metres from each point (N,) to the nearest click."""
     away = [np.linalg.norm(xyz - click, axis=1) for click in clicks]
     return np.min(away, axis=0) if away else np.full(len(xyz), np.inf)
 
@@ -64,7 +64,7 @@ Calls = Mapping[str, Callable[[dict[str, np.ndarray]], dict[str, np.ndarray]]]
 
 
 class Handler(BaseHTTPRequestHandler):
-    """POST with an .npz body, answered with one."""
+    """Answers POST requests; bodies and answers are .npz files."""
 
     calls: ClassVar[Calls] = {}
 
@@ -79,7 +79,7 @@ class Handler(BaseHTTPRequestHandler):
             with np.load(io.BytesIO(self.rfile.read(length)), allow_pickle=False) as body:
                 answer = call(dict(body.items()))
         except KeyError:
-            self.send_error(410, "this frame is not here (any more): prepare it again")
+            self.send_error(410, "the frame is not stored (any more): prepare it again")
             return
         data = io.BytesIO()
         np.savez(data, **answer)
@@ -90,11 +90,11 @@ class Handler(BaseHTTPRequestHandler):
         self.wfile.write(data.getvalue())
 
     def log_message(self, *_: Any) -> None:
-        """Say nothing for each call."""
+        """Log nothing."""
 
 
 def serve(calls: Calls, name: str, port: int) -> None:
-    """Serve on loopback until interrupted; ``port`` unless ``--port`` gives another."""
+    """Serve on loopback until interrupted, at ``port`` or at the port of ``--port``."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, default=port)
     handler = type("Calls", (Handler,), {"calls": calls})

@@ -1,8 +1,8 @@
-"""A call of each method of the client: the examples of the Python reference, and those of REST.
+"""Call each method of the client: the examples of the references of Python and REST.
 
-``# Class.method`` opens the example of a method; ``# Class`` that of a class as a whole; ``# rest``
-calls that the client has no method for.  Tests run all of it in this order, with ``client``,
-``url``, ``token``, a folder to work in, and the recordings ``juggling`` and ``room``.
+``# Class.method`` begins the example of a method, ``# Class`` the example of a class, and ``# rest``
+the calls for which the client has no method.  Tests run the examples in this order, with
+``client``, ``url``, ``token``, a folder to work in, and the recordings ``juggling`` and ``room``.
 """
 
 # ruff: noqa: F821, E402
@@ -228,7 +228,7 @@ from pointbrush.errors import PointbrushError
 try:
     juggling.import_source_labels()
 except PointbrushError as error:
-    print(error)  # its files have none, or they came in with it
+    print(error)  # the files have no labels, or the import has read them
 
 # Recording.export
 juggling.export("npz", "labels.zip", frames="0:2")
@@ -388,7 +388,7 @@ print(nights.scores())
 try:
     nights.merge("juggling", take="majority")
 except PointbrushError as error:
-    print(error)  # nobody has handed a copy in yet
+    print(error)  # no copy is submitted yet
 
 # rest
 place = "/sequences/juggling"

@@ -1,10 +1,11 @@
-"""A file format of your own: range pictures of a spinning lidar, ``.rgrid``.
+"""Add a file format: range pictures of a spinning lidar, ``.rgrid``.
 
     pip install docs/examples/format_plugin
     pointbrush import scans/ --format rangegrid
 
-A file is ``RGRID``, beams and columns as two little-endian uint16, and beams x columns float32
-metres; 0 is no echo. Beams look from 15 degrees down to 15 up, columns once round.
+A file contains ``RGRID``, the numbers of beams and columns as little-endian uint16, and
+beams x columns float32 distances in metres; 0 is no echo. The beams point from 15 degrees down to
+15 degrees up, the columns cover one turn.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ TILT = np.radians(15)
 
 
 def read_rangegrid(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """Yield the one frame of a file; raises BadInputError for one that is not whole."""
+    """Yield the frame of a file; raises BadInputError if the file is incomplete."""
     data = path.read_bytes()
     if len(data) < HEADER.size or not data.startswith(MAGIC):
         raise BadInputError(f"{path.name}: expected a file that begins with RGRID, got another")

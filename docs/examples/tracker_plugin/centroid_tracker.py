@@ -1,10 +1,10 @@
-"""A tracking method of your own: an object moves, and does not turn.
+"""Add a tracking method for objects that move without turning.
 
     pip install docs/examples/tracker_plugin
     pointbrush track juggling --from 0 --to 5 --method centroid
 
-From one frame to the next each label goes on by its last step; the points near where it then is
-are taken, and their middle corrects the place.
+The method moves each label by its last step, takes the points near the predicted position, and
+corrects the position by their centroid.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ import numpy as np
 from pointbrush.tracking import FrameResult, Frames, Known, Seed, TrackOptions, TrackState
 
 REACH = 0.1
-"""Metres from the object as it was moved, within which a point is taken."""
+"""Greatest distance of a point from the predicted object, metres."""
 
 
 class Centroid:
-    """The method; pointbrush makes one for each run."""
+    """The tracking method; pointbrush creates an instance for each run."""
 
     def track(
         self,
         frames: Frames,
         order: Sequence[int],
         seeds: Sequence[Seed],
-        known: Known,  # noqa: ARG002 – labels that are there already: nothing here avoids them
+        known: Known,  # noqa: ARG002 – existing labels, which this method ignores
         options: TrackOptions,  # noqa: ARG002
     ) -> Iterator[FrameResult]:
-        """Yield a result for each frame of ``order``, whose first one is painted."""
+        """Yield a result for each frame of ``order``; its first frame is painted."""
         start = frames(order[0])
         shape = {seed.label: np.asarray(start.xyz[seed.indices], np.float64) for seed in seeds}
         moved = {label: np.zeros(3) for label in shape}
