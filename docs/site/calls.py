@@ -1,7 +1,7 @@
 """Call each method of the client: the examples of the references of Python and REST.
 
-``# Class.method`` begins the example of a method, ``# Class`` the example of a class, and ``# rest``
-the calls for which the client has no method.  Tests run the examples in this order, with
+``# Class.method`` begins the example of a method, ``# Class`` the example of a class, and
+``# rest`` the calls for which the client has no method.  Tests run the examples in this order, with
 ``client``, ``url``, ``token``, a folder to work in, and the recordings ``juggling`` and ``room``.
 """
 
