@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from plyfile import PlyData
 
 Columns = dict[str, NDArray[Any]]
+COLORS = ("red", "green", "blue")
 
 
 def _ply(folder: Path) -> Columns:
@@ -37,21 +38,27 @@ def _pcd(folder: Path) -> Columns:
     ]
     assert set(header["COUNT"]) == {"1"}
     rows = np.frombuffer(data, np.dtype(list(zip(header["FIELDS"], kinds, strict=True))), -1, at)
-    return {name: rows[name] for name in header["FIELDS"]}
+    found = {name: rows[name] for name in header["FIELDS"]}
+    packed = found.pop("rgba", None)
+    shifts = {"red": 16, "green": 8, "blue": 0}
+    return found | ({} if packed is None else {c: packed >> n & 255 for c, n in shifts.items()})
 
 
 def _npz(folder: Path) -> Columns:
     with np.load(folder / "000000.npz") as arrays:
         found = dict(arrays)
-    xyz = found.pop("xyz")
-    return found | {axis: xyz[:, k] for k, axis in enumerate("xyz")}
+    xyz, rgb = found.pop("xyz"), found.pop("rgb", None)
+    colors = {} if rgb is None else {c: rgb[:, k] for k, c in enumerate(COLORS)}
+    return found | colors | {axis: xyz[:, k] for k, axis in enumerate("xyz")}
 
 
 def _las(folder: Path) -> Columns:
     (path,) = folder.glob("000000.la[sz]")
     las = laspy.read(path)
     names = [name for name in las.point_format.dimension_names if name not in ("X", "Y", "Z")]
-    return {name: np.asarray(las[name]) for name in (*"xyz", *names)}
+    found = {name: np.asarray(las[name]) for name in (*"xyz", *names)}
+    eight = {color: found[color] // 257 for color in COLORS if color in found}
+    return found | {c: v for c, v in eight.items() if np.array_equal(v * 257, found[c])}
 
 
 def _csv(folder: Path) -> Columns:

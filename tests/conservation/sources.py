@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import sqlite3
 import struct
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,8 @@ from numpy.typing import NDArray
 from plyfile import PlyData, PlyElement
 from pyarrow import feather
 
-from tests.formats.test_bags import Writer, connection, record, stamp
+from tests.formats.test_bags import MAGIC, Writer, connection, op, record, stamp, text
+from tests.formats.test_e57 import one_scan, packets
 
 Columns = Mapping[str, NDArray[Any]]
 COUNT = 24
@@ -75,12 +78,12 @@ def _rows(xyz: NDArray[Any], columns: Columns) -> NDArray[Any]:
     return rows
 
 
-def _ply(path: Path, xyz: NDArray[Any], columns: Columns, text: bool = False) -> None:
-    PlyData([PlyElement.describe(_rows(xyz, columns), "vertex")], text=text).write(path)
+def _ply(path: Path, xyz: NDArray[Any], columns: Columns, ascii: bool = False) -> None:
+    PlyData([PlyElement.describe(_rows(xyz, columns), "vertex")], text=ascii).write(path)
 
 
 def _ply_text(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
-    _ply(path, xyz, columns, text=True)
+    _ply(path, xyz, columns, ascii=True)
 
 
 def _pcd(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
@@ -155,10 +158,10 @@ def _feather(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
     feather.write_feather(pa.table({name: pa.array(v) for name, v in named.items()}), path)
 
 
-def _bag(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
-    rows = _rows(xyz, columns)
+def _message(rows: NDArray[Any], *, cdr: bool) -> bytes:
+    """A PointCloud2 whose fields are those of ``rows``."""
     kinds = dict(zip(("i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8"), range(1, 9), strict=True))
-    message = Writer(cdr=False)
+    message = Writer(cdr=cdr)
     message.header(10.0, "lidar")
     for number in (1, COUNT, len(rows.dtype.names or ())):
         message.number("I", number)
@@ -171,14 +174,62 @@ def _bag(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
     message.number("B", 0)
     for number in (rows.itemsize, rows.nbytes, rows.nbytes):
         message.number("I", number)
-    message.out += rows.tobytes() + b"\1"
+    return (bytes([0, 1, 0, 0]) if cdr else b"") + message.out + rows.tobytes() + b"\1"
+
+
+def _bag(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
     number = struct.pack("<I", 0)
     content = connection(0, b"/points", b"sensor_msgs/PointCloud2")
-    content += record(message.out, op=b"\x02", conn=number, time=stamp(10.0))
+    message = _message(_rows(xyz, columns), cdr=False)
+    content += record(message, op=b"\x02", conn=number, time=stamp(10.0))
     size = struct.pack("<I", len(content))
     start = record(bytes(200), op=b"\x03", index_pos=bytes(8), conn_count=bytes(4))
     chunk = record(content, op=b"\x05", compression=b"none", size=size)
     path.write_bytes(b"#ROSBAG V2.0\n" + start + chunk)
+
+
+def _rosbag2(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
+    with closing(sqlite3.connect(path)) as database:
+        database.executescript(
+            "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT);"
+            "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INT, timestamp INT, data BLOB);"
+            "INSERT INTO topics VALUES (1, '/points', 'sensor_msgs/msg/PointCloud2');"
+        )
+        row = (1, 10**10, _message(_rows(xyz, columns), cdr=True))
+        database.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?,?,?)", row)
+        database.commit()
+
+
+def _mcap(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
+    schema = struct.pack("<H", 1) + text("sensor_msgs/msg/PointCloud2") + text("ros2msg") + text("")
+    channel = struct.pack("<HH", 4, 1) + text("/points") + text("cdr") + struct.pack("<I", 0)
+    message = struct.pack("<HIQQ", 4, 0, 10**10, 0) + _message(_rows(xyz, columns), cdr=True)
+    start = MAGIC + op(1, text("ros2") + text("test"))
+    end = op(0x0F, bytes(4)) + op(2, bytes(20)) + MAGIC
+    path.write_bytes(start + op(3, schema) + op(4, channel) + op(5, message) + end)
+
+
+def _e57(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
+    """Doubles and single floats of one scan; ASTM E2807."""
+    names = ["cartesianX", "cartesianY", "cartesianZ", *columns]
+    values = [*xyz.astype("<f8").T, *columns.values()]
+    precision = {"f8": "double", "f4": "single"}
+    prototype = "".join(
+        f'<{name} type="Float" precision="{precision[v.dtype.str[1:]]}"/>'
+        for name, v in zip(names, values, strict=True)
+    )
+    path.write_bytes(one_scan(packets([v.tobytes() for v in values]), prototype, COUNT))
+
+
+def _xyzrgb(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
+    table = np.column_stack([xyz, *(columns[c] / 255 for c in ("red", "green", "blue"))])
+    path.write_bytes(table.astype("<f4").tobytes())
+
+
+def _pts(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
+    rows = np.column_stack([xyz, *columns.values()]).tolist()
+    lines = (" ".join(f"{value:.9g}" for value in row) for row in rows)
+    path.write_text(f"{COUNT}\n" + "\n".join(lines))
 
 
 def _nuscenes(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
@@ -201,6 +252,11 @@ def _kitti(path: Path, xyz: NDArray[Any], columns: Columns) -> None:
 
 
 _32 = hostile(wide=False)
+_COLORS = {
+    "red": (STEP * 9).astype(np.uint8),
+    "green": (255 - STEP).astype(np.uint8),
+    "blue": (STEP * 2).astype(np.uint8),
+}
 _INTENSITY = {"intensity": (STEP / 32).astype(np.float32)}
 SOURCES = {
     "a.ply": Source("PLY", _32, _ply),
@@ -213,6 +269,11 @@ SOURCES = {
     "a.npz": Source("NPZ", hostile(), _npz),
     "a.feather": Source("feather", hostile(), _feather),
     "a.bag": Source("ROS 1 bag", _32, _bag),
+    "a.db3": Source("ROS 2 bag", _32, _rosbag2),
+    "a.mcap": Source("MCAP", _32, _mcap),
+    "a.e57": Source("E57", _INTENSITY | {"normalX": STEP / 7, "timeStamp": STEP * 1e-6}, _e57),
+    "a.xyzrgb": Source("XYZRGB", _COLORS, _xyzrgb),
+    "a.pts": Source("PTS", {"intensity": (STEP - 900.0)} | _COLORS, _pts),
     "a.pcd.bin": Source("nuScenes", _INTENSITY | {"ring": STEP.astype(np.float32)}, _nuscenes),
     "a.ptx": Source("PTX", _INTENSITY, _ptx),
     "a.bin": Source("KITTI", _INTENSITY, _kitti),

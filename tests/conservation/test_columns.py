@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 from pointbrush.formats import EXPORTS, read
+from pointbrush.formats.registry import BUILT_IN, format_by_name
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
@@ -107,6 +108,12 @@ def test_points_stay_in_the_order_of_the_source(
     expected = np.argsort(coordinates(far=source.far)[:, 0], kind="stable").tolist()
     for kind, got in outputs.items():
         assert np.argsort(got["x"], kind="stable").tolist() == expected, kind
+
+
+def test_the_sources_are_of_every_format_of_files() -> None:
+    """Depth images alone have no columns: tests/formats/test_rgbd.py compares their points."""
+    read_by = {entry.name for name in SOURCES if (entry := format_by_name(Path(name)))}
+    assert {*read_by, "kitti", "rgbd"} == {entry.name for entry in BUILT_IN}
 
 
 def test_the_documented_losses_are_those_of_the_exports() -> None:

@@ -54,19 +54,27 @@ def e57(count: int = 3, *, record_count: object = None, pose: str = "") -> bytes
     x = packed_bits([(i * 1000) % 8192 for i in range(count)], 13)
     z = np.arange(count, dtype="<f4").tobytes()
     color = bytes(range(count))
-    start = HEADER.size
-    data = packets([x, b"", z, color, color, color])
-    section = struct.pack("<B7xQQQ", 1, 32 + len(data), physical(start + 32), 0) + data
     integer = 'type="Integer" minimum="0" maximum="255"'
-    xml = (
-        '<?xml version="1.0"?><e57Root type="Structure" '
-        'xmlns="http://www.astm.org/COMMIT/E57/2010-e57-v1.0"><data3D type="Vector">'
-        f'<vectorChild type="Structure">{pose}<points type="CompressedVector" '
-        f'fileOffset="{physical(start)}" recordCount="{record_count or count}"><prototype>'
+    prototype = (
         '<cartesianX type="ScaledInteger" minimum="-100" maximum="8091" scale="0.5" offset="1"/>'
         '<cartesianY type="Integer" minimum="7" maximum="7"/>'
         '<cartesianZ type="Float" precision="single"/>'
         f"<colorRed {integer}/><colorGreen {integer}/><colorBlue {integer}/>"
+    )
+    return one_scan(
+        packets([x, b"", z, color, color, color]), prototype, record_count or count, pose
+    )
+
+
+def one_scan(data: bytes, prototype: str, record_count: object, pose: str = "") -> bytes:
+    """A file of one scan, whose points are the packets ``data``."""
+    start = HEADER.size
+    section = struct.pack("<B7xQQQ", 1, 32 + len(data), physical(start + 32), 0) + data
+    xml = (
+        '<?xml version="1.0"?><e57Root type="Structure" '
+        'xmlns="http://www.astm.org/COMMIT/E57/2010-e57-v1.0"><data3D type="Vector">'
+        f'<vectorChild type="Structure">{pose}<points type="CompressedVector" '
+        f'fileOffset="{physical(start)}" recordCount="{record_count}"><prototype>{prototype}'
         "</prototype></points></vectorChild></data3D></e57Root>"
     ).encode()
     at = physical(start + len(section))

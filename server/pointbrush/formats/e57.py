@@ -277,12 +277,23 @@ def _columns(file: E57File, scan: Element, count: int) -> Columns:
         if field.kind != "text"
     }
     columns = dict(zip("xyz", _placed(file, scan, values), strict=True))
+    limits = {field.name: (field.low, field.high) for field in fields}
     if {"colorRed", "colorGreen", "colorBlue"} <= set(values):
-        limits = {field.name: (field.low, field.high) for field in fields}
         columns |= _colors(file, scan, values, limits)
     if "intensity" in values:
         columns["intensity"] = values["intensity"].astype(np.float32)
-    return columns
+    return columns | {
+        field.name: values[field.name]
+        for field in fields
+        if field.name in values and not _is_held(field) and field.low != field.high
+    }
+
+
+def _is_held(field: Field) -> bool:
+    """Whether a PointFrame holds the values of a field: places, intensity, colours of 8 bits."""
+    if field.name.startswith("color"):
+        return (field.low, field.high) == (0, 255) or "Invalid" in field.name
+    return field.name == "intensity" or field.name.startswith(("cartesian", "spherical"))
 
 
 def _placed(file: E57File, scan: Element, values: Columns) -> Array:
@@ -351,12 +362,10 @@ def _joined(parts: list[Columns]) -> Columns:
     names = list(dict.fromkeys(name for part in parts for name in part)) or list("xyz")
     joined: Columns = {}
     for name in names:
-        filler = GREY if name in COLORS else 0
+        filler, kind = (GREY, np.uint8) if name in COLORS else (np.nan, np.float32)
+        filler = 0 if name == "intensity" else filler
         pieces = [
-            part[name]
-            if name in part
-            else np.full(len(part["x"]), filler, np.uint8 if name in COLORS else np.float32)
-            for part in parts
+            part[name] if name in part else np.full(len(part["x"]), filler, kind) for part in parts
         ]
         joined[name] = np.concatenate(pieces) if pieces else np.empty(0, np.float32)
     return joined
