@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,7 @@ from pointbrush.errors import BadInputError
 
 def rotation_of(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
     """Compute the rotation (3, 3) of a quaternion x, y, z, w.  Raises BadInputError for zero."""
-    norm = np.linalg.norm(quaternion)
+    norm = math.hypot(*quaternion)
     if norm < 1e-9:
         raise BadInputError(
             f"quaternion: expected a rotation x, y, z, w, got {quaternion.tolist()}"
@@ -38,4 +40,4 @@ def quaternion_of(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
         ]
     )
     row = parts[int(np.argmax(np.diag(parts)))]
-    return np.asarray(row / np.linalg.norm(row))
+    return np.asarray(row / math.hypot(*row))

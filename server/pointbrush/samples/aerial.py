@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,15 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.samples.recording import LabelInfo
+from pointbrush.samples.reproducible import (
+    cos,
+    draw_exponential,
+    draw_normal,
+    matmul,
+    norms,
+    sin,
+    sines,
+)
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
@@ -89,12 +99,12 @@ class Land:
         rng = self._rng = np.random.default_rng([seed, 83])
         steep = rng.uniform(0.3, 1.6)
         self._waves = [
-            (rng.normal(0, 1, 2) / rng.uniform(18, 60), rng.uniform(0, 6.28),
+            (draw_normal(rng, 1, 2) / rng.uniform(18, 60), rng.uniform(0, 6.28),
              steep * rng.uniform(0.3, 2.0))
             for _ in range(5)
         ]  # fmt: skip
         edge = options.edge
-        self.slope = rng.normal(0, 0.015, 2)
+        self.slope = draw_normal(rng, 0.015, 2)
         self.roads = [self._road(k) for k in range(3)]
         self._bend = (rng.uniform(0.2, 0.8) * edge, rng.uniform(4, 11), rng.uniform(0, 6.28))
         self._wide = rng.uniform(3.0, 8.0)
@@ -102,15 +112,15 @@ class Land:
 
     def _road(self, k: int) -> tuple[Array, Array, float]:
         rng, edge = self._rng, self.options.edge
-        angle = rng.normal(0, 0.15) + (math.pi / 2 if k % 2 else 0.0)
+        angle = draw_normal(rng, 0.15) + (math.pi / 2 if k % 2 else 0.0)
         middle = rng.uniform(0.2, 0.8, 2) * edge
-        return middle, np.array([math.cos(angle), math.sin(angle)]), rng.uniform(2.5, 5.0)
+        return middle, np.array([cos(angle), sin(angle)]), rng.uniform(2.5, 5.0)
 
     def height(self, xy: Array) -> Array:
         """Height (n,) of the ground under the plan's places (n, 2), water lying level in it."""
-        z = 12.0 + xy @ self.slope
+        z = 12.0 + matmul(xy, self.slope)
         for wave, phase, high in self._waves:
-            z = z + high * np.sin(xy @ wave + phase)
+            z = z + high * sines(matmul(xy, wave) + phase)
         near = np.clip(self.shore(xy) / BANK, 0.0, 1.0)
         return np.asarray(z * near + self._level(xy) * (1 - near))
 
@@ -120,16 +130,16 @@ class Land:
     def shore(self, xy: Array) -> Array:
         """Metres (n,) to the shore, below 0 on water."""
         at, swing, phase = self._bend
-        river = np.abs(xy[:, 0] - at - swing * np.sin(xy[:, 1] / 23 + phase)) - self._wide
+        river = np.abs(xy[:, 0] - at - swing * sines(xy[:, 1] / 23 + phase)) - self._wide
         x, y, radius = self._pond
-        pond = np.hypot(xy[:, 0] - x, 0.7 * (xy[:, 1] - y)) - radius
+        pond = norms((xy - (x, y)) * (1, 0.7)) - radius
         return np.asarray(np.minimum(river, pond))
 
     def on_road(self, xy: Array) -> NDArray[np.bool_]:
         """Say of places (n, 2) whether they lie on a road."""
         found = np.zeros(len(xy), np.bool_)
         for middle, way, wide in self.roads:
-            found |= np.abs((xy - middle) @ np.array([-way[1], way[0]])) < wide
+            found |= np.abs(matmul(xy - middle, np.array([-way[1], way[0]]))) < wide
         return found
 
 
@@ -148,8 +158,8 @@ class _House:
 
     def own(self, xy: Array) -> Array:
         """Places (n, 2) along its axes."""
-        c, s = math.cos(self.turn), math.sin(self.turn)
-        return np.asarray((xy - self.middle) @ np.array([[c, -s], [s, c]]))
+        c, s = cos(self.turn), sin(self.turn)
+        return matmul(xy - self.middle, np.array([[c, -s], [s, c]]))
 
     def roof(self, own: Array) -> Array:
         """Height (n,) of the roof."""
@@ -183,10 +193,11 @@ def aerial_tile(seed: int, options: AerialOptions | None = None) -> PointFrame:
 
 
 def _frame(rows: Array, seed: int, edge: float, rng: Rng) -> PointFrame:
-    xyz = rows[:, :3] + rng.normal(0, NOISE, (len(rows), 3))
+    xyz = rows[:, :3] + draw_normal(rng, NOISE, (len(rows), 3))
     inside = ((xyz[:, :2] > 0) & (xyz[:, :2] < edge)).all(axis=1)
     rows, xyz = rows[inside], xyz[inside]
-    order = np.argsort(np.floor(xyz[:, 0] / 2) * 1e6 + xyz[:, 1])  # as strips are flown
+    along_strips = np.floor(xyz[:, 0] / 2) * 1e6 + xyz[:, 1]  # as they are flown
+    order = np.argsort(along_strips, kind="stable")
     rows, xyz = rows[order], xyz[order] + CORNER + np.array([seed % 10, seed // 10, 0]) * edge
     strength = np.clip(rows[:, 4] * rng.uniform(0.8, 1.2, len(rows)), 0, 1)
     return PointFrame(
@@ -237,7 +248,7 @@ def _house(
 
 def _walls(land: Land, rng: Rng, house: _House, points: _Points) -> None:
     """Add the points of the two walls that face the flight."""
-    c, s = math.cos(house.turn), math.sin(house.turn)
+    c, s = cos(house.turn), sin(house.turn)
     to_plan = np.array([[c, s], [-s, c]])
     for axis in (0, 1):
         side = 1.0 if rng.random() < 0.5 else -1.0
@@ -247,7 +258,7 @@ def _walls(land: Land, rng: Rng, house: _House, points: _Points) -> None:
         own[:, axis] = side * house.half[axis]
         own[:, 1 - axis] = rng.uniform(-1, 1, n) * house.half[1 - axis]
         z = house.base + house.eaves * rng.uniform(0, 1, n)
-        wall = np.column_stack([own @ to_plan + house.middle, z])
+        wall = np.column_stack([matmul(own, to_plan) + house.middle, z])
         points.add(wall, BUILDING, np.full(n, 0.3))
 
 
@@ -265,7 +276,7 @@ def _car(
     lorry = rng.random() < 0.15
     long, broad = (rng.uniform(3.2, 5), 1.2) if lorry else (rng.uniform(1.9, 2.5), 0.9)
     high = rng.uniform(2.6, 3.6) if lorry else rng.uniform(1.4, 1.7)
-    own = (xy - at) @ np.column_stack([way, aside])
+    own = matmul(xy - at, np.column_stack([way, aside]))
     on = (np.abs(own[:, 0]) < long) & (np.abs(own[:, 1]) < broad) & free
     free[on] = False
     front = own[on, 0] > 0.45 * long
@@ -289,23 +300,22 @@ def _tree(
     base = float(land.height(at[None])[0])
     low = 0.0 if bush else rng.uniform(1.0, 4.0)
     high = low + radius * (rng.uniform(0.9, 1.8) if bush else rng.uniform(1.6, 3.4))
-    away = np.hypot(*(xy - at).T) / radius
+    away = norms(xy - at) / radius
     on = np.flatnonzero((away < 1) & free)
     free[on] = False
     half = (high - low) / 2 * np.sqrt(1 - away[on] ** 2)
     top, foot = base + (low + high) / 2 + half, base + (low + high) / 2 - half
-    first = top - rng.exponential(INSIDE, len(on))
+    first = top - draw_exponential(rng, INSIDE, len(on))
     met = first > foot
-    second = first - 0.5 - rng.exponential(1.5, len(on))
+    second = first - 0.5 - draw_exponential(rng, 1.5, len(on))
     between = met & (second > foot) & (rng.random(len(on)) < 0.6)
     through = ~met | (rng.random(len(on)) < 0.45)
     many = met.astype(int) + between + through
     kept = many > 0
-    on, first, second, met, between, through, many = (
-        each[kept] for each in (on, first, second, met, between, through, many)
-    )
-    tone = LEAVES / np.maximum(many, 1) + rng.normal(0, 0.05, len(on))
-    leaves = ((met, first, np.ones(len(on))), (between, second, 1.0 + met))
+    every: tuple[NDArray[Any], ...] = (on, first, second, met, between, through, many)
+    on, first, second, met, between, through, many = (each[kept] for each in every)
+    tone = LEAVES / np.maximum(many, 1) + draw_normal(rng, 0.05, len(on))
+    leaves = ((met, first, np.ones(len(on))), (between, second, met + np.ones(len(on))))
     for which, z, number in leaves:
         rows = np.column_stack([xy[on], z])[which]
         points.add(rows, VEGETATION, tone[which], number[which], many[which])
@@ -323,5 +333,5 @@ def _floor(
         on = kept & which
         road = land.on_road(xy[on])
         tone = np.full(int(on.sum()), POND) if kind == WATER else np.where(road, ASPHALT, GRASS)
-        z = ground[on] + (0.0 if kind == WATER else 1.0) * rng.normal(0, 0.02, int(on.sum()))
+        z = ground[on] + (0.0 if kind == WATER else 1.0) * draw_normal(rng, 0.02, int(on.sum()))
         points.add(np.column_stack([xy[on], z]), kind, tone)

@@ -12,6 +12,7 @@ from pointbrush.frame import DepthCamera
 from pointbrush.samples.furniture import Furniture, Rng, clutter, colour, material
 from pointbrush.samples.geometry import Array, rigid, vec, yaw
 from pointbrush.samples.render import Solid, block
+from pointbrush.samples.reproducible import cos, draw_normal, matmul, sin
 from pointbrush.samples.scanning import Labelled, look_at, view_of
 from pointbrush.samples.sensor import KINECT, Sensor
 from pointbrush.samples.textures import matte
@@ -125,9 +126,9 @@ class _Display:
             for k, thing in enumerate(column):
                 slack = 0.5 * (column[k - 1].width - thing.width) if k else 0.0
                 aside = rng.uniform(-1, 1) * max(slack, 0.0)
-                turn = rng.normal(0, 0.05) if rng.random() < 0.5 else rng.uniform(-0.6, 0.6)
+                turn = draw_normal(rng, 0.05) if rng.random() < 0.5 else rng.uniform(-0.6, 0.6)
                 here = rigid(yaw(turn if k else 0.0), vec(x + aside, y, 0))
-                self.add(thing, T_room_row @ here)
+                self.add(thing, matmul(T_room_row, here))
                 y += thing.top
             x += column[0].width / 2
 
@@ -149,8 +150,8 @@ def contact_view(
     away, side = rng.uniform(0.7, 1.4), rng.uniform(-0.6, 0.6)
     up = rng.uniform(0.3, 0.9) * away * (0.4 if middle[2] else 1.0)
     place = vec(*middle)
-    eye = place + vec(away * math.sin(side), up, away * math.cos(side))
-    T_room_camera = look_at(eye, place + rng.normal(0, 0.06, 3))
+    eye = place + vec(away * sin(side), up, away * cos(side))
+    T_room_camera = look_at(eye, place + draw_normal(rng, 0.06, 3))
     return view_of(display.solids, T_room_camera, camera, Sensor(), rng)
 
 

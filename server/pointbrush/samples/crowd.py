@@ -16,6 +16,7 @@ from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.posture import LOOKS, Look
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.render import block, egg, rod
+from pointbrush.samples.reproducible import cos, norm, norms, sin
 from pointbrush.samples.room import LivingRoom
 from pointbrush.samples.sensor import tripod
 from pointbrush.samples.tabletop import Thing
@@ -138,17 +139,17 @@ def _inside(place: Array, level: float) -> float:
     from its side or lower edge."""
     pitch = math.radians(PITCH)
     away = vec(place[0], level - HEIGHT, place[2])
-    depth = -away[2] * math.cos(pitch) - away[1] * math.sin(pitch)
+    depth = -away[2] * cos(pitch) - away[1] * sin(pitch)
     if depth < 0.5:
         return -1.0
-    down = -away[1] * math.cos(pitch) + away[2] * math.sin(pitch)
+    down = -away[1] * cos(pitch) + away[2] * sin(pitch)
     return float(min(EDGE_TAN - abs(away[0]) / depth, LOWER_EDGE_TAN - down / depth))
 
 
 def _clearance(loops: Sequence[Loop], times: Array) -> float:
     """Least distance (m) between two people at any of the ``times``."""
     ways = [np.array([loop.place(t) for t in times]) for loop in loops]
-    return min(float(np.linalg.norm(a - b, axis=1).min()) for a, b in combinations(ways, 2))
+    return min(float(norms(a - b).min()) for a, b in combinations(ways, 2))
 
 
 def _carrier(walks: Sequence[Walk]) -> tuple[int, int]:
@@ -157,7 +158,7 @@ def _carrier(walks: Sequence[Walk]) -> tuple[int, int]:
     showing = [k for k, place in enumerate(places) if _inside(place, BAG_LEVEL) > RIM]
     who = max(showing or range(len(walks)), key=lambda k: places[k][2])
     hands = walks[who].posture(0.0).hands
-    return who, int(np.linalg.norm(hands[1]) < np.linalg.norm(hands[0]))
+    return who, int(norm(hands[1]) < norm(hands[0]))
 
 
 def _open_place(people: Sequence[Array]) -> Array:

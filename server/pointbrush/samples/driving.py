@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.samples.geometry import Array, rigid, vec
 from pointbrush.samples.render import Solid
+from pointbrush.samples.reproducible import matmul
 from pointbrush.samples.scanning import Labelled
 from pointbrush.samples.sensor import Spinner, spin
 from pointbrush.samples.street import Rng, Street, vehicle
@@ -63,7 +64,7 @@ class DrivenStreet(Street):
         """Return all solids ``t`` seconds after the start."""
         way = {label: vec(0, 0, car.speed * t) for label, car in self.driving.items()}
         return [
-            replace(s, pose=rigid(np.eye(3), way[s.label]) @ s.pose) if s.label in way else s
+            replace(s, pose=matmul(rigid(np.eye(3), way[s.label]), s.pose)) if s.label in way else s
             for s in self.solids
         ]
 

@@ -5,7 +5,6 @@ What hangs has its back at the wall; its solids begin above the floor.
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
 from pointbrush.samples.furniture import (
@@ -21,6 +20,7 @@ from pointbrush.samples.furniture import (
 )
 from pointbrush.samples.geometry import axis_angle, rigid, vec
 from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, sin
 from pointbrush.samples.shapes import Box
 from pointbrush.samples.textures import Material, matte, poster
 
@@ -137,7 +137,7 @@ def laptop(rng: Rng) -> Furniture:
     kind = rng.integers(3)
     if kind == 0:
         tilt = rng.uniform(0.1, 0.5)
-        far = vec(0, 0.02 + 0.12 * math.cos(tilt), -0.13 - 0.12 * math.sin(tilt))
+        far = vec(0, 0.02 + 0.12 * cos(tilt), -0.13 - 0.12 * sin(tilt))
         pose = rigid(axis_angle(vec(1, 0, 0), -tilt), far)
         lid = Solid(Box(), pose, stuff, vec(w / 2, 0.12, 0.006))
         return Furniture((block((-w / 2, 0, -0.13), (w / 2, 0.02, 0.11), stuff), lid), w, 0.4)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pointbrush.samples.geometry import Array, vec
 from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, draw_normal, matmul, sin
 from pointbrush.samples.textures import Material, books, cloth, linear, matte, poster, wood
 
 Rng = np.random.Generator
@@ -31,7 +32,7 @@ class Furniture:
 
     def placed(self, T_room_furniture: Array, label: int) -> list[Solid]:
         """Return its solids in the room."""
-        return [replace(s, pose=T_room_furniture @ s.pose, label=label) for s in self.solids]
+        return [replace(s, pose=matmul(T_room_furniture, s.pose), label=label) for s in self.solids]
 
     def repainted(self, palette: Sequence[Material], share: float, rng: Rng) -> Furniture:
         """Return it with a share of its materials, and now and then a part, from a palette."""
@@ -53,7 +54,7 @@ class Furniture:
 def colour(rng: Rng) -> str:
     """Return a random "#rrggbb", grey more often than not."""
     base = rng.uniform(30, 225)
-    tint = rng.uniform(0, 70) * rng.normal(0, 1, 3) * (rng.random() < 0.6)
+    tint = rng.uniform(0, 70) * draw_normal(rng, 1, 3) * (rng.random() < 0.6)
     r, g, b = np.clip(base + tint, 8, 245).astype(int).tolist()
     return f"#{r:02x}{g:02x}{b:02x}"
 
@@ -118,7 +119,7 @@ def chair(rng: Rng) -> Furniture:
         parts.append(rod(vec(0, 0.08, 0), vec(0, h - 0.06, 0), 0.03, 0.03, frame))
         for k in range(5):
             a = 2 * math.pi * k / 5
-            tip = vec(0.28 * math.cos(a), 0.04, 0.28 * math.sin(a))
+            tip = vec(0.28 * cos(a), 0.04, 0.28 * sin(a))
             parts.append(rod(vec(0, 0.09, 0), tip, 0.025, 0.03, frame))
     else:
         parts += _legs(rng, w, d, h - 0.06, stuff)
@@ -232,7 +233,7 @@ def plant(rng: Rng) -> Furniture:
     for _ in range(int(rng.integers(14, 30))):
         a, up = rng.uniform(0, 2 * math.pi), rng.uniform(0.45, 1.0) * h
         reach = rng.uniform(0.05, 0.2) + 0.1 * h
-        tip = vec(reach * math.cos(a), pot * 1.8 + up * 0.8, reach * math.sin(a))
+        tip = vec(reach * cos(a), pot * 1.8 + up * 0.8, reach * sin(a))
         green = matte(["#3d6b34", "#4f7f3c", "#2f5a33"][int(rng.integers(3))], grain=0.3)
         size = rng.uniform(0.04, 0.12)
         parts.append(egg(tip, (size, size * 1.3, 0.02 + size * 0.3), green, roughness=0.3))

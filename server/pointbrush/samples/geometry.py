@@ -12,6 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.samples.reproducible import atan2, cos, inner, matmul, norm, sin
+
 Array = NDArray[np.float64]
 Field = NDArray[np.float32]
 """Per-pixel values of the renderer: (N,) or component-major (3, N)."""
@@ -27,7 +29,7 @@ def vec(*values: float) -> Array:
 
 def unit(v: Array) -> Array:
     """``v`` scaled to length one."""
-    return np.asarray(v / math.sqrt(float(v @ v)))
+    return np.asarray(v / norm(v))
 
 
 def dot3(a: Field, b: Field) -> Field:
@@ -44,7 +46,7 @@ def axis_angle(axis: Array, angle: float) -> Array:
     """(3, 3) rotation by ``angle`` radians round ``axis`` (Rodrigues)."""
     x, y, z = unit(axis)
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K))
+    return np.asarray(np.eye(3) + sin(angle) * K + (1.0 - cos(angle)) * matmul(K, K))
 
 
 def yaw(angle: float) -> Array:
@@ -55,8 +57,8 @@ def yaw(angle: float) -> Array:
 def turn_between(a: Array, b: Array) -> Array:
     """Rotation vector (3,) of the smallest rotation that takes unit ``a`` to unit ``b``."""
     axis = np.cross(a, b)
-    sine = math.sqrt(float(axis @ axis))
-    angle = math.atan2(sine, float(a @ b))
+    sine = norm(axis)
+    angle = atan2(sine, inner(a, b))
     if sine < 1e-9:
         return np.zeros(3) if angle < 1.0 else unit(np.cross(a, _other(a))) * math.pi
     return np.asarray(axis / sine * angle)
@@ -64,7 +66,7 @@ def turn_between(a: Array, b: Array) -> Array:
 
 def from_rotation_vector(v: Array) -> Array:
     """(3, 3) rotation round ``v`` by its length."""
-    angle = math.sqrt(float(v @ v))
+    angle = norm(v)
     return np.eye(3) if angle < 1e-12 else axis_angle(v, angle)
 
 
@@ -76,11 +78,17 @@ def rigid(R: Array, t: Array) -> Array:
     return T
 
 
+def inverse(T: Array) -> Array:
+    """Return the inverse of a rigid transform (4, 4)."""
+    R = T[:3, :3].T
+    return rigid(R, -matmul(R, T[:3, 3]))
+
+
 def along(start: Array, end: Array, right: Array) -> Array:
     """(4, 4) frame at ``start``: its y axis points to ``end``, its x axis is near ``right``."""
     y = unit(end - start)
-    x = right - (right @ y) * y
-    x = unit(x) if float(x @ x) > 1e-8 else unit(np.cross(y, _other(y)))
+    x = right - inner(right, y) * y
+    x = unit(x) if inner(x, x) > 1e-8 else unit(np.cross(y, _other(y)))
     return rigid(np.column_stack([x, y, np.cross(x, y)]), start)
 
 
@@ -112,17 +120,17 @@ def two_bones(root: Array, target: Array, upper: float, lower: float, pole: Arra
     A target out of reach leaves the limb as good as straight.
     """
     reach = target - root
-    distance = math.sqrt(float(reach @ reach))
+    distance = norm(reach)
     span = min(max(distance, abs(upper - lower) + 1e-3), upper + lower - 1e-3)
     direction = reach / max(distance, 1e-6)
-    cosine = (upper**2 + span**2 - lower**2) / (2 * upper * span)
-    bend = unit(pole - (pole @ direction) * direction)
+    cosine = (upper * upper + span * span - lower * lower) / (2 * upper * span)
+    bend = unit(pole - inner(pole, direction) * direction)
     return np.asarray(
-        root + upper * (cosine * direction + math.sqrt(max(0.0, 1 - cosine**2)) * bend)
+        root + upper * (cosine * direction + math.sqrt(max(0.0, 1 - cosine * cosine)) * bend)
     )
 
 
 def wobble(t: float, phases: Array, periods: Sequence[float]) -> float:
     """Smooth aperiodic motion in -1..1: a mean of sines."""
-    waves = [math.sin(2 * math.pi * t / p + f) for f, p in zip(phases, periods, strict=True)]
-    return sum(waves) / len(waves)
+    waves = [sin(2 * math.pi * t / p + f) for f, p in zip(phases, periods, strict=True)]
+    return math.fsum(waves) / len(waves)

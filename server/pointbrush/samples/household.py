@@ -19,6 +19,7 @@ from pointbrush.samples.furniture import (
 )
 from pointbrush.samples.geometry import vec
 from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, sin
 from pointbrush.samples.textures import matte
 
 
@@ -234,7 +235,7 @@ def stool(rng: Rng) -> Furniture:
     else:
         for k in range(3):
             a = 2 * math.pi * k / 3
-            foot = vec(1.2 * r * math.cos(a), 0.0, 1.2 * r * math.sin(a))
+            foot = vec(1.2 * r * cos(a), 0.0, 1.2 * r * sin(a))
             parts.append(
                 rod(foot, vec(0.6 * foot[0], h - 0.05, 0.6 * foot[2]), 0.016, 0.016, stuff)
             )

@@ -25,6 +25,7 @@ from pointbrush.samples.household import HOME_AT_WALLS, HOME_STANDING
 from pointbrush.samples.people import body
 from pointbrush.samples.posture import LOOKS, Posture, hanging_hands, standing_feet
 from pointbrush.samples.render import Solid, block
+from pointbrush.samples.reproducible import matmul
 from pointbrush.samples.textures import Material, matte
 
 TRIES = 25
@@ -148,7 +149,7 @@ class Interior:
             away = (self.depth if side % 2 == 0 else self.width) / 2
             along = rng.uniform(-1, 1) * max(long / 2 - furniture.width / 2, 0)
             turn = side * math.pi / 2
-            place = yaw(turn) @ vec(along, 0, -away + furniture.depth / 2 + gap)
+            place = matmul(yaw(turn), vec(along, 0, -away + furniture.depth / 2 + gap))
             if self._free(float(place[0]), float(place[2]), radius, self.furnishing.apart):
                 self._taken.append((float(place[0]), float(place[2]), radius))
                 self._add(furniture, float(place[0]), float(place[2]), turn)
@@ -176,7 +177,7 @@ class Interior:
             away = reach + self._rng.uniform(-0.12, 0.35)
             heading = turn + side * math.pi / 2
             seat = chair(self._rng)
-            place = yaw(heading) @ vec(self._rng.uniform(-0.1, 0.1), 0, away) + vec(x, 0, z)
+            place = matmul(yaw(heading), vec(self._rng.uniform(-0.1, 0.1), 0, away)) + vec(x, 0, z)
             inside = abs(place[0]) < self.width / 2 - 0.3 and abs(place[2]) < self.depth / 2 - 0.3
             if inside:
                 facing = heading + math.pi + self._rng.uniform(-0.4, 0.4)
@@ -198,7 +199,7 @@ class Interior:
                 z = rng.uniform(-1, 1) * (furniture.depth / 2 - r)
                 if all(math.hypot(x - a, z - b) > 0.8 * (r + c) for a, b, c in placed):
                     placed.append((x, z, r))
-                    at = pose[:3, :3] @ vec(x, furniture.top, z) + pose[:3, 3]
+                    at = matmul(pose[:3, :3], vec(x, furniture.top, z)) + pose[:3, 3]
                     facing = turn + rng.uniform(-0.5, 0.5)
                     self._add(thing, float(at[0]), float(at[2]), facing, float(at[1]))
                     break
@@ -228,7 +229,7 @@ class Interior:
                 hung = self._one_of(kinds.on_walls)
                 along = rng.uniform(-1, 1) * max(long / 2 - hung.width / 2, 0)
                 turn = side * math.pi / 2
-                place = yaw(turn) @ vec(along, 0, -away + hung.depth / 2)
+                place = matmul(yaw(turn), vec(along, 0, -away + hung.depth / 2))
                 self._add(hung, float(place[0]), float(place[2]), turn)
                 continue
             w, h = rng.uniform(0.25, 1.4), rng.uniform(0.25, 1.1)

@@ -13,6 +13,7 @@ from pointbrush.samples.juggling import ARM, COLORS, Hand, Juggle, Rhythm, Stand
 from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.posture import LOOKS, Look, Posture, standing_feet
 from pointbrush.samples.recording import LabelInfo, Moment
+from pointbrush.samples.reproducible import inner, matmul, sin
 from pointbrush.samples.room import LivingRoom
 from pointbrush.samples.sensor import tripod
 
@@ -125,8 +126,8 @@ class JugglingScene(LivingRoom):
         sway = vec(0.025 * wobble(t, f[:2], (2.3, 3.7)), 0, 0.02 * wobble(t, f[2:4], (1.9, 3.1)))
         hands = self._hands(p, t)
         lift = float(hands[0][1] + hands[1][1]) / 2 - 1.05 * stand.size
-        pelvis = stand.place + axes @ sway + UP * (0.938 * stand.size + 0.05 * lift)
-        reach = float((hands[0] - hands[1]) @ axes[:, 2])
+        pelvis = stand.place + matmul(axes, sway) + UP * (0.938 * stand.size + 0.05 * lift)
+        reach = inner(hands[0] - hands[1], axes[:, 2])
         aim = stand.at(0.15 * wobble(t, f[4:6], (1.3, 2.1)), 1.75, 1.1)
         return Posture(
             pelvis,
@@ -137,7 +138,7 @@ class JugglingScene(LivingRoom):
             side=0.03 * wobble(t, f[6:8], (2.2, 3.3)),
             twist=-0.35 * reach,
             gaze=aim,
-            breath=math.sin(2 * math.pi * t / 3.4 + f[0]),
+            breath=sin(2 * math.pi * t / 3.4 + f[0]),
         )
 
     def _hands(self, p: int, t: float) -> tuple[Array, Array]:

@@ -33,6 +33,7 @@ from pointbrush.samples.geometry import (
     yaw,
 )
 from pointbrush.samples.render import Solid
+from pointbrush.samples.reproducible import atan2, cos, draw_normal, inner, matmul, sin
 from pointbrush.samples.shapes import Lathe
 from pointbrush.samples.textures import Color, Material, banded, linear
 
@@ -156,7 +157,7 @@ class Stand:
 
     def at(self, left: float, up: float, forward: float) -> Array:
         """Return a place given in the body's axes."""
-        return np.asarray(self.place + yaw(self.facing) @ (vec(left, up, forward) * self.size))
+        return np.asarray(self.place + matmul(yaw(self.facing), vec(left, up, forward) * self.size))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,9 +174,7 @@ class Hand:
 
     def axis(self, angle: float) -> Array:
         """Direction of a held pin whose body points ``angle`` above forward."""
-        return unit(
-            yaw(self.stand.facing) @ vec(self.side * 0.14, math.sin(angle), math.cos(angle))
-        )
+        return unit(matmul(yaw(self.stand.facing), vec(self.side * 0.14, sin(angle), cos(angle))))
 
     def place(self, what: str) -> Array:
         """Place of the hand as it throws, catches or rests."""
@@ -224,9 +223,7 @@ class Flight:
     def turn(self, t: float) -> Array:
         """(3, 3) rotation since the release."""
         s = (t - self.throw.leave) / self.duration
-        return np.asarray(
-            from_rotation_vector(self.fix * s) @ axis_angle(self.spin_axis, self.spin * s)
-        )
+        return matmul(from_rotation_vector(self.fix * s), axis_angle(self.spin_axis, self.spin * s))
 
 
 class Juggle:
@@ -250,16 +247,16 @@ class Juggle:
         """Work out the flight between two hands, with a juggler's small errors."""
         giver, taker = self.hands[throw.hand], self.hands[throw.to_hand]
         duration = throw.arrive - throw.leave
-        release, catch = RELEASE + rng.normal(0, 0.05), CATCH + rng.normal(0, 0.07)
+        release, catch = RELEASE + draw_normal(rng, 0.05), CATCH + draw_normal(rng, 0.07)
         a0, a1 = giver.axis(release), taker.axis(catch)
-        start = giver.place("throw") + rng.normal(0, 0.012, 3) + ARM * a0
-        end = taker.place("catch") + rng.normal(0, 0.03, 3) + ARM * a1
+        start = giver.place("throw") + draw_normal(rng, 0.012, 3) + ARM * a0
+        end = taker.place("catch") + draw_normal(rng, 0.03, 3) + ARM * a1
         velocity = (end - start) / duration + UP * (GRAVITY / 2 * duration)
         forward = yaw(giver.stand.facing)[:, 2]
-        base = math.atan2(float(a1 @ UP), float(a1 @ forward)) - release
+        base = atan2(inner(a1, UP), inner(a1, forward)) - release
         turns = max(0, round(TUMBLE * duration - base / (2 * math.pi)))
         spin = base + 2 * math.pi * turns
-        fix = turn_between(axis_angle(giver.right, spin) @ a0, a1)
+        fix = turn_between(matmul(axis_angle(giver.right, spin), a0), a1)
         return Flight(throw, start, velocity, a0, giver.right, spin, fix)
 
     def _path(self, h: int) -> list[Knot]:
@@ -312,18 +309,18 @@ class Juggle:
                 phases.append((-math.inf, None, flight.throw.hand, held, R))
             else:
                 R = self._held(phases[-1], flight.throw.leave)
-            R = from_rotation_vector(turn_between(R[:, 1], flight.axis0)) @ R
+            R = matmul(from_rotation_vector(turn_between(R[:, 1], flight.axis0)), R)
             phases.append((flight.throw.leave, flight, flight.throw.hand, 0.0, R))
             hand, landed = self.hands[flight.throw.to_hand], flight.throw.arrive
-            R = flight.turn(landed) @ R
+            R = matmul(flight.turn(landed), R)
             angle = self.angle(flight.throw.to_hand, landed)
-            R = from_rotation_vector(turn_between(R[:, 1], hand.axis(angle))) @ R
+            R = matmul(from_rotation_vector(turn_between(R[:, 1], hand.axis(angle))), R)
             phases.append((landed, None, flight.throw.to_hand, angle, R))
         return phases
 
     def _held(self, phase: tuple[float, Flight | None, int, float, Array], t: float) -> Array:
         _, _, h, angle, R = phase
-        return np.asarray(axis_angle(self.hands[h].right, self.angle(h, t) - angle) @ R)
+        return matmul(axis_angle(self.hands[h].right, self.angle(h, t) - angle), R)
 
     def _phase(self, k: int, t: float) -> tuple[float, Flight | None, int, float, Array]:
         story = self._stories[k]
@@ -338,7 +335,7 @@ class Juggle:
         phase = self._phase(k, t)
         _, flight, h, _, R0 = phase
         if flight is not None:
-            return rigid(flight.turn(t) @ R0, flight.centre(t))
+            return rigid(matmul(flight.turn(t), R0), flight.centre(t))
         R = self._held(phase, t)
         return rigid(R, self.hand(h, t) + ARM * R[:, 1])
 
@@ -347,7 +344,7 @@ def _leaving(flight: Flight, hand: Hand) -> Knot:
     """Return the hand at a release: it moves as the handle does."""
     rate = flight.spin / flight.duration
     swing = np.cross(hand.right, ARM * flight.axis0) * rate
-    angle = math.atan2(float(flight.axis0 @ UP), float(flight.axis0 @ yaw(hand.stand.facing)[:, 2]))
+    angle = atan2(inner(flight.axis0, UP), inner(flight.axis0, yaw(hand.stand.facing)[:, 2]))
     position = flight.start - ARM * flight.axis0
     return Knot(flight.throw.leave, position, (flight.velocity - swing) * 0.9, angle, rate * 0.9)
 
@@ -355,10 +352,10 @@ def _leaving(flight: Flight, hand: Hand) -> Knot:
 def _arriving(flight: Flight, hand: Hand) -> Knot:
     """Return the hand at a catch: it gives way to the pin."""
     rate = flight.spin / flight.duration
-    axis = unit(flight.turn(flight.throw.arrive) @ flight.axis0)
+    axis = unit(matmul(flight.turn(flight.throw.arrive), flight.axis0))
     falling = flight.velocity - UP * (GRAVITY * flight.duration)
     forward = yaw(hand.stand.facing)[:, 2]
-    same_way = float(flight.spin_axis @ hand.right)
-    angle = math.atan2(float(axis @ UP), float(axis @ forward))
+    same_way = inner(flight.spin_axis, hand.right)
+    angle = atan2(inner(axis, UP), inner(axis, forward))
     position = flight.centre(flight.throw.arrive) - ARM * axis
     return Knot(flight.throw.arrive, position, falling * 0.3, angle, rate * same_way * 0.4)

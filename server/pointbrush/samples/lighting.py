@@ -6,15 +6,17 @@ each frame then only darkens it where something moves.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, zoom
+from scipy.ndimage import zoom
 
 from pointbrush.samples.geometry import Array, Field, dot3, norm3
 from pointbrush.samples.render import Caster, Shaded, Solid, Surface
+from pointbrush.samples.reproducible import cos, gaussian_blur, matmul, sin
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +52,8 @@ def lamp_light(lamp: Lamp, s: Shaded, eye: Field) -> Field:
     view = eye[:, None] - s.point
     half = direction + view / norm3(view)
     half /= np.maximum(norm3(half), 1e-6)
-    spark = s.gloss * np.maximum(dot3(s.normal, half), 0) ** 40
+    eighth = ((np.maximum(dot3(s.normal, half), 0) ** 2) ** 2) ** 2
+    spark = s.gloss * eighth * (eighth**2) ** 2  # to the power of 40
     color = np.array(lamp.color, np.float32)[:, None]
     return np.asarray((s.albedo * lambert + spark * 0.6) * (fall * color), np.float32)
 
@@ -109,7 +112,7 @@ class LitRoom:
         for reach in (0.35, 0.1):
             grid = np.ones(count, np.float32)
             grid[s.pixel] = crevices(self.surface.depth, s.pixel, width, height, reach)
-            openness *= gaussian_filter(grid.reshape(height, width), 1.5).ravel()
+            openness *= gaussian_blur(grid.reshape(height, width), 1.5).ravel()
         self.colors[0][:, s.pixel] = ambient_light(lights, s) * openness[s.pixel]
         self.infrared: Field = np.zeros(count, np.float32)
         self.infrared[s.pixel] = s.infrared
@@ -128,7 +131,7 @@ class LitRoom:
         blockers = [solid for solid in self.solids if solid.material.glow == 0]
         for number, lamp in enumerate(self.lights.lamps, 1):
             share = still_shadow(blockers, lamp, points).reshape(coarse.shape)
-            share = zoom(gaussian_filter(share, 0.8), 2, order=1, grid_mode=True, mode="nearest")
+            share = zoom(gaussian_blur(share, 0.8), 2, order=1, grid_mode=True, mode="nearest")
             light = lamp_light(lamp, s, self.caster.eye)
             dim = 0.5 + 0.5 * openness[s.pixel]
             self.colors[number][:, s.pixel] = light * (share.ravel()[s.pixel] * dim)
@@ -177,9 +180,9 @@ def crevices(depth: Field, pixel: NDArray[np.intp], width: int, height: int, rea
     radius = np.clip(reach * 365.0 / np.maximum(here, 0.3) * 0.6, 2, 40)
     closed = np.zeros(pixel.size, np.float32)
     for number in range(10):
-        angle, part = number * 2.4, ((number + 0.5) / 10) ** 0.5
-        r = np.clip(rows + np.sin(angle) * part * radius, 0, height - 1).astype(np.intp)
-        c = np.clip(columns + np.cos(angle) * part * radius, 0, width - 1).astype(np.intp)
+        angle, part = number * 2.4, math.sqrt((number + 0.5) / 10)
+        r = np.clip(rows + sin(angle) * part * radius, 0, height - 1).astype(np.intp)
+        c = np.clip(columns + cos(angle) * part * radius, 0, width - 1).astype(np.intp)
         step = (here - depth[r * width + c]) / np.float32(reach)
         closed += np.where(step < 1.5, np.clip((step - 0.06) * 2, 0, 1), 0)
     return np.asarray(1 - 0.62 * np.minimum(closed / 7, 1), np.float32)
@@ -202,6 +205,6 @@ def still_shadow(solids: Sequence[Solid], lamp: Lamp, points: Field) -> Field:
 def _blocked(solid: Solid, points: Field, target: Array) -> NDArray[np.bool_]:
     """Return whether the solid lies between the points and the target; rays start at the target."""
     inverse = (solid.pose[:3, :3].T / solid.scale[:, None]).astype(np.float32)
-    o = inverse @ (target - solid.pose[:3, 3]).astype(np.float32)
-    d = inverse @ (points - target.astype(np.float32)[:, None])
+    o = matmul(inverse, (target - solid.pose[:3, 3]).astype(np.float32))
+    d = matmul(inverse, points - target.astype(np.float32)[:, None])
     return np.asarray(solid.shape.hit(o, d) < 0.985)

@@ -22,6 +22,7 @@ from pointbrush.samples.geometry import (
 )
 from pointbrush.samples.posture import Look, Posture
 from pointbrush.samples.render import Solid, egg, rod
+from pointbrush.samples.reproducible import inner, matmul
 from pointbrush.samples.shapes import Cylinder
 from pointbrush.samples.textures import Color, Material, cloth, face, linear, matte, noise, plain
 
@@ -39,9 +40,9 @@ def arm(
     side = 1.0 if which == 0 else -1.0
     skin = Material(partial(plain, color=linear(look.skin), grain=0.08), 0.75)
     shirt = look.shirt_material()
-    shoulder = chest + R @ (vec(side * 0.182 * look.build, -0.055, -0.01) * s)
+    shoulder = chest + matmul(R, vec(side * 0.182 * look.build, -0.055, -0.01) * s)
     hand = posture.hands[which]
-    pole = R @ (posture.elbows * vec(side, 1, 1))
+    pole = matmul(R, posture.elbows * vec(side, 1, 1))
     elbow = two_bones(shoulder, hand, UPPER_ARM * s, FOREARM * s, pole)
     reach = elbow + unit(hand - elbow) * FOREARM * s
     wrist = elbow + (reach - elbow) * 0.78
@@ -63,7 +64,7 @@ def _hand(
 ) -> list[Solid]:
     """Palm, thumb and four fingers, half closed round what the hand holds."""
     forward = unit(reach - wrist)
-    across = unit(left - (left @ forward) * forward)
+    across = unit(left - inner(left, forward) * forward)
     down = np.cross(across, forward)
     down = down if down[1] < 0 else -down
     thumb = reach - across * (side * 0.042) + forward * 0.012 - down * 0.008
@@ -89,14 +90,14 @@ def leg(look: Look, posture: Posture, hips: Array, s: float, label: int, which: 
     trousers = Material(partial(cloth, color=linear(look.trousers), fold=0.16), 0.5)
     shoe = matte(look.shoes, infrared=0.5)
     sole = matte("#e8e6df" if look.shoes != "#e8e6df" else "#333333")
-    hip = posture.pelvis + hips @ vec(side * 0.088 * b, -0.03 * s, 0)
-    toes = yaw(foot.heading) @ axis_angle(vec(1, 0, 0), foot.pitch)
-    knee = two_bones(hip, foot.ankle, THIGH * s, SHANK * s, toes @ vec(side * 0.12, 0, 1))
+    hip = posture.pelvis + matmul(hips, vec(side * 0.088 * b, -0.03 * s, 0))
+    toes = matmul(yaw(foot.heading), axis_angle(vec(1, 0, 0), foot.pitch))
+    knee = two_bones(hip, foot.ankle, THIGH * s, SHANK * s, matmul(toes, vec(side * 0.12, 0, 1)))
     ankle = foot.ankle
     drop = 0.085 * s
-    heel = ankle + toes @ vec(0, -drop + 0.045, -0.035)
-    ball = ankle + toes @ vec(side * 0.012, -drop + 0.036, 0.14)
-    tip = ankle + toes @ vec(side * 0.008, -drop + 0.03, 0.19)
+    heel = ankle + matmul(toes, vec(0, -drop + 0.045, -0.035))
+    ball = ankle + matmul(toes, vec(side * 0.012, -drop + 0.036, 0.14))
+    tip = ankle + matmul(toes, vec(side * 0.008, -drop + 0.03, 0.19))
     across = toes[:, 0]
     return [
         rod(hip, knee, 0.092 * b, 0.066 * b, trousers, label, roughness=0.45),
@@ -114,8 +115,8 @@ def leg(look: Look, posture: Posture, hips: Array, s: float, label: int, which: 
         rod(ankle, ball, 0.04, 0.03, shoe, label),
         rod(ball, tip, 0.036, 0.029, shoe, label, 0.95, across),
         rod(
-            heel - toes @ vec(0, 0.025, 0),
-            tip - toes @ vec(0, 0.012, 0),
+            heel - matmul(toes, vec(0, 0.025, 0)),
+            tip - matmul(toes, vec(0, 0.012, 0)),
             0.02,
             0.018,
             sole,
@@ -129,10 +130,10 @@ def leg(look: Look, posture: Posture, hips: Array, s: float, label: int, which: 
 def body(look: Look, posture: Posture, label: int) -> list[Solid]:
     """Return the solids of a person in a posture."""
     s = look.height / 1.75
-    R = yaw(posture.facing + posture.twist) @ axis_angle(vec(1, 0, 0), posture.lean)
-    R = R @ axis_angle(vec(0, 0, 1), posture.side)
+    R = matmul(yaw(posture.facing + posture.twist), axis_angle(vec(1, 0, 0), posture.lean))
+    R = matmul(R, axis_angle(vec(0, 0, 1), posture.side))
     hips = yaw(posture.facing + 0.4 * posture.twist)
-    chest = posture.pelvis + R @ vec(0, 0.50 * s, 0.0)
+    chest = posture.pelvis + matmul(R, vec(0, 0.50 * s, 0.0))
     return [
         *_torso(look, posture, R, hips, s, label),
         *_head(look, posture, R, chest, s, label),
@@ -173,7 +174,7 @@ def _torso(
     full = 1 + 0.025 * posture.breath
 
     def at(x: float, y: float, z: float) -> Array:
-        return np.asarray(p + R @ (vec(x, y, z) * s))
+        return np.asarray(p + matmul(R, vec(x, y, z) * s))
 
     belt = matte("#2a211b", infrared=0.3)
     parts = [
@@ -239,7 +240,7 @@ def _head(
     look: Look, posture: Posture, R: Array, chest: Array, s: float, label: int
 ) -> list[Solid]:
     skin = Material(partial(plain, color=linear(look.skin), grain=0.08), 0.75)
-    centre = chest + R @ vec(0, 0.225 * s, 0.022 * s)
+    centre = chest + matmul(R, vec(0, 0.225 * s, 0.022 * s))
     turn = R
     if posture.gaze is not None:
         z = unit(0.55 * R[:, 2] + 0.45 * unit(posture.gaze - centre))
@@ -250,12 +251,12 @@ def _head(
     strand = Material(partial(_hair, color=hair), 0.35)
 
     def at(x: float, y: float, z: float) -> Array:
-        return np.asarray(centre + turn @ (vec(x, y, z) * s))
+        return np.asarray(centre + matmul(turn, vec(x, y, z) * s))
 
     parts = [
         rod(
-            chest + R @ vec(0, 0.0, -0.012),
-            centre - turn @ vec(0, 0.06, 0.018),
+            chest + matmul(R, vec(0, 0.0, -0.012)),
+            centre - matmul(turn, vec(0, 0.06, 0.018)),
             0.058 * s,
             0.054 * s,
             skin,

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from pointbrush.samples.geometry import Array, vec, yaw
+from pointbrush.samples.reproducible import matmul
 from pointbrush.samples.textures import Material, checked, cloth, linear, striped
 
 
@@ -93,8 +94,12 @@ def hanging_hands(
     """Return hands hanging at the sides; ``swing`` moves the left forward, the right back."""
     s = height / 1.75
     axes = yaw(facing)
-    left = posture_pelvis + axes @ (vec(0.24, -0.145 + 0.1 * abs(swing), 0.02 + 0.26 * swing) * s)
-    right = posture_pelvis + axes @ (vec(-0.24, -0.145 + 0.1 * abs(swing), 0.02 - 0.26 * swing) * s)
+    left = posture_pelvis + matmul(
+        axes, vec(0.24, -0.145 + 0.1 * abs(swing), 0.02 + 0.26 * swing) * s
+    )
+    right = posture_pelvis + matmul(
+        axes, vec(-0.24, -0.145 + 0.1 * abs(swing), 0.02 - 0.26 * swing) * s
+    )
     return left, right
 
 
@@ -105,6 +110,6 @@ def standing_feet(
     axes = yaw(facing)
     y = 0.085 * height / 1.75
     return (
-        Foot(place + axes @ vec(apart, y, 0.03), facing + math.radians(10)),
-        Foot(place + axes @ vec(-apart, y, -0.03), facing - math.radians(10)),
+        Foot(place + matmul(axes, vec(apart, y, 0.03)), facing + math.radians(10)),
+        Foot(place + matmul(axes, vec(-apart, y, -0.03)), facing - math.radians(10)),
     )

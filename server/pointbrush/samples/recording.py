@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.frame import DepthCamera, PointFrame
-from pointbrush.samples.geometry import Array, Field, dot3, norm3, vec, wobble
+from pointbrush.samples.geometry import Array, Field, dot3, inverse, norm3, vec, wobble
 from pointbrush.samples.lighting import Ball, Lights, LitRoom, light_moving
 from pointbrush.samples.render import Caster, Solid
+from pointbrush.samples.reproducible import matmul
 from pointbrush.samples.sensor import FPS, KINECT, Sensor, develop, measure, pixel_rays
 
 T = TypeVar("T")
@@ -147,11 +148,11 @@ class Recording:
     @cached_property
     def poses(self) -> dict[int, list[Array]]:
         """True poses of the rigid labels in every frame."""
-        T_camera_room = np.linalg.inv(self.scene.camera_pose)
+        T_camera_room = inverse(self.scene.camera_pose)
         result: dict[int, list[Array]] = {}
         for i in range(self.count):
             for label, T_room_object in self.scene.at(i / self.fps).poses.items():
-                result.setdefault(label, []).append(T_camera_room @ T_room_object)
+                result.setdefault(label, []).append(matmul(T_camera_room, T_room_object))
         return result
 
     def frame(self, i: int) -> PointFrame:

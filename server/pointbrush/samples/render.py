@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import DepthCamera
-from pointbrush.samples.geometry import Array, Field, along, norm3, rigid, vec, yaw
+from pointbrush.samples.geometry import Array, Field, along, inverse, norm3, rigid, vec, yaw
+from pointbrush.samples.reproducible import matmul, norm
 from pointbrush.samples.shapes import Ball, Box, Cylinder, RoundCone, Shape
 from pointbrush.samples.textures import Material, noise
 
@@ -65,10 +66,10 @@ class Caster:
     def __init__(self, camera: DepthCamera, T_room_camera: Array, rays: Field) -> None:
         self.camera = camera
         self.T_room_camera = T_room_camera
-        self.T_camera_room = np.linalg.inv(T_room_camera)
+        self.T_camera_room = inverse(T_room_camera)
         self.rays = rays
         R = T_room_camera[:3, :3].astype(np.float32)
-        self.room_rays: Field = R @ rays
+        self.room_rays: Field = matmul(R, rays)
         self.eye: Field = T_room_camera[:3, 3].astype(np.float32)
 
     def empty(self) -> Surface:
@@ -82,15 +83,15 @@ class Caster:
         depth, owner = into.depth.reshape(shape), into.owner.reshape(shape)
         rays = self.rays.reshape(3, *shape)
         for number, solid in enumerate(solids, first):
-            T_camera_solid = self.T_camera_room @ solid.pose
+            T_camera_solid = matmul(self.T_camera_room, solid.pose)
             window = self._window(solid, T_camera_solid)
             if window is None:
                 continue
             R = T_camera_solid[:3, :3]
-            inverse = R.T / solid.scale[:, None]
-            o = (-inverse @ T_camera_solid[:3, 3]).astype(np.float32)
+            to_unit = R.T / solid.scale[:, None]
+            o = matmul(-to_unit, T_camera_solid[:3, 3]).astype(np.float32)
             patch = np.ascontiguousarray(rays[:, window[0], window[1]]).reshape(3, -1)
-            d = inverse.astype(np.float32) @ patch
+            d = matmul(to_unit.astype(np.float32), patch)
             t = solid.shape.hit(o, d).reshape(depth[window].shape)
             nearer = t < depth[window]
             depth[window][nearer] = t[nearer]
@@ -100,7 +101,7 @@ class Caster:
         """Rows and columns of the screen that the solid's box may cover, None for none."""
         lo, hi = (bound * solid.scale for bound in solid.shape.bounds)
         corners = np.array(list(product(*zip(lo, hi, strict=True))))
-        p = corners @ T_camera_solid[:3, :3].T + T_camera_solid[:3, 3]
+        p = matmul(corners, T_camera_solid[:3, :3].T) + T_camera_solid[:3, 3]
         width, height = self.camera.width, self.camera.height
         if p[:, 2].max() < NEAREST:
             return None
@@ -145,11 +146,11 @@ class Caster:
 def _fill(out: Shaded, solid: Solid, part: slice) -> None:
     R = solid.pose[:3, :3].astype(np.float32)
     scale = solid.scale.astype(np.float32)[:, None]
-    metric = R.T @ (out.point[:, part] - solid.pose[:3, 3].astype(np.float32)[:, None])
+    metric = matmul(R.T, out.point[:, part] - solid.pose[:3, 3].astype(np.float32)[:, None])
     n = np.asarray(solid.shape.normal(np.asarray(metric / scale, np.float32)) / scale, np.float32)
     if solid.roughness:
         n = np.asarray(n / norm3(n) + _folds(metric, solid.roughness), np.float32)
-    n = np.asarray(R @ n, np.float32)
+    n = matmul(R, n)
     out.normal[:, part] = n / np.maximum(norm3(n), 1e-6)
     material = solid.material
     out.albedo[:, part] = material.texture(metric)
@@ -199,7 +200,7 @@ def rod(
     roughness: float = 0.0,
 ) -> Solid:
     """Rounded cone from ``a`` to ``b``; ``depth`` flattens it across ``right``."""
-    length = float(np.linalg.norm(b - a))
+    length = norm(b - a)
     if length <= abs(ra - rb):
         length = abs(ra - rb) + 1e-3
     pose = along(a, b, vec(1, 0, 0) if right is None else right)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import partial
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from pointbrush.samples.geometry import Array, along, rigid, vec
 from pointbrush.samples.lighting import Lamp, Lights
 from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, sin
 from pointbrush.samples.shapes import Ball, Lathe
 from pointbrush.samples.textures import (
     Material,
@@ -254,10 +254,10 @@ def _plant(rng: np.random.Generator) -> list[Solid]:
         angle = number * 2.4
         height = 0.45 + 0.75 * rng.random()
         reach = 0.10 + 0.24 * rng.random()
-        tip = vec(x + reach * math.cos(angle), height, z + reach * math.sin(angle))
+        tip = vec(x + reach * cos(angle), height, z + reach * sin(angle))
         root = vec(x, 0.3 + 0.35 * (height - 0.3), z)
         green = matte(["#3d6b34", "#4f7f3c", "#2f5a33"][number % 3], grain=0.3, infrared=0.9)
-        R = along(root, tip, vec(-math.sin(angle), 0.2, math.cos(angle)))[:3, :3]
+        R = along(root, tip, vec(-sin(angle), 0.2, cos(angle)))[:3, :3]
         parts.append(egg(tip, (0.055, 0.15, 0.01), green, R=R, roughness=0.2))
         parts.append(rod(root, tip, 0.006, 0.004, green))
     return parts

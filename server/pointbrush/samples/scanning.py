@@ -29,11 +29,14 @@ from pointbrush.samples.geometry import (
 from pointbrush.samples.interior import HOME, Interior
 from pointbrush.samples.lighting import Lamp, Lights, ambient_light, lamp_light
 from pointbrush.samples.render import Caster, Solid
+from pointbrush.samples.reproducible import cos, draw_normal, matmul, norms, sin
 from pointbrush.samples.sensor import KINECT, Sensor, develop, measure, pixel_rays
 from pointbrush.samples.textures import noise
 
 WIDE = DepthCamera(width=288, height=216, fx=190.0, fy=190.0, cx=143.5, cy=107.5)
 """The camera that is carried through a room to scan it."""
+NEWTON_STEPS = 12
+"""Steps to the least eigenvalue of a neighbourhood's scatter."""
 FUSED_AT_ONCE = 20_000
 """Points whose neighbourhoods are held at once."""
 SCAN_NOISE = 0.004
@@ -74,10 +77,10 @@ def _somewhere(solids: list[Solid], eye: Array, rng: np.random.Generator, reach:
     places = np.array([s.pose[:3, 3] for s in solids if s.label])
     if len(places) == 0:
         return np.asarray(eye + vec(1, -0.3, 0))
-    away = np.linalg.norm(places - eye, axis=1)
+    away = norms(places - eye)
     near = np.flatnonzero((away < reach) & (away > 0.9))
     chosen = int(rng.choice(near)) if len(near) else int(away.argmin())
-    return np.asarray(places[chosen] + rng.normal(0, 0.15, 3))
+    return np.asarray(places[chosen] + draw_normal(rng, 0.15, 3))
 
 
 def view_of(
@@ -174,17 +177,17 @@ def scan_of(interior: Interior, seed: int, options: ScanOptions) -> Labelled:
     xyz, rgb, label = [], [], []
     for k in range(options.views):
         angle = 2 * math.pi * k / options.views + rng.uniform(-0.2, 0.2)
-        eye = vec(w * math.cos(angle), rng.uniform(1.3, 1.8), d * math.sin(angle))
+        eye = vec(w * cos(angle), rng.uniform(1.3, 1.8), d * sin(angle))
         aim = vec(-eye[0], rng.uniform(0.1, 1.2), -eye[2]) * rng.uniform(0.1, 0.8)
         if k % 2:
             aim = _somewhere(interior.solids, eye, rng, 5.0)
         made = view_of(interior.solids, look_at(eye, aim), WIDE, sensor, rng)
         T = made.T_room_frame
         if options.drift or options.turn:
-            wrong = from_rotation_vector(rng.normal(0, options.turn, 3))
-            T = rigid(wrong @ T[:3, :3], T[:3, 3] + rng.normal(0, options.drift, 3))
-        room = made.frame.xyz @ T[:3, :3].T + T[:3, 3]
-        xyz.append(room + rng.normal(0, options.noise, room.shape))
+            wrong = from_rotation_vector(draw_normal(rng, options.turn, 3))
+            T = rigid(matmul(wrong, T[:3, :3]), T[:3, 3] + draw_normal(rng, options.drift, 3))
+        room = matmul(made.frame.xyz, T[:3, :3].T) + T[:3, 3]
+        xyz.append(room + draw_normal(rng, options.noise, room.shape))
         rgb.append(made.frame.rgb)
         label.append(made.instance)
     every, colours = np.concatenate(xyz), np.concatenate([c for c in rgb if c is not None])
@@ -206,16 +209,37 @@ def _fused(
     places, tints = np.empty_like(xyz), np.empty_like(rgb)
     for first in range(0, len(xyz), FUSED_AT_ONCE):
         part = slice(first, first + FUSED_AT_ONCE)
-        around = xyz[near[part]]
-        middle = around.mean(axis=1)
-        apart = around - middle[:, None]
-        normal = np.linalg.eigh(np.einsum("nki,nkj->nij", apart, apart))[1][:, :, 0]
+        around = xyz[near[part].T]
+        middle = around.mean(axis=0)
+        normal = _normals(around - middle)
         # Waves move a surface as one: upward or to one side, whichever way its normal points.
-        normal *= np.where(normal @ vec(0.3, 0.9, 0.4) < 0, -1.0, 1.0)[:, None]
-        lift = np.einsum("ni,ni->n", middle - xyz[part], normal) + 2 * options.bumps * wave[part]
+        normal *= np.where(matmul(normal, vec(0.3, 0.9, 0.4)) < 0, -1.0, 1.0)[:, None]
+        lift = ((middle - xyz[part]) * normal).T.sum(axis=0) + 2 * options.bumps * wave[part]
         places[part] = xyz[part] + lift[:, None] * normal
         tints[part] = rgb[near[part]].mean(axis=1).round()
     return places, tints
+
+
+def _normals(apart: Array) -> Array:
+    """Return the directions (N, 3) of least spread of neighbours (K, N, 3) about their middles."""
+    x, y, z = np.moveaxis(apart, -1, 0)
+    xx, yy, zz, xy, xz, yz = (
+        (a * b).sum(axis=0) for a, b in ((x, x), (y, y), (z, z), (x, y), (x, z), (y, z))
+    )
+    trace = xx + yy + zz
+    minors = xx * yy + xx * zz + yy * zz - xy * xy - xz * xz - yz * yz
+    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    least = np.zeros_like(trace)
+    for _ in range(NEWTON_STEPS):  # from below to the least root of the characteristic polynomial
+        value = ((least - trace) * least + minors) * least - determinant
+        slope = (3 * least - 2 * trace) * least + minors
+        least -= np.where(slope > 0, value / np.where(slope > 0, slope, 1), 0)
+    rows = np.stack([xx - least, xy, xz, xy, yy - least, yz, xz, yz, zz - least], -1)
+    rows = rows.reshape(-1, 3, 3)
+    across = np.cross(rows, rows[:, [1, 2, 0]])
+    size = (across * across).sum(axis=-1)
+    longest = np.arange(len(rows)), size.argmax(axis=1)
+    return np.asarray(across[longest] / np.sqrt(np.maximum(size[longest], 1e-300))[:, None])
 
 
 def _thinned(xyz: Array, points: int, rng: np.random.Generator) -> NDArray[np.intp]:

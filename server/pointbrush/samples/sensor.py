@@ -12,11 +12,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter, maximum_filter, minimum_filter, uniform_filter
+from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from pointbrush.frame import DepthCamera
 from pointbrush.samples.geometry import Array, Field, axis_angle, norm3, rigid, vec
 from pointbrush.samples.render import Solid
+from pointbrush.samples.reproducible import (
+    asin,
+    atan2,
+    cos,
+    cosines,
+    draw_exponential,
+    draw_normal,
+    gaussian_blur,
+    matmul,
+    norm,
+    sin,
+    sines,
+)
 
 KINECT = DepthCamera(width=512, height=424, fx=365.456, fy=365.456, cx=254.878, cy=205.395)
 """Intrinsics of a Kinect for Xbox One depth sensor (factory calibration of one unit)."""
@@ -27,6 +40,9 @@ FLYING_TOLERANCE = 0.02
 
 EDGE = 0.05
 """Depth step between neighbours, metres, that makes an edge."""
+
+_TONES = (np.linspace(0, 1, 2**16) ** (1 / 2.2) * 255 + 0.5).astype(np.uint8)
+"""Tone by linear light, none so near a step between tones that a library's last bit shows."""
 
 _AROUND = np.array([(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1)]).T
 
@@ -42,7 +58,9 @@ def pixel_rays(camera: DepthCamera) -> Field:
 def tripod(height: float, pitch_degrees: float) -> Array:
     """``T_room_camera`` of a camera above the room's origin that looks along -z and down."""
     flip = np.diag([1.0, -1.0, -1.0])  # camera: x right, y down, z forward
-    return rigid(axis_angle(vec(-1, 0, 0), math.radians(pitch_degrees)) @ flip, vec(0, height, 0))
+    return rigid(
+        matmul(axis_angle(vec(-1, 0, 0), math.radians(pitch_degrees)), flip), vec(0, height, 0)
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +111,8 @@ def measure(
     if sensor.noise > 0:
         measured, label = _fly(far, label, rng, sensor.noise)
         weak = np.clip(0.45 / np.maximum(bright, 1e-4), 0.8, 2.5)
-        white = rng.standard_normal((height, width), dtype=np.float32)
-        shared = gaussian_filter(rng.standard_normal((height, width), dtype=np.float32), 1.2) * 4.2
+        white = _grain(rng, depth.shape)
+        shared = gaussian_blur(_grain(rng, depth.shape), 1.2) * 4.2
         sigma = deviation(far) * weak * np.float32(sensor.noise)
         measured = measured + sigma * (0.8 * white + 0.6 * shared)
     lost = (measured < sensor.nearest) | (measured > sensor.farthest) | (strength <= 0)
@@ -105,6 +123,10 @@ def measure(
         lost |= chance < (faint + edge + np.float32(0.0012)) * np.float32(min(sensor.noise, 2))
     millimetres = np.round(measured * 1000)
     return Scan(np.where(lost, 0, millimetres / 1000).astype(np.float32), label)
+
+
+def _grain(rng: np.random.Generator, shape: tuple[int, ...]) -> Field:
+    return draw_normal(rng, 1.0, shape).astype(np.float32)
 
 
 def _vignette(height: int, width: int) -> Field:
@@ -122,7 +144,7 @@ def _jitter(
 ) -> tuple[Field, NDArray[np.uint16], Field]:
     """Let edge pixels look a pixel aside now and then."""
     rows, columns = np.nonzero(_span(depth) > EDGE)
-    offset = rng.normal(0, 0.42, (2, rows.size))
+    offset = draw_normal(rng, 0.42, (2, rows.size))
     r = np.clip(np.rint(rows + offset[0]), 0, depth.shape[0] - 1).astype(np.intp)
     c = np.clip(np.rint(columns + offset[1]), 0, depth.shape[1] - 1).astype(np.intp)
     depths, labels, amplitudes = depth.copy(), label.copy(), amplitude.copy()
@@ -146,7 +168,9 @@ def _fly(
     around, each = depth[r, c], np.arange(rows.size)
     low, high = around.argmin(axis=0), around.argmax(axis=0)
     a, b = around[low, each], around[high, each]
-    reach = np.minimum(b - a, 1.5) * rng.beta(0.6, 1.1, rows.size).astype(np.float32)
+    root = np.sqrt(rng.random(rows.size))
+    share = root * root * root * np.sqrt(root)  # as good as a beta distribution, 0.6 and 1.1
+    reach = np.minimum(b - a, 1.5) * share.astype(np.float32)
     flown, truth = depth.copy(), label.copy()
     flown[rows, columns] = a + reach
     by_near, by_far = label[r, c][low, each], label[r, c][high, each]
@@ -159,19 +183,17 @@ def develop(
     sensor: Sensor, light: Field, rng: np.random.Generator, gain: float = 1.0
 ) -> NDArray[np.uint8]:
     """(H, W, 3) sRGB picture of linear light (3, H, W): lens blur, noise, tone curve."""
-    image = np.stack([gaussian_filter(channel, 0.55) for channel in light])
+    image = np.stack([gaussian_blur(channel, 0.55) for channel in light])
     image *= np.float32(sensor.exposure * gain)
     image = image / (1 + 0.22 * image) * np.float32(1.12)
     if sensor.noise > 0:
         shape = image.shape[1:]
-        luma = rng.standard_normal(shape, dtype=np.float32)
-        chroma = np.stack(
-            [uniform_filter(rng.standard_normal(shape, dtype=np.float32), (2, 4)) for _ in range(3)]
-        )
+        luma = _grain(rng, shape)
+        chroma = np.stack([uniform_filter(_grain(rng, shape), (2, 4)) for _ in range(3)])
         level = np.sqrt(np.maximum(image.mean(axis=0), 0) * 0.00035 + 0.00002)
         image = image + (level * np.float32(sensor.noise)) * (0.7 * luma + 1.5 * chroma)
-    encoded = np.clip(image, 0, 1) ** np.float32(1 / 2.2) * 255 + 0.5
-    return np.ascontiguousarray(encoded.transpose(1, 2, 0)).astype(np.uint8)
+    level = np.clip(image, 0, 1) * np.float32(_TONES.size - 1)
+    return _TONES[np.ascontiguousarray(level.transpose(1, 2, 0)).astype(np.uint16)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,13 +226,12 @@ def spin(spinner: Spinner, eye: Array, solids: Sequence[Solid], rng: np.random.G
     """Cast the rays of one turn at ``eye`` (3,); solids of roughness 1 and more are foliage, which
     rays enter or pass."""
     up = np.radians(np.linspace(spinner.lowest, spinner.highest, spinner.rings))
-    up = up + rng.normal(0, 0.0004, spinner.rings)
-    round_ = np.arange(spinner.steps) * (2 * math.pi / spinner.steps)
-    azimuth, elevation = np.meshgrid(round_, up)
-    level = np.cos(elevation)
+    up = up + draw_normal(rng, 0.0004, spinner.rings)
+    azimuth = np.arange(spinner.steps) * (2 * math.pi / spinner.steps)
+    level, high = cosines(up)[:, None], sines(up)[:, None]
     # x right, y up, z toward the viewer: azimuth from x to -z.
-    rays = np.stack([level * np.cos(azimuth), np.sin(elevation), -level * np.sin(azimuth)])
-    rays = rays.reshape(3, -1).astype(np.float32)
+    axes = np.broadcast_arrays(level * cosines(azimuth), high, -level * sines(azimuth))
+    rays: Field = np.stack(axes).reshape(3, -1).astype(np.float32)
     depth = np.full(rays.shape[1], np.inf, np.float32)
     owner = np.full(rays.shape[1], -1, np.int32)
     for number, solid in enumerate(solids):
@@ -226,21 +247,21 @@ def spin(spinner: Spinner, eye: Array, solids: Sequence[Solid], rng: np.random.G
 def _aimed(spinner: Spinner, solid: Solid, eye: Array) -> NDArray[np.intp]:
     """Numbers of the rays that may meet a solid: those toward the ball round its box."""
     lo, hi = (bound * solid.scale for bound in solid.shape.bounds)
-    middle = solid.pose[:3, :3] @ ((lo + hi) / 2) + solid.pose[:3, 3] - eye
-    radius = float(np.linalg.norm(hi - lo)) / 2
-    away = float(np.linalg.norm(middle))
+    middle = matmul(solid.pose[:3, :3], (lo + hi) / 2) + solid.pose[:3, 3] - eye
+    radius = norm(hi - lo) / 2
+    away = norm(middle)
     if away <= radius * 1.05:
         return np.arange(spinner.rings * spinner.steps)
-    half = math.asin(radius / away)
-    elevation = math.asin(float(middle[1]) / away)
+    half = asin(radius / away)
+    elevation = asin(float(middle[1]) / away)
     span = math.radians(spinner.highest - spinner.lowest) / (spinner.rings - 1)
     first = math.floor((elevation - half - math.radians(spinner.lowest)) / span)
     last = math.ceil((elevation + half - math.radians(spinner.lowest)) / span)
     rings = np.arange(max(first, 0), min(last + 1, spinner.rings))
-    ratio = math.sin(half) / max(math.cos(elevation), 1e-6)
-    wide = math.asin(ratio) if ratio < 1 else math.pi
+    ratio = sin(half) / max(cos(elevation), 1e-6)
+    wide = asin(ratio) if ratio < 1 else math.pi
     step = 2 * math.pi / spinner.steps
-    toward = math.atan2(-float(middle[2]), float(middle[0]))
+    toward = atan2(-float(middle[2]), float(middle[0]))
     reach = min(math.ceil(wide / step) + 1, spinner.steps // 2)
     columns = np.unique((round(toward / step) + np.arange(-reach, reach + 1)) % spinner.steps)
     return np.asarray((rings[:, None] * spinner.steps + columns).ravel(), np.intp)
@@ -248,10 +269,10 @@ def _aimed(spinner: Spinner, solid: Solid, eye: Array) -> NDArray[np.intp]:
 
 def _meet(solid: Solid, eye: Array, rays: Field, rng: np.random.Generator) -> Field:
     inverse = solid.pose[:3, :3].T / solid.scale[:, None]
-    o = (inverse @ (eye - solid.pose[:3, 3])).astype(np.float32)
-    t = solid.shape.hit(o, inverse.astype(np.float32) @ rays)
+    o = matmul(inverse, eye - solid.pose[:3, 3]).astype(np.float32)
+    t = solid.shape.hit(o, matmul(inverse.astype(np.float32), rays))
     if solid.roughness >= 1:
-        deeper = rng.exponential(0.35, t.size).astype(np.float32)
+        deeper = draw_exponential(rng, 0.35, t.size).astype(np.float32)
         t = np.where(rng.random(t.size) < 0.35, np.float32(np.inf), t + deeper)
     return np.asarray(t, np.float32)
 
@@ -271,14 +292,14 @@ def _returns(
     for number in np.unique(owner):
         on = np.flatnonzero(owner == number)
         solid = solids[int(number)]
-        metric = solid.pose[:3, :3].T @ (exact[:, on] - solid.pose[:3, 3][:, None])
+        metric = matmul(solid.pose[:3, :3].T, exact[:, on] - solid.pose[:3, 3][:, None])
         scale = solid.scale[:, None]
         n = np.asarray(solid.shape.normal(np.asarray(metric / scale, np.float32)) / scale)
-        n = solid.pose[:3, :3] @ n / np.maximum(norm3(np.asarray(n, np.float32)), 1e-9)
+        n = matmul(solid.pose[:3, :3], n) / np.maximum(norm3(np.asarray(n, np.float32)), 1e-9)
         facing = np.abs((n * rays[:, on]).sum(axis=0))
         tone = solid.material.texture(np.asarray(metric, np.float32)).mean(axis=0)
         strength[on] = tone * (0.3 + 0.7 * facing)
     strength *= rng.uniform(0.85, 1.15, depth.size).astype(np.float32)
-    measured = depth + rng.normal(0, spinner.noise, depth.size)
+    measured = depth + draw_normal(rng, spinner.noise, depth.size)
     xyz = (eye[:, None] + rays * measured).T
     return Turn(xyz, np.clip(strength, 0, 1), labels[owner])

@@ -38,8 +38,8 @@ class Shape(Protocol):
 
 def _sphere(oc: Field, d: Field, dd: Field, radius: float) -> Field:
     """First meeting with a ball; ``oc`` origin minus centre, ``dd`` squared length of ``d``."""
-    b = oc @ d
-    h = b * b - dd * np.float32(oc @ oc - radius * radius)
+    b = dot3(oc, d)
+    h = b * b - dd * (dot3(oc, oc) - np.float32(radius * radius))
     return np.asarray(np.where(h > 0, (-b - np.sqrt(np.maximum(h, 0))) / dd, MISS), np.float32)
 
 
@@ -111,12 +111,12 @@ class RoundCone:
         ones = np.ones_like(speed)
         top = o - np.array([0, self.length, 0], np.float32)
         t = np.minimum(_sphere(o, d, ones, self.ra), _sphere(top, d, ones, self.rb))
-        slope = self.ra - self.rb
-        span = self.length**2 - slope**2
-        m1, m2, m3 = self.length * float(o[1]), self.length * d[1], o @ d
+        slope, edge = self.ra - self.rb, self.length * self.ra
+        span = self.length * self.length - slope * slope
+        m1, m2, m3 = self.length * float(o[1]), self.length * d[1], dot3(o, d)
         k2 = span - m2 * m2
         k1 = span * m3 - m1 * m2 + m2 * (slope * self.ra)
-        k0 = span * float(o @ o) - m1 * m1 + 2 * m1 * slope * self.ra - (self.length * self.ra) ** 2
+        k0 = span * float(dot3(o, o)) - m1 * m1 + 2 * m1 * slope * self.ra - edge * edge
         h = k1 * k1 - k0 * k2
         with np.errstate(divide="ignore", invalid="ignore"):
             side = (-k1 - np.sqrt(np.maximum(h, 0))) / k2
@@ -126,8 +126,9 @@ class RoundCone:
 
     def normal(self, p: Field) -> Field:
         """See Shape."""
-        span = self.length**2 - (self.ra - self.rb) ** 2
-        y = self.length * p[1] - self.ra * (self.ra - self.rb)
+        slope = self.ra - self.rb
+        span = self.length * self.length - slope * slope
+        y = self.length * p[1] - self.ra * slope
         n = p.copy()
         n[1] -= np.clip(y * (self.length / span), 0, self.length)
         return n

@@ -11,6 +11,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.samples.furniture import colour
 from pointbrush.samples.geometry import Array, along, rigid, vec, yaw
 from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import draw_normal, matmul, sines
 from pointbrush.samples.scanning import Labelled
 from pointbrush.samples.sensor import Spinner, spin
 from pointbrush.samples.shapes import Cylinder
@@ -78,7 +79,7 @@ class Street:
             self.objects[self.count] = model, T
         for s in solids:
             self.solids.append(
-                Solid(s.shape, T @ s.pose, s.material, s.scale, self.count, s.roughness)
+                Solid(s.shape, matmul(T, s.pose), s.material, s.scale, self.count, s.roughness)
             )
 
     def _ground(self) -> None:
@@ -130,7 +131,7 @@ class Street:
             body = vehicle(rng)
             if rng.random() < full:
                 x = side * (self.road - rng.uniform(0.9, 1.3))
-                turn = math.pi * rng.integers(2) + rng.normal(0, 0.03)
+                turn = math.pi * rng.integers(2) + draw_normal(rng, 0.03)
                 self._add("vehicle", body.solids, x, z, turn, model=body.kind)
             z += body.length + rng.uniform(0.5, 3.0)
 
@@ -152,7 +153,8 @@ class Street:
             z = rng.uniform(10, 30) * (1 if rng.random() < 0.5 else -1)
             for k in range(int(rng.integers(2, 7))):
                 x = (k - 3) * rng.uniform(2.3, 2.8)
-                self._add("vehicle", vehicle(rng).solids, x, z, math.pi / 2 + rng.normal(0, 0.05))
+                turn = math.pi / 2 + draw_normal(rng, 0.05)
+                self._add("vehicle", vehicle(rng).solids, x, z, turn)
 
     def _pavement(self, side: int) -> None:
         rng = self._rng
@@ -162,7 +164,7 @@ class Street:
             if kind < 0.35:
                 group = int(rng.integers(1, 4))
                 for k in range(group):
-                    body, away = pedestrian(rng), z + rng.normal(0, 0.3)
+                    body, away = pedestrian(rng), z + draw_normal(rng, 0.3)
                     turn = rng.uniform(0, 6)
                     self._add("person", body, x + 0.6 * k, away, turn, y, "pedestrian")
             elif kind < 0.6:
@@ -282,10 +284,10 @@ def tree(rng: Rng) -> list[Solid]:
     """Return a tree: a trunk and a crown that rays enter."""
     h, r = rng.uniform(1.5, 3.5), rng.uniform(0.08, 0.3)
     bark, leaf = matte("#5b4a3a"), matte("#4f6b38", grain=0.3)
-    parts = [rod(vec(0, 0, 0), vec(rng.normal(0, 0.15), h + 1, 0), r, r * 0.7, bark)]
+    parts = [rod(vec(0, 0, 0), vec(draw_normal(rng, 0.15), h + 1, 0), r, r * 0.7, bark)]
     size = rng.uniform(0.8, 2.2)
     for _ in range(int(rng.integers(3, 8))):
-        at = vec(*rng.normal(0, size * 0.5, 3)) + vec(0, h + size, 0)
+        at = vec(*draw_normal(rng, size * 0.5, 3)) + vec(0, h + size, 0)
         a, b, c = rng.uniform(0.5, 1.0, 3) * size
         parts.append(egg(at, (a, b, c), leaf, roughness=FOLIAGE))
     return parts
@@ -317,6 +319,7 @@ def _hilly(xyz: Array, rng: Rng) -> Array:
     """Lift points (N, 3) by gentle hills, everything with the ground under it."""
     lifted = xyz.copy()
     for _ in range(3):
-        wave = rng.normal(0, 1, 2) / rng.uniform(12, 40)
-        lifted[:, 1] += rng.uniform(0.02, 0.4) * np.sin(xyz[:, [0, 2]] @ wave + rng.uniform(0, 6))
+        wave = draw_normal(rng, 1, 2) / rng.uniform(12, 40)
+        height, phase = rng.uniform(0.02, 0.4), rng.uniform(0, 6)
+        lifted[:, 1] += height * sines(matmul(xyz[:, [0, 2]], wave) + phase)
     return lifted

@@ -21,6 +21,7 @@ from pointbrush.samples.people import body
 from pointbrush.samples.posture import LOOKS, Foot, Posture
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, inner, matmul, norm, sin
 from pointbrush.samples.sensor import tripod
 from pointbrush.samples.shapes import Lathe
 from pointbrush.samples.textures import (
@@ -54,7 +55,7 @@ class Thing:
 
     def placed(self, T_room_thing: Array, label: int) -> list[Solid]:
         """Return its solids in the room."""
-        return [replace(s, pose=T_room_thing @ s.pose, label=label) for s in self.solids]
+        return [replace(s, pose=matmul(T_room_thing, s.pose), label=label) for s in self.solids]
 
 
 def _turned(heights: list[float], radii: list[float], material: Material) -> Solid:
@@ -64,7 +65,7 @@ def _turned(heights: list[float], radii: list[float], material: Material) -> Sol
 def _mug() -> Thing:
     glaze = shiny("#c23b36", gloss=0.7)
     handle = [
-        vec(0.036 + 0.028 * math.sin(a), 0.048 - 0.03 * math.cos(a), 0)
+        vec(0.036 + 0.028 * sin(a), 0.048 - 0.03 * cos(a), 0)
         for a in np.linspace(0.15, math.pi - 0.15, 6)
     ]
     ring = [rod(a, b, 0.0065, 0.0065, glaze) for a, b in pairwise(handle)]
@@ -181,10 +182,10 @@ class Move:
         """(4, 4) ``T_room_thing`` between grasp and release."""
         s = min(max((t - self.grasp) / (self.release - self.grasp), 0.0), 1.0)
         e = smoothstep(s)
-        arch = math.sin(math.pi * s) ** 2
+        arch = sin(math.pi * s) * sin(math.pi * s)
         place = self.start + (self.end - self.start) * e + UP * (self.lift * arch)
         R = yaw(self.turn0 + (self.turn1 - self.turn0) * e)
-        return rigid(R @ axis_angle(vec(1, 0, 0), self.tilt * arch), place)
+        return rigid(matmul(R, axis_angle(vec(1, 0, 0), self.tilt * arch)), place)
 
 
 class Script:
@@ -210,7 +211,7 @@ class Script:
             x = rng.uniform(0.02, REACH) * side if side else rng.uniform(-REACH, REACH)
             place = vec(x, TABLE, rng.uniform(FAR, NEAR))
             gaps = [
-                float(np.linalg.norm(place - other)) - self._things[k].radius - thing.radius
+                norm(place - other) - self._things[k].radius - thing.radius
                 for n, (other, thing) in enumerate(zip(self.places, self._things, strict=False))
                 if n != k
             ]
@@ -250,9 +251,9 @@ class Script:
         way = end - self.places[k]
         for n, other in enumerate(self.places):
             if n != k:
-                along = float((other - self.places[k]) @ way) / max(float(way @ way), 1e-9)
+                along = inner(other - self.places[k], way) / max(inner(way, way), 1e-9)
                 share = min(max(along, 0.0), 1.0)
-                gap = np.linalg.norm(self.places[k] + share * way - other)
+                gap = norm(self.places[k] + share * way - other)
                 if gap < self._things[k].radius + self._things[n].radius + 0.02:
                     return False
         return True
@@ -281,7 +282,7 @@ class Script:
         if len(before) > 1:
             came = self.hand(which, before[-1].begin - 1e-6)
         s = smoothstep((t - move.begin) / (move.grasp - move.begin))
-        above = UP * (0.10 * math.sin(math.pi * s))
+        above = UP * (0.10 * sin(math.pi * s))
         return np.asarray(came + (self._grip(move, side, t) - came) * s + above)
 
     def _grip(self, move: Move, side: float, t: float) -> Array:
@@ -380,6 +381,6 @@ class TabletopScene:
             lean=0.22 + 0.5 * max(0.0, ahead),
             twist=0.6 * float(hands[1][2] - hands[0][2]),
             gaze=(hands[0] + hands[1]) / 2,
-            breath=math.sin(2 * math.pi * t / 3.6),
+            breath=sin(2 * math.pi * t / 3.6),
             elbows=vec(0.8, -0.5, -0.3),
         )

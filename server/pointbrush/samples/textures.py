@@ -14,6 +14,7 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 
 from pointbrush.samples.geometry import Field
+from pointbrush.samples.reproducible import cosines, sines
 
 Texture = Callable[[Field], Field]
 Color = tuple[float, float, float]
@@ -24,18 +25,18 @@ _TABLE = np.random.default_rng(2).random((32, 32, 32)).astype(np.float32)
 def linear(color: str) -> Color:
     """Return the linear albedo of an sRGB colour "#rrggbb"."""
     r, g, b = (int(color[i : i + 2], 16) / 255 for i in (1, 3, 5))
-    return (r**2.2, g**2.2, b**2.2)
+    return (round(r**2.2, 9), round(g**2.2, 9), round(b**2.2, 9))
 
 
 def noise(p: Field, scale: float, octaves: int = 2) -> Field:
     """(N,) value noise in 0..1 whose largest bumps are ``scale`` metres wide."""
     total = np.zeros(p.shape[1], np.float32)
-    weight = 0.0
+    weight, amount = 0.0, 1.0
     for octave in range(octaves):
         q = p * np.float32(2**octave / scale) + np.float32(7.3 * octave)
-        amount = 0.55**octave
         total += np.float32(amount) * map_coordinates(_TABLE, q, order=1, mode="grid-wrap")
         weight += amount
+        amount *= 0.55
     return np.asarray(total / np.float32(weight), np.float32)
 
 
@@ -68,14 +69,14 @@ def cloth(p: Field, *, color: Color, fold: float = 0.10) -> Field:
 
 def striped(p: Field, *, color: Color, second: Color, width: float) -> Field:
     """Fabric with horizontal stripes along y."""
-    band = np.clip(np.sin(p[1] * np.float32(2 * np.pi / width)) * 6 + 0.5, 0, 1)
-    return _mix(cloth(p, color=color), cloth(p, color=second), band)
+    wave = sines(p[1] * np.float32(2 * np.pi / width)).astype(np.float32)
+    return _mix(cloth(p, color=color), cloth(p, color=second), np.clip(wave * 6 + 0.5, 0, 1))
 
 
 def checked(p: Field, *, color: Color, second: Color, width: float) -> Field:
     """Fabric with crossing bands (a lumberjack's shirt)."""
-    across = (np.sin(p[0] * np.float32(2 * np.pi / width)) > 0).astype(np.float32)
-    upward = (np.sin(p[1] * np.float32(2 * np.pi / width)) > 0).astype(np.float32)
+    across = (p[0] / width % 1 < 0.5).astype(np.float32)
+    upward = (p[1] / width % 1 < 0.5).astype(np.float32)
     return _mix(cloth(p, color=color), cloth(p, color=second), (across + upward) / 2)
 
 
@@ -118,10 +119,10 @@ def weave(p: Field, *, color: Color, second: Color, border: Color, half: Color) 
 
 def books(p: Field, *, width: float = 0.034) -> Field:
     """Backs of books along x, each of its own colour, with a title bar."""
-    number = np.floor(p[0] / width + 0.35 * np.sin(np.floor(p[0] / width * 0.5)))
+    number = np.floor(p[0] / width + 0.35 * sines(np.floor(p[0] / width * 0.5)))
     hue = _hash(number)
     tone = 0.12 + 0.5 * _hash(number, number + 3)
-    color = 0.5 + 0.5 * np.cos(6.28 * (hue + np.array([[0.0], [0.33], [0.62]], np.float32)))
+    color = 0.5 + 0.5 * cosines(6.28 * (hue + np.array([[0.0], [0.33], [0.62]], np.float32)))
     title = (np.abs(p[1] - 0.02) < 0.02 + 0.02 * hue) & (_hash(number + 9) > 0.4)
     gap = np.clip((p[0] / width % 1) * 9, 0.15, 1)
     return np.asarray((0.25 + 0.75 * color) * tone * gap + title * 0.35, np.float32)
@@ -155,7 +156,8 @@ def face(p: Field, *, skin: Color, hair: Color, hairline: float) -> Field:
     """A head of unit half-height 0.12 m: skin, eyes, brows, mouth, hair above; it looks along z."""
     color = _paint(skin, 0.9 + 0.2 * noise(p, 0.05))
     front = p[2] > 0
-    cheeks = np.exp(-(((np.abs(p[0]) - 0.04) / 0.02) ** 2 + ((p[1] + 0.03) / 0.02) ** 2))
+    away = ((np.abs(p[0]) - 0.04) / 0.02) ** 2 + ((p[1] + 0.03) / 0.02) ** 2
+    cheeks = (np.maximum(1 - away / 4, 0) ** 2) ** 2
     color *= 1 + np.array([[0.10], [-0.12], [-0.12]], np.float32) * (cheeks * front)
     eyes = (np.abs(np.abs(p[0]) - 0.032) < 0.012) & (np.abs(p[1] - 0.012) < 0.007) & front
     brows = (np.abs(np.abs(p[0]) - 0.032) < 0.018) & (np.abs(p[1] - 0.034) < 0.005) & front

@@ -16,8 +16,9 @@ from pointbrush.frame import PointFrame
 from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.quaternions import quaternion_of
 from pointbrush.samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
-from pointbrush.samples.geometry import Array, rigid, vec, yaw
+from pointbrush.samples.geometry import Array, inverse, rigid, vec, yaw
 from pointbrush.samples.render import Solid
+from pointbrush.samples.reproducible import cos, matmul, norm, norms, sin
 from pointbrush.samples.scanning import Labelled
 from pointbrush.samples.sensor import spin
 from pointbrush.samples.shapes import Ball, Box, RoundCone
@@ -53,10 +54,10 @@ class Way:
             moved = vec(0, 0, self.speed * t)
         else:
             radius = self.speed / self.turning
-            moved = radius * vec(1 - math.cos(angle), 0, math.sin(angle))
+            moved = radius * vec(1 - cos(angle), 0, sin(angle))
         turned = yaw(angle)
-        step = rigid(turned, back + moved - turned @ back)
-        return np.asarray(self.start @ step)
+        step = rigid(turned, back + moved - matmul(turned, back))
+        return matmul(self.start, step)
 
 
 class Traffic(DrivenStreet):
@@ -79,11 +80,12 @@ class Traffic(DrivenStreet):
     def at(self, t: float) -> list[Solid]:
         """See DrivenStreet."""
         moved = {
-            label: way.at(t) @ np.linalg.inv(self.objects[label][1])
+            label: matmul(way.at(t), inverse(self.objects[label][1]))
             for label, way in self.ways.items()
         }
         return [
-            replace(s, pose=moved[s.label] @ s.pose) if s.label in moved else s for s in self.solids
+            replace(s, pose=matmul(moved[s.label], s.pose)) if s.label in moved else s
+            for s in self.solids
         ]
 
     def _turning(self) -> None:
@@ -116,14 +118,14 @@ class Traffic(DrivenStreet):
             at = way.at(t)[:3, 3]
             others = [self.place(label, t)[:3, 3] for label in self.objects]
             others.append(vec(LANE * self.road, 0, START + self.own.speed * t))
-            if min(float(np.linalg.norm(other - at)) for other in others) < CLEAR_M:
+            if min(norm(other - at) for other in others) < CLEAR_M:
                 return False
         person = kind in ("pedestrian", "cyclist")
         self._add("person" if person else "vehicle", solids, 0, 0, 0, model=kind)
         self.objects[self.count] = kind, way.start
         for number in range(len(self.solids) - len(solids), len(self.solids)):
             solid = self.solids[number]
-            self.solids[number] = replace(solid, pose=way.start @ solid.pose)
+            self.solids[number] = replace(solid, pose=matmul(way.start, solid.pose))
         self.ways[self.count] = way
         return True
 
@@ -163,16 +165,16 @@ def traffic(seed: int, frames: int, rate: float = 10.0) -> TrueTraffic:
 
 
 def _box(street: Traffic, label: int, eyes: list[Array], rate: float) -> OrientedBox:
-    T_object_room = np.linalg.inv(street.objects[label][1])
-    parts = [_bounds(s, T_object_room @ s.pose) for s in street.solids if s.label == label]
+    T_object_room = inverse(street.objects[label][1])
+    parts = [_bounds(s, matmul(T_object_room, s.pose)) for s in street.solids if s.label == label]
     low = np.min([part[0] for part in parts], axis=0)
     high = np.max([part[1] for part in parts], axis=0)
     poses = {}
     for i, eye in enumerate(eyes):
         T = street.place(label, i / rate)
-        centre = T[:3, :3] @ ((low + high) / 2) + T[:3, 3] - eye
-        poses[i] = BoxPose(centre, quaternion_of(T[:3, :3] @ BOX_AXES.T), "imported")
-    return OrientedBox(label, label, BOX_AXES @ (high - low), poses, provenance="imported")
+        centre = matmul(T[:3, :3], (low + high) / 2) + T[:3, 3] - eye
+        poses[i] = BoxPose(centre, quaternion_of(matmul(T[:3, :3], BOX_AXES.T)), "imported")
+    return OrientedBox(label, label, matmul(BOX_AXES, high - low), poses, provenance="imported")
 
 
 def _bounds(solid: Solid, T: Array) -> tuple[Array, Array]:
@@ -180,16 +182,16 @@ def _bounds(solid: Solid, T: Array) -> tuple[Array, Array]:
     R, scale = T[:3, :3], solid.scale
     if isinstance(solid.shape, Box):
         corners = np.array(list(product((-1, 1), repeat=3))) * scale
-        reach = np.abs(corners @ R.T).max(axis=0)
+        reach = np.abs(matmul(corners, R.T)).max(axis=0)
         return T[:3, 3] - reach, T[:3, 3] + reach
     rows = R * scale  # how far the ball round each axis of the room reaches
     if isinstance(solid.shape, Ball):
-        reach = np.linalg.norm(rows, axis=1)
+        reach = norms(rows)
         return T[:3, 3] - reach, T[:3, 3] + reach
     if isinstance(solid.shape, RoundCone):
-        reach = np.linalg.norm(rows, axis=1)
+        reach = norms(rows)
         top = T[:3, 3] + rows[:, 1] * solid.shape.length
         a, b = reach * solid.shape.ra, reach * solid.shape.rb
         return np.minimum(T[:3, 3] - a, top - b), np.maximum(T[:3, 3] + a, top + b)
-    reach = np.hypot(rows[:, 0], rows[:, 2]) + np.abs(rows[:, 1])  # a cylinder
+    reach = norms(rows[:, [0, 2]]) + np.abs(rows[:, 1])  # a cylinder
     return T[:3, 3] - reach, T[:3, 3] + reach

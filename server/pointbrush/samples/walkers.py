@@ -14,6 +14,7 @@ from pointbrush.samples.people import body, shadow_balls
 from pointbrush.samples.posture import LOOKS, Foot, Look, Posture, hanging_hands
 from pointbrush.samples.recording import LabelInfo, Moment
 from pointbrush.samples.render import Solid, block, rod
+from pointbrush.samples.reproducible import atan2, cos, matmul, norm, norms, sin
 from pointbrush.samples.room import LivingRoom
 from pointbrush.samples.sensor import tripod
 from pointbrush.samples.textures import Material, matte, poster
@@ -73,9 +74,9 @@ class Loop:
     def place(self, t: float) -> Array:
         """(3,) where the person is on the floor."""
         angle = self.phase + self.rate * t
-        along, across = self.half * math.sin(angle), self.width * math.cos(angle)
+        along, across = self.half * sin(angle), self.width * cos(angle)
         drift = 0.06 * wobble(t, self.sway, (4.1, 6.7))
-        c, s = math.cos(self.turn), math.sin(self.turn)
+        c, s = cos(self.turn), sin(self.turn)
         return vec(
             self.x + c * along + s * drift + s * across,
             0,
@@ -98,37 +99,35 @@ class Walk:
         self._stride = 1.28 * self._size * math.sqrt(pace)
         self._times = np.arange(-0.1, seconds + 0.2, 0.01)
         places = np.array([self.place(t) for t in self._times])
-        steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+        steps = norms(np.diff(places, axis=0))
         self._walked = np.concatenate([[0.0], np.cumsum(steps)]) + rng.uniform(0, 2)
 
     def posture(self, t: float) -> Posture:
         """Return the body in mid-stride."""
         here = self.place(t)
         ahead = self.place(t + 0.05) - self.place(t - 0.05)
-        heading = math.atan2(ahead[0], ahead[2])
-        speed = min(1.0, math.hypot(ahead[0], ahead[2]) / 0.1 / 0.7)
+        heading = atan2(ahead[0], ahead[2])
+        speed = min(1.0, norm(ahead) / 0.1 / 0.7)
         cycle = float(np.interp(t, self._times, self._walked)) / self._stride
         swing = 2 * math.pi * cycle
-        bob = 0.018 * math.cos(2 * swing) * speed
+        bob = 0.018 * cos(2 * swing) * speed
         pelvis = here + UP * ((0.925 + bob) * self._size)
-        pelvis = pelvis + yaw(heading) @ vec(0.02 * math.sin(swing), 0, 0)
+        pelvis = pelvis + matmul(yaw(heading), vec(0.02 * sin(swing), 0, 0))
         feet = (
             self._foot(here, heading, cycle, 1.0, speed),
             self._foot(here, heading, cycle + 0.5, -1.0, speed),
         )
-        hands = hanging_hands(
-            pelvis, heading, self.look.height, -0.8 * speed * math.cos(swing - 0.3)
-        )
-        gaze = here + yaw(heading + 0.4 * wobble(t, self._gaze, (2.9, 4.3))) @ vec(0, 1.5, 2)
+        hands = hanging_hands(pelvis, heading, self.look.height, -0.8 * speed * cos(swing - 0.3))
+        gaze = here + matmul(yaw(heading + 0.4 * wobble(t, self._gaze, (2.9, 4.3))), vec(0, 1.5, 2))
         return Posture(
             pelvis,
             heading,
             feet,
             hands,
             lean=0.045,
-            twist=0.10 * math.cos(swing) * speed,
+            twist=0.10 * cos(swing) * speed,
             gaze=gaze,
-            breath=math.sin(2 * math.pi * t / 3.1),
+            breath=sin(2 * math.pi * t / 3.1),
             elbows=vec(0.25, -0.35, -1.0),
         )
 
@@ -143,11 +142,11 @@ class Walk:
             )
         else:
             s = (u - STANCE) / (1 - STANCE)
-            forward, lift = half * (2 * smoothstep(s) - 1), 0.05 * math.sin(math.pi * s)
+            forward, lift = half * (2 * smoothstep(s) - 1), 0.05 * sin(math.pi * s)
             pitch = 0.6 * (1 - smoothstep(s * 1.4)) - 0.25 * smoothstep(s * 2 - 1)
         pitch *= 0.2 + 0.8 * speed
-        height = 0.085 * self._size + lift + 0.16 * max(0.0, math.sin(pitch))
-        ankle = here + yaw(heading) @ vec(side * 0.085, height, forward - 0.02)
+        height = 0.085 * self._size + lift + 0.16 * max(0.0, sin(pitch))
+        ankle = here + matmul(yaw(heading), vec(side * 0.085, height, forward - 0.02))
         return Foot(ankle, heading + side * 0.08, pitch)
 
 
@@ -188,7 +187,7 @@ class TurningBox:
             block((-x, -y, -z), (x, y, 0), self._paper(0)),
             block((-x, -y, 0), (x, y, z), self._paper(9)),
         )
-        return [replace(s, pose=self.pose(t) @ s.pose, label=label) for s in parts]
+        return [replace(s, pose=matmul(self.pose(t), s.pose), label=label) for s in parts]
 
     def _paper(self, other: float) -> Material:
         pattern = partial(poster, seed=self.print_ + other, half=(self.half[0], self.half[1]))
