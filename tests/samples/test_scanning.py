@@ -33,17 +33,19 @@ def test_the_same_seed_gives_the_same_home(home: Labelled) -> None:
 
 
 def roughness(made: Labelled) -> float:
-    """Median distance of a floor's points from its plane, metres."""
-    xyz = np.asarray(made.frame.xyz, float)
-    floor = xyz[(made.instance == 0) & (np.abs(xyz[:, 1]) < 0.1)]
-    near = floor[np.linalg.norm(floor - np.median(floor, axis=0), axis=1) < 0.4]
-    apart = near - near.mean(axis=0)
-    return float(np.median(np.abs(apart @ np.linalg.svd(apart, full_matrices=False)[2][2])))
+    """Median height over or under the plane of a floor's points, metres, away from the walls."""
+    room = Interior(3, HOME)
+    x, y, z = np.asarray(made.frame.xyz, float).T
+    inside = (np.abs(x) < room.width / 2 - 0.3) & (np.abs(z) < room.depth / 2 - 0.3)
+    floor = np.abs(y[(made.instance == 0) & inside & (np.abs(y) < 0.05)])
+    assert len(floor) > 2000
+    return float(np.median(floor))
 
 
 def test_a_fused_surface_is_smoother_than_its_points() -> None:
-    plain = replace(SMALL, fused=0, bumps=0.0)
-    assert roughness(home_scan(3, replace(SMALL, bumps=0.0))) < 0.7 * roughness(home_scan(3, plain))
+    """The floor of views placed without an error: 0.4 of the roughness, 0.32 to 0.41 of seeds."""
+    exact = replace(SMALL, drift=0.0, turn=0.0, bumps=0.0)
+    assert roughness(home_scan(3, exact)) < 0.6 * roughness(home_scan(3, replace(exact, fused=0)))
 
 
 @pytest.mark.parametrize("wrong", [{"views": 0}, {"drift": -1.0}, {"bump_width": 0.0}])
