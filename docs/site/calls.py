@@ -137,7 +137,11 @@ edit = frame.annotate(values, if_match=values.etag)
 edit = frame.stroke(label=pin.id, radius=0.2, samples=[xyz[100]])
 
 # Frame.objects
-levels = frame.objects([[0.0, 0.0, 0.0]], [xyz[100].tolist()])
+eye, ahead = [[0.0, 0.0, 0.0]], xyz[frame.annotation() == 0][:1]
+levels = frame.objects(eye, ahead)
+print([level.points for level in levels])
+clicked = {"shape": "object", "samples": eye, "directions": ahead}
+edit = frame.stroke(label=car.id, candidate=levels[0].id, **clicked)
 
 # Frame.copy_labels
 last.copy_labels(0, [pin.id])

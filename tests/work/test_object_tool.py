@@ -84,6 +84,12 @@ def label(workspace: Workspace, frame: int = 0) -> NDArray[np.uint16]:
     return workspace.annotations.read(SEQUENCE, frame)[0]
 
 
+def painted_stored(workspace: Workspace, number: int) -> NDArray[np.int64]:
+    """Stored numbers of the points of a label in frame 0."""
+    source_index = workspace.recording(SEQUENCE)[0].source_index
+    return np.flatnonzero(label(workspace)[source_index] == number)
+
+
 def ready(workspace: Workspace, frame: int = 0) -> Answer:
     """The answer once the frame is prepared."""
     eventually(lambda: ask(workspace, frame).ready, every=0.1)
@@ -147,6 +153,21 @@ def test_a_stale_candidate_is_refused_with_fresh_ones(workspace: Workspace) -> N
         take(workspace, candidate=answer.candidates[answer.first].id)
     assert caught.value.answer.candidates == ()  # all of it is bob's by now
     assert not (label(workspace) == 1).any()
+
+
+def test_a_candidate_asked_for_without_a_label_is_painted_with_any(workspace: Workspace) -> None:
+    answer = ask(workspace, label=0)
+    chosen = answer.candidates[answer.first]
+    ready(workspace)  # an answer from the prepared frame is another one
+    take(workspace, candidate=chosen.id, label=2)
+    assert np.array_equal(np.sort(chosen.numbers), painted_stored(workspace, 2))
+
+
+def test_a_candidate_of_another_label_does_not_repaint_its_points(workspace: Workspace) -> None:
+    take(workspace, label=2)
+    answer = ask(workspace, label=2)
+    assert take(workspace, candidate=answer.candidates[0].id, label=1).changed == 0
+    assert take(workspace, candidate=answer.candidates[0].id, take_labelled=True).changed > 0
 
 
 def test_a_stroke_in_another_frame_leaves_candidates_valid(workspace: Workspace) -> None:

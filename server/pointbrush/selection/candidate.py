@@ -38,7 +38,7 @@ OBJECT = Shape(
             "candidate",
             Text(MOST_NAME),
             "",
-            "the id of a candidate of the newest answer; the server refuses other ids (409)",
+            "id of a candidate of the frame as it is now; the server refuses other ids (409)",
         ),
         Parameter(
             "level",

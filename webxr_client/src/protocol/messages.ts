@@ -40,7 +40,7 @@ export interface Brush {
   quaternion?: [number, number, number, number] | null;
   /** object: rays at points that do not belong to it */
   negatives?: Sample[];
-  /** object: the id of a candidate of the newest answer; the server refuses other ids (409) */
+  /** object: id of a candidate of the frame as it is now; the server refuses other ids (409) */
   candidate?: string;
   /** object: without `candidate`: the level to take, from 0 (the smallest); null: the best */
   level?: number | null;

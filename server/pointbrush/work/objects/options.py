@@ -28,7 +28,7 @@ class ObjectOptions:
     near_kept: int = 8
     """Surroundings of clicks that are kept prepared."""
     answers: int = 128
-    """Answers whose candidates are remembered."""
+    """Candidates that are remembered."""
     clicks: int = 64
     """Positive clicks in a call, and negative ones."""
 

@@ -9,7 +9,7 @@ import hashlib
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,8 @@ from pointbrush.work.objects.states import States
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+Version = tuple[str | None, int, int]
+"""A frame at a revision: the recording's identity, the frame, the revision of its last change."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +101,7 @@ def surface_hits(points: Points, rays: Stroke, shift: Floats, alive: Alive) -> F
 class Level:
     """A candidate: ``numbers`` are the points that it would take, stored order, ascending.
 
-    ``id`` is opaque, and stands for state, clicks and revision; ``level`` counts from the smallest.
+    ``id`` is opaque, and stands for frame, clicks and revision; ``level`` counts from the smallest.
     """
 
     id: str
@@ -126,8 +128,19 @@ class StaleCandidateError(ConflictError):
     title = "Candidate is stale"
 
     def __init__(self, answer: Answer) -> None:
-        super().__init__("candidate: expected one of the newest answer; the frame has changed")
+        super().__init__(
+            "candidate: expected one of the newest answer for these clicks; the frame has changed, "
+            "or the id is of other clicks"
+        )
         self.answer = answer
+
+
+@dataclass(frozen=True, eq=False)
+class _Offer:
+    """A candidate that was offered, and ``version``: the frame that it is of, see ``_version``."""
+
+    level: Level
+    version: Version
 
 
 class Objects:
@@ -145,7 +158,7 @@ class Objects:
         self._options = options or ObjectOptions()
         self._options.check()
         self._store, self._name = store, selector
-        self._answers: OrderedDict[str, Level] = OrderedDict()
+        self._offers: OrderedDict[str, _Offer] = OrderedDict()
         self._lock = threading.Lock()
         self._states = States(Selectors.parse(selector), folder, publish, self._options)
 
@@ -169,7 +182,7 @@ class Objects:
         if len(clicks.positives.origins) == 0 or stored.count == 0:
             return Answer((), 0, ready)
         # Read first: values newer than it make the next answer another one, never this one wrong.
-        revision = self._store.changed(recording.manifest.id, frame)
+        version = self._version(recording, frame)
         values = self._store.values(recording.manifest.id, frame)
         kept = self._kept(recording.manifest.id, clicks)
         free = _free(values, kept, clicks)
@@ -180,15 +193,16 @@ class Objects:
         if len(positives) == 0:
             return Answer((), 0, ready)
         negatives = surface_hits(points, clicks.negatives, shift, seen)
-        mask = self._mask(clicks.previous)
+        previous = self._offer(clicks.previous)
+        mask = None if previous is None else previous.level.numbers
         found = self._states.candidates(recording, frame, points, positives, negatives, mask)
         clip = clicks.positives.to_local(shift).clip
         regions = [(numbers[free[numbers]], score) for numbers, score in found.regions]
         if clip is not None:
             regions = [(clip.of(points, numbers), score) for numbers, score in regions]
-        told = self._told(recording, frame, clicks, revision, kept, found.ready)
-        answer = _ladder(regions, told, ready=found.ready)
-        self._remember(answer)
+        key = (*version, self._name, kept, found.ready, clicks.previous, *clicks.words())
+        answer = _ladder(regions, repr(key).encode(), ready=found.ready)
+        self._remember(answer, version)
         return answer
 
     def take(
@@ -196,9 +210,13 @@ class Objects:
     ) -> Level:
         """Return the candidate that a stroke names by its id, or by its level.
 
-        Raises StaleCandidateError for an id that is not of the newest answer, BadInputError for a
-        level that is not offered.
+        An id is good while the frame is as it was when the candidate was offered, also for a stroke
+        with another label: points of labels that the stroke must not take are left out.
+        Raises StaleCandidateError for any other id, BadInputError for a level that is not offered.
         """
+        known = self._offer(candidate)
+        if known is not None and known.version == self._version(recording, frame):
+            return self._allowed(recording, frame, clicks, known.level)
         answer = self.answer(recording, frame, clicks)
         if candidate:
             for each in answer.candidates:
@@ -221,33 +239,26 @@ class Objects:
         kept = {label.id for label in palette if label.locked or not label.visible}
         return sorted(kept | clicks.hidden)
 
-    def _mask(self, previous: str) -> Numbers | None:
+    def _version(self, recording: Recording, frame: int) -> Version:
+        return recording.identity, frame, self._store.changed(recording.manifest.id, frame)
+
+    def _allowed(self, recording: Recording, frame: int, clicks: Clicks, level: Level) -> Level:
+        """Return the candidate without the points that a stroke with ``clicks`` must not take."""
+        sequence = recording.manifest.id
+        free = _free(self._store.values(sequence, frame), self._kept(sequence, clicks), clicks)
+        return replace(level, numbers=level.numbers[free[level.numbers]])
+
+    def _offer(self, candidate: str) -> _Offer | None:
         with self._lock:
-            known = self._answers.get(previous)
-        return None if known is None else known.numbers
+            return self._offers.get(candidate)
 
-    def _told(
-        self,
-        recording: Recording,
-        frame: int,
-        clicks: Clicks,
-        revision: int,
-        kept: list[int],
-        ready: bool,
-    ) -> bytes:
-        words = (
-            recording.identity, frame, self._name, revision, kept, ready, clicks.previous,
-            *clicks.words(),
-        )  # fmt: skip
-        return repr(words).encode()
-
-    def _remember(self, answer: Answer) -> None:
+    def _remember(self, answer: Answer, version: Version) -> None:
         with self._lock:
             for level in answer.candidates:
-                self._answers[level.id] = level
-                self._answers.move_to_end(level.id)
-            while len(self._answers) > self._options.answers:
-                self._answers.popitem(last=False)
+                self._offers[level.id] = _Offer(level, version)
+                self._offers.move_to_end(level.id)
+            while len(self._offers) > self._options.answers:
+                self._offers.popitem(last=False)
 
 
 def _free(values: FrameValues, kept: list[int], clicks: Clicks) -> NDArray[np.bool_]:
@@ -258,7 +269,7 @@ def _free(values: FrameValues, kept: list[int], clicks: Clicks) -> NDArray[np.bo
     return np.asarray(free)
 
 
-def _ladder(regions: list[tuple[Numbers, float]], told: bytes, *, ready: bool) -> Answer:
+def _ladder(regions: list[tuple[Numbers, float]], key: bytes, *, ready: bool) -> Answer:
     """Regions by size, without empty and equal ones; the first of them is the one to show."""
     kept: list[tuple[Numbers, float]] = []
     for numbers, score in regions:
@@ -269,7 +280,7 @@ def _ladder(regions: list[tuple[Numbers, float]], told: bytes, *, ready: bool) -
     order = sorted(range(len(kept)), key=lambda i: len(kept[i][0]))
     levels = tuple(
         Level(
-            hashlib.blake2b(told + bytes([place]), digest_size=16).hexdigest(),
+            hashlib.blake2b(key + bytes([place]), digest_size=16).hexdigest(),
             place,
             kept[i][1],
             kept[i][0],
