@@ -36,17 +36,18 @@ juggling = client["juggling"]
 health = client.call("GET", "/session").json()
 
 # Client.preview
-seen = client.preview([Path("recording")])
+seen = client.preview("recording")  # a folder of this machine, uploaded
 print(seen["format"], seen["frames"], seen["warnings"])
 
 # Client.start_import
-job = client.start_import([Path("recording")], name="later")
+job = client.start_import("recording", name="later")
 
 # Client.wait
 result = client.wait(job, progress=True)
 
 # Client.import_files
-garden = client.import_files([Path("recording")], name="garden", fps=10)
+garden = client.import_files("recording", name="garden", fps=10)
+drive = client.import_files(server_path=Path("sequences/00").resolve(), name="drive")
 
 # Client.import_path
 street = client.import_path(Path("sequences/00").resolve(), name="street")
@@ -333,7 +334,7 @@ nights.change(recordings=["room", "juggling"])
 print(nights.statistics()["classes"])
 
 # Project.import_each
-jobs = nights.import_each(Path("sequences").resolve())
+jobs = nights.import_each(server_path=Path("sequences").resolve())
 
 # Project.add_tasks
 tasks = nights.add_tasks(["room"], every=2)
@@ -435,7 +436,7 @@ print([each.id for each in client.deleted()])
 garden = client.restore("garden")
 
 # Client.cancel
-job = client.start_import([Path("recording")], name="not wanted")
+job = client.start_import("recording", name="not wanted")
 try:
     client.cancel(job.id)
 except PointbrushError:

@@ -16,6 +16,7 @@ from pointbrush.errors import (
     BadInputError,
     ConflictError,
     NotFoundError,
+    TooLargeError,
     UnauthorizedError,
     UnavailableError,
 )
@@ -121,6 +122,44 @@ def test_folders_are_uploaded_as_they_are(served: Served, tmp_path: Path) -> Non
         (tmp_path / "empty").mkdir()
         with pytest.raises(BadInputError, match="none in"):
             client.import_files([tmp_path / "empty"])
+
+
+def test_a_path_is_of_this_machine_unless_it_is_named_as_the_servers(tmp_path: Path) -> None:
+    inbox, mine = tmp_path / "inbox", tmp_path / "mine"
+    for folder, frames in ((inbox, 1), (mine, 2)):
+        folder.mkdir()
+        for i in range(frames):
+            np.save(folder / f"{i}.npy", np.zeros((20, 3), np.float32))
+    settings = settings_in(tmp_path, import_roots=str(inbox))
+    with serving(settings) as served, Client(served.url, TOKEN) as client:
+        assert client.preview(str(mine))["frames"] == client.preview(mine)["frames"] == 2
+        assert client.preview(server_path=inbox)["frames"] == 1
+        assert client.wait(client.start_import(str(mine)))["frames"] == 2
+        assert client.wait(client.start_import(server_path=str(inbox)))["frames"] == 1
+        assert len(client.import_files(str(mine)).frames) == 2
+        room = client.import_files(server_path=inbox)
+        assert len(room.frames) == 1
+        for place in (inbox, mine):
+            np.full(20, 40, "<u4").tofile(place / "000000.label")
+        labels = str(mine / "000000.label")
+        assert room.import_labels(labels, dry_run=True)["labelled"] == 20
+        on_server = inbox / "000000.label"
+        assert room.import_labels(server_path=on_server, dry_run=True)["labelled"] == 20
+        with pytest.raises(NotFoundError, match="server_path="):
+            client.preview("/of/the/server")
+        for both in ({}, {"files": mine, "server_path": inbox}):
+            with pytest.raises(BadInputError, match="neither" if not both else "both"):
+                client.start_import(**both)
+
+
+def test_an_upload_to_a_preview_may_not_be_too_large(tmp_path: Path) -> None:
+    np.save(tmp_path / "large.npy", np.zeros((1_000, 3), np.float32))
+    with (
+        serving(settings_in(tmp_path, max_upload=5_000)) as served,
+        Client(served.url, TOKEN) as client,
+        pytest.raises(TooLargeError),
+    ):
+        client.preview(str(tmp_path / "large.npy"))
 
 
 def test_a_lost_answer_is_asked_for_again_where_that_is_safe(served: Served) -> None:

@@ -123,65 +123,72 @@ class Server(Part[L]):
 
     @steps
     def start_import(
-        self, /, files: Files, *, patience: float = PATIENCE, **options: Any
+        self,
+        /,
+        files: Files | None = None,
+        *,
+        server_path: AnyPath | None = None,
+        patience: float = PATIENCE,
+        **options: Any,
     ) -> Steps[Job]:
-        """Start what ``import_path`` and ``import_files`` wait for; returns the job.
-
-        ``files``: a text is a path of the server, anything else is uploaded.
-        """
-        return (yield from _start_import(files, options, patience))
+        """Start an import and return its job; arguments as of ``import_files``."""
+        return (yield from _start_import(files, server_path, options, patience))
 
     @steps
     def import_path(
         self,
         /,
-        path: AnyPath,
+        server_path: AnyPath,
         *,
         progress: bool = False,
         patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Recording[L]]:
-        """Import a path that the server can read, and wait; ``progress`` shows a bar.
-
-        ``options``: name, fps, format, columns, delimiter, scale, up, topic, poses,
-        by_order, drop_invalid.
-        ``patience``: seconds for which the server may be away meanwhile.
-        """
-        job = yield from _start_import(str(path), options, patience)
-        return (yield from self._imported(job, progress, patience))
+        """Import a path on the server; the same as ``import_files(server_path=...)``."""
+        return (yield from self._imported(None, server_path, options, progress, patience))
 
     @steps
     def import_files(
         self,
         /,
-        files: Files,
+        files: Files | None = None,
         *,
+        server_path: AnyPath | None = None,
         progress: bool = False,
         patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Recording[L]]:
-        """Upload files and folders, import them as one recording, and wait.
+        """Upload files and folders of this machine, import them as one recording, and wait.
 
-        Options as of ``import_path``.
+        ``server_path`` imports a path on the server instead of ``files``.  ``options``: name, fps,
+        format, columns, delimiter, scale, up, topic, poses, by_order, drop_invalid, project.
+        ``progress`` shows a bar.  ``patience``: seconds for which the server may be away.
         """
-        given = [files] if isinstance(files, str) else files
-        job = yield from _start_import(given, options, patience)
-        return (yield from self._imported(job, progress, patience))
+        return (yield from self._imported(files, server_path, options, progress, patience))
 
-    def _imported(self, job: Job, progress: bool, patience: float) -> Steps[Recording[L]]:
+    def _imported(
+        self,
+        files: Files | None,
+        server_path: AnyPath | None,
+        options: dict[str, Any],
+        progress: bool,
+        patience: float,
+    ) -> Steps[Recording[L]]:
+        job = yield from _start_import(files, server_path, options, patience)
         result = yield from finished(job, progress=progress, patience=patience)
         return (yield from self._open(result["sequence"]))
 
     @steps
-    def preview(self, /, files: Files, **options: Any) -> Steps[dict[str, Any]]:
-        """Preview an import: format, frames, fps, columns, warnings, …. ``files`` as of
-        ``start_import``.
+    def preview(
+        self, /, files: Files | None = None, *, server_path: AnyPath | None = None, **options: Any
+    ) -> Steps[dict[str, Any]]:
+        """Preview an import: format, frames, fps, columns, warnings and more; nothing is imported.
 
-        ``files`` as of ``start_import``.  Uploaded files wait an hour for an import that names
-        them as ``upload``.
+        Arguments as of ``import_files``.  The server keeps uploaded files for an hour: the answer's
+        ``upload`` names them to an import.
         """
-        asked = upload("/imports/preview", files, options)
-        found: dict[str, Any] = (yield from send(asked)).json()
+        request = upload("/imports/preview", files, options, server_path)
+        found: dict[str, Any] = (yield from send(request)).json()
         return found
 
     # ── labels by example ────────────────────────────────────────────────────────────────
@@ -358,7 +365,9 @@ def _address(url: str, token: str) -> dict[str, Any]:
     }
 
 
-def _start_import(files: Files, options: dict[str, Any], patience: float) -> Steps[Job]:
+def _start_import(
+    files: Files | None, server_path: AnyPath | None, options: dict[str, Any], patience: float
+) -> Steps[Job]:
     job = str(uuid.uuid4())
-    asked = upload("/sequences", files, {"id": job, **options}, patience=patience)
-    return started(job, asked)
+    request = upload("/sequences", files, {"id": job, **options}, server_path, patience=patience)
+    return started(job, request)

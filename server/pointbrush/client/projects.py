@@ -135,9 +135,9 @@ class Project(Part[L]):
         yield from send(Request("DELETE", self._place))
 
     @steps
-    def import_each(self, path: AnyPath, fps: float | None = None) -> Steps[list[Job]]:
-        """Import everything in a folder of the server, a recording each; returns the jobs."""
-        body: dict[str, Any] = {"path": str(path)} | ({} if fps is None else {"fps": fps})
+    def import_each(self, server_path: AnyPath, fps: float | None = None) -> Steps[list[Job]]:
+        """Import each file and folder in a folder on the server as a recording; return the jobs."""
+        body: dict[str, Any] = {"path": str(server_path)} | ({} if fps is None else {"fps": fps})
         answer = yield from send(Request("POST", f"{self._place}/imports", {"json": body}))
         return [read(Job, entry) for entry in answer.json()]
 

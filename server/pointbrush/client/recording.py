@@ -304,32 +304,40 @@ class Recording(Part[L]):
 
     @steps
     def start_label_import(
-        self, /, files: Files, *, dry_run: bool = False, patience: float = PATIENCE, **options: Any
+        self,
+        /,
+        files: Files | None = None,
+        *,
+        server_path: AnyPath | None = None,
+        dry_run: bool = False,
+        patience: float = PATIENCE,
+        **options: Any,
     ) -> Steps[Job]:
-        """Start what ``import_labels`` waits for; returns the job."""
-        return (yield from self._label_import(files, options, dry_run, patience))
+        """Start an import of labels and return its job; arguments as of ``import_labels``."""
+        return (yield from self._label_import(files, server_path, options, dry_run, patience))
 
     @steps
     def import_labels(
         self,
         /,
-        files: Files,
+        files: Files | None = None,
         *,
+        server_path: AnyPath | None = None,
         dry_run: bool = False,
         progress: bool = False,
         patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[dict[str, Any]]:
-        """Import labels made elsewhere, and wait; returns the report.
+        """Upload labels made elsewhere, import them as one edit, and wait; returns the report.
 
-        ``files``: a text is a path of the server, anything else is uploaded.  ``options``: format;
-        ``map`` names classes: JSON, YAML, XML of point_labeler, or lines ``number name``;
-        ``field`` is that of the points that is labels; ``no_ground`` leaves the ground out of
-        boxes; ``by_order`` takes files for frames in their order, not by their names; ``boxes``
-        keeps boxes (keep), labels the points inside (points), or both.
-        ``patience``: as of ``track``.
+        ``server_path`` imports a path on the server instead of ``files``.  ``options``: ``format``;
+        ``map``, the names of classes as JSON, YAML, XML of point_labeler or lines ``number name``;
+        ``field``, the field of the points that holds labels; ``no_ground``, leave the ground out
+        of boxes; ``by_order``, match files to frames by their order instead of their names;
+        ``boxes``: keep boxes (keep), label the points inside (points), or both.
+        ``dry_run`` changes nothing.  ``patience``: as of ``track``.
         """
-        job = yield from self._label_import(files, options, dry_run, patience)
+        job = yield from self._label_import(files, server_path, options, dry_run, patience)
         return (yield from finished(job, progress=progress, patience=patience))
 
     @steps
@@ -339,11 +347,17 @@ class Recording(Part[L]):
         yield from send(Request("POST", place, again=True))
 
     def _label_import(
-        self, files: Files, given: dict[str, Any], dry_run: bool, patience: float
+        self,
+        files: Files | None,
+        server_path: AnyPath | None,
+        given: dict[str, Any],
+        dry_run: bool,
+        patience: float,
     ) -> Steps[Job]:
         job, query = str(uuid.uuid4()), {"dry_run": json.dumps(dry_run)}
         place, options = f"/sequences/{self.id}/annotations", {"id": job, **given}
-        return started(job, upload(place, files, options, query=query, patience=patience))
+        request = upload(place, files, options, server_path, query=query, patience=patience)
+        return started(job, request)
 
     @steps
     def export(

@@ -1,4 +1,4 @@
-"""Calls that send files of this machine, or name a path of the server's."""
+"""Calls that upload files of this machine, or name a path on the server."""
 
 from __future__ import annotations
 
@@ -64,7 +64,10 @@ def parts_of(given: Files) -> Parts:
     for each in [given] if isinstance(given, str | os.PathLike) else given:
         path = Path(each)
         if not path.exists():
-            raise NotFoundError(f"files: expected a file or folder, got {path}")
+            raise NotFoundError(
+                f"files: expected a file or folder of this machine, got {path}; server_path= names "
+                "a path on the server"
+            )
         if path.is_file():
             files = {path.name: path}
         else:
@@ -83,19 +86,26 @@ def parts_of(given: Files) -> Parts:
 
 def upload(
     path: str,
-    files: Files,
+    files: Files | None,
     options: dict[str, Any],
+    server_path: AnyPath | None = None,
     *,
     query: dict[str, str] | None = None,
     patience: float = 0.0,
 ) -> Request:
-    """Make a call that sends ``files``, or names a path of the server where they are a text.
+    """Return the call that uploads ``files``, or that names a path on the server.
 
-    ``options`` go along as JSON or in the form; those that are None stay out.
+    ``options`` are sent as JSON or in the form; options that are None are left out.  Raises
+    BadInputError unless exactly one of ``files`` and ``server_path`` is given.
     """
+    if (files is None) == (server_path is None):
+        raise BadInputError(
+            "files: expected files of this machine, or server_path= with a path on the server, got "
+            + ("neither" if files is None else "both")
+        )
     given = {name: value for name, value in options.items() if value is not None}
-    if isinstance(files, str):
-        body: dict[str, Any] = {"json": {"path": files, **given}}
+    if files is None:
+        body: dict[str, Any] = {"json": {"path": os.fspath(server_path or ""), **given}}
     else:
         texts = {name: _text(value) for name, value in given.items()}
         body = {"files": parts_of(files), "data": texts}
