@@ -20,6 +20,7 @@ from pointbrush.labels.projects import Change
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.faults.server import running
+from tests.serving import settings_in
 
 
 @pytest.fixture(autouse=True)
@@ -115,8 +116,9 @@ def test_import_info_paint_track_export(
     ],
 )
 def test_what_fails_says_so_in_one_line(
-    arguments: list[object], says: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[object], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    settings_in(tmp_path)
     assert run(*arguments) == 1
     error = capsys.readouterr().err.strip().splitlines()
     assert len(error) == 1
@@ -241,7 +243,7 @@ def test_answers_come_as_json_too(recording: Path, capsys: pytest.CaptureFixture
     assert answer("info", "moving-ball")["labels"] == []
     assert answer("labels", "moving-ball") == []
     assert answer("rename", "moving-ball", "A ball")["name"] == "A ball"
-    assert answer("info", "moving-ball")["name"] == "A ball"
+    assert answer("info", "A ball")["name"] == "A ball"
     assert answer("token", "list") == []
     assert answer("check")["problems"] == []
     assert answer("delete", "moving-ball") == {"sequence": "moving-ball"}
@@ -265,6 +267,31 @@ def test_check_labels_fails_where_something_is_suspicious(
     assert printed.err == "pointbrush: 1 suspicious\n"
 
 
+def test_labels_are_listed_with_their_points(
+    workspace: Path, recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("import", recording) == 0
+    painted(workspace)
+    capsys.readouterr()
+    assert run("labels", "moving ball") == 0
+    assert capsys.readouterr().out.split("\t")[2::2] == ["ball", "500\n"]
+    assert run("labels", "moving-ball", "--json") == 0
+    assert [each["points"] for each in json.loads(capsys.readouterr().out)] == [500]
+
+
+def test_a_name_that_several_recordings_have_is_refused_with_their_ids(
+    recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for _ in range(2):
+        assert run("import", recording, "--name", "Ball") == 0
+    capsys.readouterr()
+    assert run("labels", "Ball") == 1
+    assert "expected the name of one recording, got the name of ball, ball-2" in (
+        capsys.readouterr().err
+    )
+    assert run("labels", "ball-2") == 0
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
 def test_a_shell_completes_commands_and_flags(
     shell: str, capsys: pytest.CaptureFixture[str]
@@ -283,6 +310,7 @@ def test_help_of_serve_is_in_groups(capsys: pytest.CaptureFixture[str]) -> None:
     assert heads == [
         "options:",
         "workspace:",
+        "storage:",
         "address and TLS:",
         "access:",
         "work:",
@@ -337,7 +365,8 @@ def test_a_command_imports_nothing_that_it_does_not_need(
         "    main(sys.argv[1:])\n"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
-    place = [] if "--help" in command else ["--workspace", str(tmp_path)]
+    workspace = settings_in(tmp_path).workspace
+    place = [] if "--help" in command else ["--workspace", str(workspace)]
     line = [sys.executable, "-c", code, *command, *place]
     found = subprocess.run(line, capture_output=True, text=True, check=True)
     imported = set(ast.literal_eval(found.stdout.splitlines()[-1]))

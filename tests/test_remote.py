@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pointbrush import remote
-from pointbrush.cli import main
+from pointbrush import remote, team_commands
+from pointbrush.cli import main, parser
 from pointbrush.client import Client
-from pointbrush.settings import REMOTE
+from pointbrush.settings import CLIENTS, LOCAL, REMOTE
 from tests.serving import TOKEN, Served, serving, settings_in
 
 
@@ -87,22 +87,192 @@ def test_the_whole_way_on_a_server(
     assert run("report", "drift", "--out", tmp_path / "drift.html").startswith("wrote")
     assert "suspicious" in run("check-labels", "drift")
     assert "source     drift\n" in run("info", "drift"), "no path of the server's"
-    assert run("labels", "drift").split("\t")[2] == "cube"
+    assert run("labels", "drift").split("\t")[2::2] == ["cube", "4000\n"]
     run("rename", "drift", "Drifting cube")
     assert json.loads(run("info", "--json"))[0]["name"] == "Drifting cube"
+    assert [each["points"] for each in json.loads(run("labels", "Drifting cube", "--json"))] == [
+        4000
+    ]
     run("delete", "drift")
     assert run("info") == ""
     assert run("undelete", "drift") == "drift is back\n"
     assert not (tmp_path / "here").exists()
 
 
-def test_every_command_that_works_on_a_server_can_be_told_its_address() -> None:
+COMMANDS = {
+    "import": "import FILES",
+    "import-labels": "import-labels drift FILES",
+    "track": "track drift --from 0 --to 1",
+    "fit-boxes": "fit-boxes drift",
+    "example": "example",
+    "export": "export drift --format npz --out OUT/export",
+    "info": "info",
+    "labels": "labels drift",
+    "delete": "delete drift",
+    "undelete": "undelete drift",
+    "rename": "rename drift other",
+    "check-labels": "check-labels drift",
+    "compare": "compare drift drift",
+    "report": "report drift --out OUT/report.csv",
+    "project": "project list",
+    "task": "task list",
+    "webhook": "webhook list",
+    "undo": "undo drift",
+    "token": "token list",
+    "check": "check",
+    "backup": "backup OUT/backup",
+    "restore": "restore FILES",
+    "review": "review drift",
+    "move": "move sqlite",
+}
+"""A line of each command that works on a workspace, but those that serve one."""
+OTHERS = {"demo", "serve", "headset-report", "completion", "bench"}
+
+
+def lines(tmp_path: Path) -> dict[str, list[str]]:
+    files = drift(tmp_path / "files")
+    places = {"FILES": str(files), "OUT": str(tmp_path)}
+    return {
+        name: [places.get(part, part).replace("OUT/", f"{tmp_path}/") for part in line.split()]
+        for name, line in COMMANDS.items()
+    }
+
+
+def test_each_command_has_a_place_to_work() -> None:
+    (names,) = (each.choices for each in parser()._actions if isinstance(each.choices, dict))
+    assert set(names) == COMMANDS.keys() | OTHERS
     made = {
-        name.removesuffix("_").replace("_", "-")
-        for name, each in vars(remote).items()
+        name.removesuffix("_").replace("_", "-"): module
+        for module in (remote, team_commands)
+        for name, each in vars(module).items()
         if isfunction(each) and [*signature(each).parameters] == ["given", "settings"]
     }
-    assert made == set(REMOTE)
+    assert made.keys() == set(CLIENTS)
+    assert {name for name, module in made.items() if module is remote} == set(REMOTE)
+    assert COMMANDS.keys() == {*CLIENTS, *LOCAL}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_where_there_is_a_server_no_command_works_here_unasked(
+    command: str,
+    served: Served,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.delenv("POINTBRUSH_WORKSPACE")
+    monkeypatch.setenv("POINTBRUSH_SERVER", served.url)
+    monkeypatch.setenv("POINTBRUSH_TOKEN", TOKEN)
+    (tmp_path / "cwd").mkdir()
+    monkeypatch.chdir(tmp_path / "cwd")
+    code, printed = main(lines(tmp_path)[command]), capsys.readouterr()
+    if command in LOCAL:
+        assert code == 1
+        assert printed.err == (
+            f"pointbrush: pointbrush {command} works on a workspace's folder; POINTBRUSH_SERVER is "
+            "set: unset it or give --workspace\n"
+        )
+    elif "drift" in COMMANDS[command]:
+        assert "drift" in printed.err  # the server has no such recording
+    else:
+        assert code == 0, printed.err
+    assert list((tmp_path / "cwd").iterdir()) == []
+
+
+@pytest.mark.parametrize("command", sorted(COMMANDS.keys() - {"import", "restore"}))
+def test_a_command_that_reads_makes_no_workspace(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name in ("SERVER", "WORKSPACE"):
+        monkeypatch.delenv(f"POINTBRUSH_{name}", raising=False)
+    line = lines(tmp_path)[command]
+    (tmp_path / "cwd").mkdir()
+    monkeypatch.chdir(tmp_path / "cwd")
+    assert main(line) == 1
+    error = capsys.readouterr().err
+    wanted = (
+        "give --server URL" if command in {*CLIENTS} - {*REMOTE} else "expected a folder with a"
+    )
+    assert (error.count("\n"), wanted in error) == (1, True), error
+    assert list((tmp_path / "cwd").iterdir()) == []
+    assert {path.name for path in tmp_path.iterdir()} == {"cwd", "files"}
+
+
+def test_the_flag_of_a_workspace_wins_over_the_servers_variable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("POINTBRUSH_SERVER", "http://127.0.0.1:9")
+    here = ("--workspace", str(settings_in(tmp_path).workspace))
+    assert main(["token", "list", *here]) == 0
+    assert main(["info", *here]) == 0
+    capsys.readouterr()
+    assert main(["info", *here, "--server", "http://127.0.0.1:9"]) == 1
+    assert "--server: expected no --workspace" in capsys.readouterr().err
+
+
+def test_projects_tasks_webhooks_and_undo_of_a_server(
+    served: Served,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv("POINTBRUSH_SERVER", served.url)
+    monkeypatch.setenv("POINTBRUSH_TOKEN", TOKEN)
+
+    def run(line: str) -> str:
+        assert main(line.split()) == 0, capsys.readouterr().err
+        return capsys.readouterr().out
+
+    assert run("project add Night") == "added project night\n"
+    assert "night\tadmin\t0\tNight" in run("project list")
+    run(f"import {drift(tmp_path / 'drift')} --project night --name Drift")
+    added = run("task add Drift --project night --every 2 --assignee ada").splitlines()
+    assert [line.split("\t")[1:3] for line in added] == [["drift", "0:2"], ["drift", "2:3"]]
+    assert run("task list --project night --state open --assignee ada").splitlines() == added
+    numbers = " ".join(line.split("\t")[0] for line in added)
+    run(f"task delete {numbers} --project night")
+    assert json.loads(run("task list --project night --json")) == []
+    made = json.loads(run("webhook add https://1.1.1.1/hook --topics task,job --json"))
+    assert run("webhook list") == f"{made['id']}\ttask,job\thttps://1.1.1.1/hook\n"
+    run(f"webhook delete {made['id']}")
+    assert run("webhook list") == ""
+    with Client(served.url, TOKEN) as client:
+        recording = client["drift"]
+        label = recording.create_label("cube")
+        recording.frames[0].stroke(label=label.id, radius=9.0, samples=[[0, 0, 2]])
+    assert run("undo Drift") == "undid your last edit of drift: 2,000 points changed\n"
+    run("delete drift")
+    run("project delete night")
+    assert "night" not in run("project list")
+    for wrong, words in (
+        ("task delete first", "expected the number of a task, got 'first'"),
+        ("task delete", "task: expected a value, got none"),
+        ("project add", "project: expected a value, got none"),
+        ("webhook add", "webhook: expected a value, got none"),
+    ):
+        assert main(wrong.split()) == 1
+        assert words in capsys.readouterr().err
+
+
+def test_a_job_of_a_server_draws_no_bar_into_a_log(
+    served: Served,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setenv("POINTBRUSH_SERVER", served.url)
+    monkeypatch.setenv("POINTBRUSH_TOKEN", TOKEN)
+    with Client(served.url, TOKEN) as client:
+        recording = client.import_files(drift(tmp_path / "drift"), progress=True)
+        label = recording.create_label("cube")
+        recording.frames[0].stroke(label=label.id, radius=9.0, samples=[[0, 0, 2]])
+    assert main(["fit-boxes", "drift"]) == 0
+    printed = capsys.readouterr()
+    assert "\r" not in printed.err
+    assert printed.out == "fitted 1 box\n"
 
 
 def test_what_is_wrong_is_one_line(

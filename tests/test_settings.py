@@ -8,7 +8,7 @@ import pytest
 
 from pointbrush.cli import parser
 from pointbrush.errors import BadInputError
-from pointbrush.settings import DOCS, Settings, documented, options
+from pointbrush.settings import CLIENTS, DOCS, Settings, documented, options
 
 
 def test_command_line_over_environment_over_default() -> None:
@@ -42,7 +42,7 @@ def test_the_database_defaults_into_the_workspace(tmp_path: Path) -> None:
     assert Settings(workspace=tmp_path).database_url == f"sqlite:///{tmp_path}/labels.sqlite"
 
 
-@pytest.mark.parametrize("command", ["import", "info", "serve", "track"])
+@pytest.mark.parametrize("command", ["import", "info", "serve", "track", "backup", "task"])
 def test_flags_variables_and_docs_agree(
     command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -55,8 +55,33 @@ def test_flags_variables_and_docs_agree(
     for option in options():
         assert option.variable in rows[option.flag]
         assert option.definition.help in rows[option.flag]
-        assert (option.flag in shown) == option.taken_by(command), option.flag
-        assert not option.taken_by(command) or option.definition.help in " ".join(shown)
+        assert option.definition.client_help in rows[option.flag]
+        help_text = option.help_in(command, CLIENTS) if option.taken_by(command) else None
+        assert (option.flag in shown) == (help_text is not None), option.flag
+        assert help_text is None or help_text in " ".join(shown)
+
+
+def test_the_help_of_a_client_tells_of_its_own_token(capsys: pytest.CaptureFixture[str]) -> None:
+    for command, words in (("labels", "your token for the server"), ("serve", "admin token")):
+        with pytest.raises(SystemExit):
+            parser().parse_args([command, "--help"])
+        printed = capsys.readouterr().out
+        assert words in printed
+        assert ("a new one" in printed) == (command == "serve")
+
+
+@pytest.mark.parametrize("command", ["info", "labels", "headset-report", "task"])
+def test_storage_is_no_part_of_the_help_of_other_commands(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        parser().parse_args([command, "--help"])
+    printed = capsys.readouterr().out
+    assert "--sequence-cache" not in printed
+    assert ("--workspace" in printed) == (command in ("info", "labels"))
+    if command == "info":  # hidden flags work
+        given = parser().parse_args(["info", "--database", "sqlite:///x"])
+        assert given.database == "sqlite:///x"
 
 
 def test_limits_of_a_server_are_flags() -> None:

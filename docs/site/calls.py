@@ -84,7 +84,7 @@ print(juggling.name, len(juggling.frames), juggling.manifest.fps)
 
 # Recording.labels
 for label in juggling.labels():
-    print(label.id, label.name, label.category)
+    print(label.id, label.name, label.category, label.points)
 
 # Recording.categories
 print(juggling.categories())
@@ -189,6 +189,10 @@ juggling.accept([pin.id], start=1, stop=2)
 
 # Recording.clear
 juggling.clear([car.id], start=1, stop=2)
+
+# Recording.start_fit_boxes
+job = juggling.start_fit_boxes(category="car", frames="0:1")
+client.wait(job)
 
 # Recording.fit_boxes
 juggling.fit_boxes([car.id], frames="0:1")

@@ -117,7 +117,7 @@ def _commands(top: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.Argu
 
 def _arguments(command: argparse.ArgumentParser) -> Iterator[str]:
     for action in command._actions:
-        if isinstance(action, argparse._HelpAction):
+        if isinstance(action, argparse._HelpAction) or action.help == argparse.SUPPRESS:
             continue
         names = ", ".join(f"`{flag}`" for flag in action.option_strings)
         metavar = action.metavar or action.dest.upper()

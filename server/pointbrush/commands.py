@@ -1,4 +1,4 @@
-"""The commands: each imports what it alone needs, calls the workspace and prints."""
+"""The commands on a workspace of this machine; each imports its own modules."""
 
 from __future__ import annotations
 
@@ -7,22 +7,30 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import closing, suppress
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pointbrush import arguments, printing
-from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
+from pointbrush.errors import (
+    BadInputError,
+    NotFoundError,
+    PointbrushError,
+    UnavailableError,
+)
 from pointbrush.following import follow
 from pointbrush.labels import check_database
 from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import Answer
 from pointbrush.settings import Settings, seconds_of
-from pointbrush.work.backup import move_labels, own_url, restore_backup
+from pointbrush.work.backup import DATABASE, move_labels, own_url, restore_backup
 from pointbrush.work.backup_series import BackupSeries
 from pointbrush.work.imports.options import LabelOptions
+from pointbrush.work.palettes import counted_labels
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
 
@@ -30,35 +38,66 @@ if TYPE_CHECKING:
     from pointbrush.work.classifiers.service import About
 
 AUTHOR = "command line"
+MAKERS = (("demo", None), ("serve", None), ("import", None), ("token", "add"))
+"""Commands with their action that make a workspace."""
+
+
+def _require_workspace(settings: Settings) -> None:
+    """Raise NotFoundError if recordings and labels that belong into the folder are not there."""
+    recordings = [] if settings.sequences else ["sequences"]
+    labels = [] if settings.database else [DATABASE]
+    parts = [settings.workspace / name for name in (*recordings, *labels)]
+    if parts and not any(part.exists() for part in parts):
+        raise NotFoundError(
+            f"workspace: expected a folder with a workspace, got {settings.workspace}; --workspace "
+            "names another folder, --server a server; `pointbrush import` makes a workspace"
+        )
+
+
+@contextmanager
+def _opened(given: argparse.Namespace, settings: Settings) -> Iterator[Workspace]:
+    """Open the workspace, and put ids of recordings in the place of names in ``given``.
+
+    Raises NotFoundError where there is no workspace and the command makes none, or no recording of
+    a name; BadInputError for a name that several recordings have.
+    """
+    if (given.command, getattr(given, "action", None)) not in MAKERS:
+        _require_workspace(settings)
+    with closing(Workspace(settings)) as workspace:
+        for name in () if given.command == "undelete" else ("sequence", "other"):
+            text = getattr(given, name, None)
+            if text is not None and text not in workspace.library.ids():
+                setattr(given, name, arguments.recording_named(workspace.listing.all(), text))
+        yield workspace
 
 
 def demo(given: argparse.Namespace, settings: Settings) -> None:
-    """Make the sample recording once, then serve it."""
+    """Make the sample recording unless there is one, then serve the workspace."""
     from pointbrush.web.server import run
 
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         if not any(
             manifest.source.startswith("sample") for manifest in workspace.library.manifests()
         ):
             job = workspace.imports.begin_sample(frames=given.sample_frames, kind=given.sample)
             follow(workspace.jobs.get, job)
-        # Ctrl+C is how a server ends; it drains first, and that is no failure.
+        # Ctrl+C ends a server, after it has drained; that is no failure.
         with suppress(KeyboardInterrupt):
             run(workspace, settings)
 
 
-def serve(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001
+def serve(given: argparse.Namespace, settings: Settings) -> None:
     """Serve the workspace until interrupted."""
     from pointbrush.web.server import run
 
-    with closing(Workspace(settings)) as workspace, suppress(KeyboardInterrupt):
+    with _opened(given, settings) as workspace, suppress(KeyboardInterrupt):
         if workspace.read_only:
             print(f"pointbrush: {workspace.read_only}", file=sys.stderr, flush=True)
         run(workspace, settings)
 
 
 def import_(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Import files as one recording, or each as one, and print ids or what would be imported."""
+    """Import files as one recording or as several, or preview the import."""
     from pointbrush.formats import Limits
     from pointbrush.formats.corrections import Corrections, parse_corrections
     from pointbrush.work.imports.previewing import preview
@@ -72,16 +111,16 @@ def import_(given: argparse.Namespace, settings: Settings) -> Answer:
             printing.preview(asdict(preview(request, limits))) for request in wanted
         )
     options = {"name": given.name, "fps": given.fps, "chosen": how, "project": given.project}
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         jobs = [workspace.imports.begin(paths, **options) for paths in recordings]
         return printing.together(printing.imported(follow(workspace.jobs.get, job)) for job in jobs)
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Import labels made elsewhere and print what was found."""
+    """Import labels made elsewhere."""
     from pointbrush.formats.class_maps import read_map
 
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         if given.path is None:
             workspace.imports.bring_labels(given.sequence, AUTHOR)
             return printing.source_labels_imported(given.sequence)
@@ -99,12 +138,10 @@ def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def track(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Track labels and print how it ended."""
-    with closing(Workspace(settings)) as workspace:
-        labels = None
-        if given.labels:
-            palette = workspace.labels.palette(given.sequence)
-            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
+    """Track labels."""
+    with _opened(given, settings) as workspace:
+        palette = partial(workspace.labels.palette, given.sequence)
+        labels = arguments.labels_named(given.labels, palette)
         job = workspace.tracking.start(
             given.sequence,
             start=given.start,
@@ -118,12 +155,10 @@ def track(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def fit_boxes(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Fit boxes to labels and print how it ended."""
-    with closing(Workspace(settings)) as workspace:
-        labels = None
-        if given.labels:
-            palette = workspace.labels.palette(given.sequence)
-            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
+    """Fit boxes to labels."""
+    with _opened(given, settings) as workspace:
+        palette = partial(workspace.labels.palette, given.sequence)
+        labels = arguments.labels_named(given.labels, palette)
         job = workspace.fitting.fit(
             given.sequence, author=AUTHOR, labels=labels, category=given.category,
             frames=given.frames, redraw=given.redraw,
@@ -132,8 +167,8 @@ def fit_boxes(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def example(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Teach a classifier by what is painted, apply it, or list what there is."""
-    with closing(Workspace(settings)) as workspace:
+    """Train, apply, save, load or delete a classifier, or list the classifiers."""
+    with _opened(given, settings) as workspace:
         known = workspace.classifiers
         if given.load is not None:
             return printing.classifier(known.bring(given.load.read_bytes(), given.name))
@@ -156,7 +191,7 @@ def example(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
-    """Teach a classifier that there is, or a new one."""
+    """Train the given classifier, or a new one."""
     names = [] if given.sequence is None else [given.sequence]
     if given.classifier is not None:
         return workspace.classifiers.teach(given.classifier, names)
@@ -168,9 +203,9 @@ def _taught(workspace: Workspace, given: argparse.Namespace) -> About:
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:
     """Export a sequence to a folder or file."""
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         workspace.recording(given.sequence)
-        from pointbrush.formats import EXPORTS  # takes its time to import
+        from pointbrush.formats import EXPORTS  # slow to load
 
         snapshot = given.snapshot
         if snapshot:
@@ -184,7 +219,7 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
 
 def info(given: argparse.Namespace, settings: Settings) -> Answer:
     """List the recordings, or describe one."""
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         if given.sequence is None:
             return printing.recordings(
                 printing.Row(entry.id, entry.manifest, entry.damaged, entry.labels_missing)
@@ -192,40 +227,39 @@ def info(given: argparse.Namespace, settings: Settings) -> Answer:
             )
         manifest = workspace.recording(given.sequence).manifest
         revision = workspace.labels.revision(manifest.id)
-        return printing.facts(manifest, revision, workspace.labels.palette(given.sequence))
+        return printing.facts(manifest, revision, counted_labels(workspace.labels, manifest.id))
 
 
 def delete(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Delete a recording; it can be brought back for 30 days."""
-    with closing(Workspace(settings)) as workspace:
+    """Delete a recording; ``undelete`` restores it within 30 days."""
+    with _opened(given, settings) as workspace:
         workspace.recording(given.sequence)
         workspace.deletion.delete(given.sequence)
         return printing.deleted(given.sequence)
 
 
 def undelete(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Bring a deleted recording back."""
-    with closing(Workspace(settings)) as workspace:
+    """Restore a deleted recording."""
+    with _opened(given, settings) as workspace:
         return printing.undeleted(workspace.deletion.restore(given.sequence))
 
 
 def rename(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Give a recording another name; its id stays."""
-    with closing(Workspace(settings)) as workspace:
+    """Rename a recording; its id stays the same."""
+    with _opened(given, settings) as workspace:
         manifest = workspace.update_sequence(given.sequence, name=given.name)
         return printing.renamed(manifest.id, manifest.name)
 
 
 def labels(given: argparse.Namespace, settings: Settings) -> Answer:
-    """List the labels of a recording."""
-    with closing(Workspace(settings)) as workspace:
-        workspace.recording(given.sequence)
-        return printing.labels(workspace.labels.palette(given.sequence))
+    """List the labels of a recording with their numbers of points."""
+    with _opened(given, settings) as workspace:
+        return printing.labels(counted_labels(workspace.labels, given.sequence))
 
 
 def token(given: argparse.Namespace, settings: Settings) -> Answer:
     """Add, list or revoke tokens."""
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         tokens = workspace.labels.tokens
         if given.action == "list":
             return printing.tokens(tokens.list())
@@ -244,7 +278,7 @@ def review(given: argparse.Namespace, settings: Settings) -> None:
     from pointbrush.review.panel import ReviewPanel
 
     with (
-        closing(Workspace(settings)) as workspace,
+        _opened(given, settings) as workspace,
         closing(
             ReviewPanel(
                 workspace,
@@ -260,35 +294,36 @@ def review(given: argparse.Namespace, settings: Settings) -> None:
 
 
 def check(given: argparse.Namespace, settings: Settings) -> Answer:
-    """List the faults of the workspace, mended if told to; fails where any is left."""
+    """List the faults of the workspace, or repair them; fails if a fault remains."""
     try:
-        workspace = Workspace(settings)
+        with _opened(given, settings) as workspace:
+            return _checked(given, workspace)
     except UnavailableError:
         for problem in check_database(settings.database_url):
             print(problem)
         raise
-    with closing(workspace):
-        wanted = (
-            [given.sequence] if given.sequence else [entry.id for entry in workspace.listing.all()]
-        )
-        rebuilt: list[str] = []
-        if given.repair:
-            repaired = workspace.listing.repair(wanted)
-            rebuilt = [f"rebuilt: {line}" for line in repaired.rebuilt]
-            problems = [f"cannot be rebuilt: {line}" for line in repaired.lost]
-        else:
-            problems = workspace.labels.integrity()
-            problems += [
-                f"{name}: {line}" for name in wanted for line in workspace.listing.problems(name)
-            ]
-        return printing.checked(
-            len(wanted), problems, rebuilt, readable=open_to_others(settings.workspace)
-        )
+
+
+def _checked(given: argparse.Namespace, workspace: Workspace) -> Answer:
+    wanted = [given.sequence] if given.sequence else [entry.id for entry in workspace.listing.all()]
+    rebuilt: list[str] = []
+    if given.repair:
+        repaired = workspace.listing.repair(wanted)
+        rebuilt = [f"rebuilt: {line}" for line in repaired.rebuilt]
+        problems = [f"cannot be rebuilt: {line}" for line in repaired.lost]
+    else:
+        problems = workspace.labels.integrity()
+        problems += [
+            f"{name}: {line}" for name in wanted for line in workspace.listing.problems(name)
+        ]
+    return printing.checked(
+        len(wanted), problems, rebuilt, readable=open_to_others(workspace.settings.workspace)
+    )
 
 
 def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
-    """List the suspicious things in the labels of a recording."""
-    with closing(Workspace(settings)) as workspace:
+    """List suspicious labels of a recording."""
+    with _opened(given, settings) as workspace:
         checked = workspace.reviewing.checks(given.sequence, given.frames)
     return printing.findings(
         checked.findings, checked.unchecked, settled=given.all, fail=given.fail
@@ -297,8 +332,8 @@ def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
 
 def compare(given: argparse.Namespace, settings: Settings) -> Answer:
     """Compare the labels, or the boxes, of two recordings of the same points."""
-    pair = given.sequence, given.other
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
+        pair = given.sequence, given.other
         if given.boxes:
             found = workspace.reviewing.box_agreement(*pair, given.frames)
             return printing.boxes_compared(found.classes, found.hota)
@@ -311,7 +346,7 @@ def report(given: argparse.Namespace, settings: Settings) -> Answer:
     from pointbrush.work.reviewing import to_csv, to_html
 
     suffix = arguments.report_suffix(given.out)
-    with closing(Workspace(settings)) as workspace:
+    with _opened(given, settings) as workspace:
         found = workspace.reviewing.report(given.sequence)
     text = to_html(found) if suffix == ".html" else to_csv(found, given.table)
     given.out.write_text(text, encoding="utf-8")
@@ -319,7 +354,7 @@ def report(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def headset_report(given: argparse.Namespace, settings: Settings) -> Answer:  # noqa: ARG001
-    """Put a report of a headset in words."""
+    """Print a report of a headset."""
     from pointbrush.headset_report.model import read_report
     from pointbrush.headset_report.words import report_lines
 
@@ -328,10 +363,10 @@ def headset_report(given: argparse.Namespace, settings: Settings) -> Answer:  # 
 
 
 def backup(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Copy recordings and labels into a new folder, perhaps one of a series."""
+    """Copy recordings and labels into a new folder, or into the series of ``--backup-to``."""
     if given.target is None and not settings.backup_to:
-        raise BadInputError("backup: expected a new folder, or --backup-to with one of backups")
-    with closing(Workspace(settings)) as workspace:
+        raise BadInputError("backup: expected a new folder, or --backup-to with a folder")
+    with _opened(given, settings) as workspace:
         if given.target is None:
             series = BackupSeries(Path(settings.backup_to), settings.backup_keep)
             age = None if given.if_older is None else seconds_of("--if-older", given.if_older)
@@ -342,15 +377,15 @@ def backup(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def restore(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Bring a backup back as a new workspace, or one recording of it into this one."""
+    """Restore a backup as a new workspace, or one recording of it into this workspace."""
     if given.only:
-        with closing(Workspace(settings)) as workspace:
+        with _opened(given, settings) as workspace:
             restored = workspace.restore_from_backup(given.source, given.only)
             return printing.said(f"restored {restored}", sequence=restored)
     if settings.sequences:
         raise BadInputError(
-            "restore: expected no --sequences: a backup becomes a folder, whose `sequences` can "
-            "be copied to a bucket then"
+            "restore: expected no --sequences: a backup is restored to a folder; copy the folder's "
+            "`sequences` to the bucket afterwards"
         )
     restore_backup(given.source, settings.workspace, settings.database and settings.database_url)
     return printing.said(f"restored to {settings.workspace}", workspace=str(settings.workspace))
@@ -359,9 +394,10 @@ def restore(given: argparse.Namespace, settings: Settings) -> Answer:
 def move(given: argparse.Namespace, settings: Settings) -> Answer:
     """Move the labels into another database."""
     if has_password(given.target):
-        raise BadInputError("move: expected a URL without a password; give that by PGPASSFILE")
+        raise BadInputError("move: expected a URL without a password; set PGPASSFILE instead")
     target = own_url(settings.workspace) if given.target == "sqlite" else given.target
-    Workspace(settings).close()  # it can be opened, and its schema is up to date
+    with _opened(given, settings):
+        pass  # it can be opened, and its schema is up to date
     move_labels(settings.workspace, settings.database_url, target)
     start = "without --database" if given.target == "sqlite" else f"with --database {target}"
     return printing.said(f"moved the labels; start the server {start} from now on", target=target)

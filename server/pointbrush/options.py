@@ -1,15 +1,15 @@
 """An option of the program: one definition gives its flag, variable and line of the docs.
 
-Secrets do not stay on the command line: every user of a machine may read a process's arguments.
+Passwords are removed from the command line: every user of a machine can read its processes'
+arguments.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
-from itertools import groupby
 from typing import Any, get_type_hints
 from urllib.parse import parse_qs, urlsplit
 
@@ -18,23 +18,29 @@ from pointbrush.errors import BadInputError
 PREFIX = "POINTBRUSH_"
 UNBOUNDED = sys.maxsize
 WORKSPACE = "workspace"
-HEAD = ("| flag | variable | default | meaning |", "|---|---|---|---|")
+HEAD = ("| flag | variable | default | commands | meaning |", "|---|---|---|---|---|")
 DATABASE_VARIABLE = f"{PREFIX}DATABASE"
 
 
 @dataclass(frozen=True)
 class Definition:
-    """Everything about an option but its name, type and default, which are its field's."""
+    """Properties of an option beside its name, type and default."""
 
     help: str
     where: tuple[str, ...]
-    """Commands that take it as a flag; none means every one that opens a workspace."""
+    """Commands that take the flag."""
+    client_help: str = ""
+    """Help of commands that take ``--server``; empty: ``help``."""
+    shown: tuple[str, ...] | None = None
+    """Commands that list the flag in their help; None: all in ``where``."""
     unit: str = ""
-    """Of a number: bytes, seconds, points; empty where it counts what the help names."""
+    """Unit of a number: bytes, seconds; empty for a count that the help names."""
     least: int = 1
+    """Smallest value of a number."""
     most: int = UNBOUNDED
+    """Largest value of a number."""
     group: str = WORKSPACE
-    """Heading in a command's help."""
+    """Heading in a command's help and in the docs."""
 
 
 @dataclass(frozen=True)
@@ -58,19 +64,27 @@ class Option:
 
     @property
     def shown_default(self) -> str:
-        """The default with its unit, empty where nothing is the default."""
+        """The default with its unit; empty for an empty text."""
         if self.kind is bool:
             return "on" if self.default else "off"
         return f"{self.default} {self.definition.unit}".strip()
 
     def taken_by(self, command: str) -> bool:
-        """Return whether ``command``, which opens a workspace, has the flag."""
-        return not self.definition.where or command in self.definition.where
+        """Return whether ``command`` takes the flag."""
+        return command in self.definition.where
+
+    def help_in(self, command: str, clients: Collection[str]) -> str | None:
+        """Return the help in ``command``; None: hidden.  ``clients`` take ``--server``."""
+        shown = self.definition.shown
+        if shown is not None and command not in shown:
+            return None
+        own = self.definition.client_help if command in clients else ""
+        return own or self.definition.help
 
     def parse(self, text: str) -> Any:
-        """Return the value that ``text`` gives.
+        """Return the value of ``text``.
 
-        Raises BadInputError, which does not name the option, for a text of the wrong form.
+        Raises BadInputError without the option's name for a text of the wrong form.
         """
         if self.kind is bool:
             return _switch(text)
@@ -80,23 +94,23 @@ class Option:
 
 
 def option(default: Any, help_text: str, *, where: tuple[str, ...], **more: Any) -> Any:
-    """Return the field of a dataclass of options; ``more`` is as in ``Definition``."""
+    """Return the field of a dataclass of options; ``more``: fields of ``Definition``."""
     definition = Definition(help_text, where, **more)
     return field(default=default, metadata={"definition": definition})
 
 
 def choice(default: Any, help_text: str, **more: Any) -> Any:
-    """Return the field of a dataclass of choices for one call; ``more`` as in ``Definition``."""
+    """Return the field of a dataclass of choices of one call; ``more``: as in ``option``."""
     return option(default, help_text, where=(), **more)
 
 
 def chosen(kind: type, source: object) -> dict[str, Any]:
-    """Return the choices of a dataclass among the attributes of ``source``, by name."""
+    """Return the fields of dataclass ``kind`` as ``source``'s attributes have them, by name."""
     return {each.name: getattr(source, each.name) for each in fields(kind)}
 
 
 def options_of(kind: type) -> tuple[Option, ...]:
-    """Return the options that are the fields of the dataclass ``kind``, in their order."""
+    """Return the options of the dataclass ``kind``, in the order of its fields."""
     hints = get_type_hints(kind)
     assert all(each.default is not MISSING for each in fields(kind))  # noqa: S101
     return tuple(
@@ -105,40 +119,30 @@ def options_of(kind: type) -> tuple[Option, ...]:
     )
 
 
-def markdown(options: Iterable[Option]) -> str:
-    """Return a heading and a table for each set of commands, ending in a newline."""
+def markdown(
+    options: Sequence[Option], groups: Sequence[str], command_sets: Mapping[tuple[str, ...], str]
+) -> str:
+    """Return a heading and a table for each of ``groups``, ending in a newline.
 
-    def commands(each: Option) -> tuple[str, ...]:
-        return each.definition.where
-
-    # Sorted by the number of commands: what all take comes first; the order within stays.
-    ordered = sorted(options, key=lambda each: (_width(commands(each)), commands(each)))
+    ``command_sets``: names of the sets of commands that take an option.
+    """
     parts = []
-    for where, group in groupby(ordered, key=commands):
-        lines = [
-            f"## {_heading(where)}",
-            "",
-            *HEAD,
-        ]
-        lines += [_row(each) for each in group]
-        parts.append("\n".join(lines) + "\n")
+    for group in groups:
+        members = [each for each in options if each.definition.group == group]
+        rows = [_row(each, command_sets[each.definition.where]) for each in members]
+        title = f"{group[0].upper()}{group[1:]}"
+        parts.append("\n".join([f"## {title}", "", *HEAD, *rows]) + "\n")
     return "\n".join(parts)
 
 
-def _width(where: Sequence[str]) -> int:
-    return -len(where) if where else -UNBOUNDED
-
-
-def _heading(where: Sequence[str]) -> str:
-    if not where:
-        return "Every command that opens a workspace"
-    return "Of " + " and ".join(filter(None, (", ".join(where[:-1]), where[-1])))
-
-
-def _row(each: Option) -> str:
-    text = each.definition.help.replace("|", "\\|")
+def _row(each: Option, commands: str) -> str:
+    definition = each.definition
+    text = definition.help
+    if definition.client_help:
+        text += f"; in client commands: {definition.client_help}"
     default = f"`{each.shown_default}`" if each.shown_default else "–"
-    return f"| `{each.flag}` | `{each.variable}` | {default} | {text} |"
+    cells = (f"`{each.flag}`", f"`{each.variable}`", default, commands, text.replace("|", "\\|"))
+    return f"| {' | '.join(cells)} |"
 
 
 def _switch(text: str) -> bool:
@@ -167,10 +171,10 @@ def has_password(url: str) -> bool:
 
 
 def hide_password(url: str | None) -> None:
-    """Start this program again with the URL of ``--database`` in its environment, if it is secret.
+    """Restart this program with the URL of ``--database`` in its environment if it is secret.
 
-    The arguments could be read until then: a warning says so.  Raises BadInputError where a
-    program cannot be replaced by itself.
+    A warning says that the arguments were readable until then.  Raises BadInputError on systems
+    on which a process cannot replace itself.
     """
     if url is None or not has_password(url):
         return

@@ -38,6 +38,13 @@ class Entry(Protocol):
     def category(self) -> str: ...  # noqa: D102
 
 
+class CountedEntry(Entry, Protocol):
+    """A label of a palette with the number of its points in all frames."""
+
+    @property
+    def points(self) -> int | None: ...  # noqa: D102
+
+
 class TokenEntry(Protocol):
     """A token's record."""
 

@@ -13,7 +13,7 @@ from pointbrush.printable import (
     About,
     Agreeing,
     ComparedClass,
-    Entry,
+    CountedEntry,
     ExportFormat,
     Suspicious,
     Taught,
@@ -229,10 +229,9 @@ def tokens(found: Iterable[TokenEntry]) -> Answer:
         {"id": each.id, "role": each.role, "name": each.name, "status": _status(each)}
         for each in found
     ]
-    lines = ["\t".join(row.values()) for row in rows]
     if not rows:
-        lines = ["no tokens; `pointbrush token add NAME --role annotator` makes one"]
-    return Answer(rows, lines, head="ID\tROLE\tNAME\tSTATUS" if rows else "")
+        return Answer(rows, ["no tokens; `pointbrush token add NAME --role annotator` adds one"])
+    return table(rows, ("ID", "ROLE", "NAME", "STATUS"), [list(row.values()) for row in rows])
 
 
 def _status(token: TokenEntry) -> str:
@@ -244,14 +243,20 @@ def source_labels_imported(sequence: str) -> Answer:
     return said(f"the labels in the files of {sequence} are in", sequence=sequence)
 
 
-def labels(palette: Iterable[Entry]) -> Answer:
-    """List the labels of a palette."""
+def labels(palette: Iterable[CountedEntry]) -> Answer:
+    """List the labels of a palette with their numbers of points."""
     listed = list(palette)
-    lines = [f"{label.id}\t{label.color}\t{label.name}\t{label.category}" for label in listed]
-    return Answer(listed, lines, head="ID\tCOLOUR\tNAME\tCATEGORY" if listed else "")
+    rows = [(each.id, each.color, each.name, each.category, each.points) for each in listed]
+    return table(listed, ("ID", "COLOUR", "NAME", "CATEGORY", "POINTS"), rows)
 
 
-def facts(known: About, revision: int, palette: Iterable[Entry]) -> Answer:
+def table(value: Sequence[object], head: Sequence[str], rows: Iterable[Sequence[object]]) -> Answer:
+    """List ``value`` in rows of columns that tabs separate; the head is for a terminal."""
+    lines = ["\t".join("" if cell is None else str(cell) for cell in row) for row in rows]
+    return Answer(value, lines, head="\t".join(head) if lines else "")
+
+
+def facts(known: About, revision: int, palette: Iterable[CountedEntry]) -> Answer:
     """Describe a recording."""
     listed = list(palette)
     told: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""Commands on the workspace of a server: ``--server URL``."""
+"""The commands on the workspace of a server: ``--server URL``."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from pointbrush.work.tracking.options import RunOptions
 
 
 def client_of(settings: Settings) -> Client:
-    """Connect to the server that is meant; raises BadInputError for no URL, or no token."""
+    """Connect to the server of the settings; raises BadInputError for no URL, or no token."""
     return Client(settings.server, settings.token)
 
 
 def _followed(client: Client, job: Job) -> dict[str, Any]:
-    """Show a job until it has ended, also while the server is restarted; returns its result."""
+    """Show a job until it has ended, also while the server restarts; return its result."""
     return follow(partial(client.job, patience=PATIENCE), job)
 
 
 def import_(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Upload files, import them as one recording or each as one, and print what came of it."""
+    """Upload files and import them as one recording or as several, or preview the import."""
     options = chosen(Corrections, given) | {"name": given.name, "fps": given.fps}
     options |= {"project": given.project}
     with client_of(settings) as client:
@@ -47,12 +47,12 @@ def import_(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Upload labels made elsewhere and print what was found."""
+    """Upload and import labels made elsewhere."""
     with client_of(settings) as client:
         recording = client[given.sequence]
         if given.path is None:
             recording.import_source_labels()
-            return printing.source_labels_imported(given.sequence)
+            return printing.source_labels_imported(recording.id)
         job = recording.start_label_import(
             [given.path],
             map=None if given.map is None else _text(given.map),
@@ -71,33 +71,27 @@ def _text(path: Path) -> str:
 
 
 def track(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Track labels and print how it ended."""
+    """Track labels."""
     with client_of(settings) as client:
         recording = client[given.sequence]
-        labels = None
-        if given.labels:
-            palette = recording.labels()
-            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
+        labels = arguments.labels_named(given.labels, recording.labels)
         job = recording.start_tracking(labels, given.start, given.stop, **RunOptions.of(given))
         return printing.tracked(_followed(client, job))
 
 
 def fit_boxes(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Fit boxes to labels and print how it ended."""
+    """Fit boxes to labels."""
     with client_of(settings) as client:
         recording = client[given.sequence]
-        labels = None
-        if given.labels:
-            palette = recording.labels()
-            labels = [arguments.label_named(palette, text) for text in given.labels.split(",")]
-        result = recording.fit_boxes(
-            labels, category=given.category, frames=given.frames, redraw=given.redraw, progress=True
+        labels = arguments.labels_named(given.labels, recording.labels)
+        job = recording.start_fit_boxes(
+            labels, category=given.category, frames=given.frames, redraw=given.redraw
         )
-        return printing.fitted(result)
+        return printing.fitted(_followed(client, job))
 
 
 def example(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Teach a classifier by what is painted, apply it, or list what there is."""
+    """Train, apply, save, load or delete a classifier, or list the classifiers."""
     with client_of(settings) as client:
         known = client.classifiers
         if given.load is not None:
@@ -119,8 +113,8 @@ def example(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def _taught(client: Client, given: argparse.Namespace) -> Classifier:
-    """Teach a classifier that there is, or a new one."""
-    names = [] if given.sequence is None else [given.sequence]
+    """Train the given classifier, or a new one."""
+    names = [] if given.sequence is None else [client[given.sequence].id]
     if given.classifier is not None:
         return client.classifiers.teach(given.classifier, names)
     classes = None if given.classes is None else arguments.listed(given.classes)
@@ -130,7 +124,7 @@ def _taught(client: Client, given: argparse.Namespace) -> Classifier:
 
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Export a recording to a .zip, or a new folder."""
+    """Export a recording to a .zip or a new folder."""
     out: Path = given.out
     zipped = out.suffix.lower() == ".zip"
     if not zipped and out.exists() and (not out.is_dir() or any(out.iterdir())):
@@ -148,7 +142,7 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
             recording.export(given.format, out, *asked)
         else:
             _unpack(out, lambda target: recording.export(given.format, target, *asked))
-        return printing.exported(given.sequence, out, known[given.format])
+        return printing.exported(recording.id, out, known[given.format])
 
 
 def _unpack(out: Path, export: Callable[[Path], Path]) -> None:
@@ -178,33 +172,34 @@ def info(given: argparse.Namespace, settings: Settings) -> Answer:
 
 
 def delete(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Delete a recording; it can be brought back for 30 days."""
+    """Delete a recording; ``undelete`` restores it within 30 days."""
     with client_of(settings) as client:
-        client[given.sequence].delete()
-    return printing.deleted(given.sequence)
+        recording = client[given.sequence]
+        recording.delete()
+    return printing.deleted(recording.id)
 
 
 def undelete(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Bring a deleted recording back."""
+    """Restore a deleted recording."""
     with client_of(settings) as client:
         return printing.undeleted(client.restore(given.sequence).id)
 
 
 def rename(given: argparse.Namespace, settings: Settings) -> Answer:
-    """Give a recording another name; its id stays."""
+    """Rename a recording; its id stays the same."""
     with client_of(settings) as client:
         manifest = client[given.sequence].update(name=given.name)
     return printing.renamed(manifest.id, manifest.name)
 
 
 def labels(given: argparse.Namespace, settings: Settings) -> Answer:
-    """List the labels of a recording."""
+    """List the labels of a recording with their numbers of points."""
     with client_of(settings) as client:
         return printing.labels(client[given.sequence].labels())
 
 
 def check_labels(given: argparse.Namespace, settings: Settings) -> Answer:
-    """List the suspicious things in the labels of a recording."""
+    """List suspicious labels of a recording."""
     with client_of(settings) as client:
         found = client[given.sequence].review.check(given.frames)
     return printing.findings(found.findings, found.unchecked, settled=given.all, fail=given.fail)
@@ -214,7 +209,8 @@ def compare(given: argparse.Namespace, settings: Settings) -> Answer:
     """Compare the labels, or the boxes, of two recordings of the same points."""
     with client_of(settings) as client:
         review = client[given.sequence].review
-        found = review.agreement(given.other, frames=given.frames, boxes=given.boxes)
+        other = client[given.other].id
+        found = review.agreement(other, frames=given.frames, boxes=given.boxes)
     if found.boxes is not None:
         return printing.boxes_compared(found.boxes.classes, found.boxes.hota)
     return printing.labels_compared(found.labels, found.miou)

@@ -1,4 +1,4 @@
-"""The options of pointbrush, each once; ``options.py`` says what an option is.
+"""The options of pointbrush, each defined once; ``options.py`` defines an option.
 
 ``python -m pointbrush.settings`` writes the tables of docs/options.md; a test fails when they are
 stale.
@@ -15,25 +15,42 @@ from typing import Any
 from urllib.parse import quote
 
 from pointbrush.errors import BadInputError
-from pointbrush.options import WORKSPACE, Option, markdown, option, options_of
+from pointbrush.options import PREFIX, WORKSPACE, Option, markdown, option, options_of
 
-EVERYWHERE: tuple[str, ...] = ()
 SERVERS = ("demo", "serve")
+REMOTE = (
+    "import", "import-labels", "track", "fit-boxes", "example", "export", "info", "labels",
+    "delete", "undelete", "rename", "check-labels", "compare", "report",
+)  # fmt: skip
+"""Commands that work on the workspace of this machine, or on that of a server."""
+LOCAL = ("token", "check", "backup", "restore", "review", "move")
+"""Commands that need the folder of the workspace."""
+CLIENTS = (*REMOTE, "project", "task", "webhook", "undo")
+"""Commands that work on a server; those that are not in ``REMOTE`` need one."""
+EVERYWHERE = (*REMOTE, *LOCAL, *SERVERS)
+"""Commands that open a workspace."""
 KEEPERS = ("backup", *SERVERS)
 """Commands that make backups."""
 READERS = ("import", "import-labels", *SERVERS)
 """Commands that read points of files."""
 RUNNERS = ("track", "example", *SERVERS)
 """Commands that run jobs."""
-REMOTE = (
-    "import", "import-labels", "track", "fit-boxes", "example", "export", "info", "labels",
-    "delete", "undelete", "rename", "check-labels", "compare", "report",
-)  # fmt: skip
-"""Commands that work on the workspace of a server as well."""
-ADDRESS, ACCESS, JOBS, LIMITS = "address and TLS", "access", "work", "limits"
-BACKUPS = "backups"
-GROUPS = (WORKSPACE, ADDRESS, ACCESS, JOBS, BACKUPS, LIMITS)
-"""Headings in the help of commands, in their order."""
+STORES = ("check", "backup", "restore", "move", *SERVERS)
+"""Commands with the storage options in their help; the other commands take them as well."""
+COMMAND_SETS = {
+    EVERYWHERE: "workspace",
+    CLIENTS: "clients",
+    (*CLIENTS, *SERVERS): "clients, servers",
+    SERVERS: "servers",
+    KEEPERS: "`backup`, servers",
+    READERS: "`import`, `import-labels`, servers",
+    RUNNERS: "`track`, `example`, servers",
+}
+"""Names of sets of commands in docs/options.md."""
+STORAGE, ADDRESS, ACCESS = "storage", "address and TLS", "access"
+JOBS, BACKUPS, LIMITS = "work", "backups", "limits"
+GROUPS = (WORKSPACE, STORAGE, ADDRESS, ACCESS, JOBS, BACKUPS, LIMITS)
+"""Headings of options, in their order."""
 
 UNIT_SECONDS = {"m": 60.0, "h": 3_600.0, "d": 86_400.0}
 
@@ -51,126 +68,150 @@ class Settings:
         where=EVERYWHERE,
     )
     database: str = option(
-        "", "database URL; empty is SQLite inside the workspace", where=EVERYWHERE
+        "",
+        "URL of the database of labels; empty: SQLite in the workspace",
+        where=EVERYWHERE,
+        shown=STORES,
+        group=STORAGE,
     )
     database_password_file: str = option(
-        "", "file that holds the password of the database's user", where=EVERYWHERE
+        "",
+        "file with the password of the database's user",
+        where=EVERYWHERE,
+        shown=STORES,
+        group=STORAGE,
     )
     new_labels: bool = option(
         False,
-        "begin with empty labels where `labels.sqlite` is missing beside recordings",
+        "start with empty labels if `labels.sqlite` is missing beside recordings",
         where=SERVERS,
+        group=STORAGE,
     )
     sequences: str = option(
         "",
-        "URL of object storage (s3://bucket/folder, gs://…) that holds the recordings; empty is "
-        "the folder `sequences` of the workspace",
+        "URL of the object storage of recordings (s3://bucket/folder, gs://…); empty: the folder "
+        "`sequences` of the workspace",
         where=EVERYWHERE,
+        shown=STORES,
+        group=STORAGE,
     )
     sequence_cache: str = option(
         "",
-        "folder of this machine for files from there; empty is `pointbrush` in the user's cache",
+        "local folder that caches files of the object storage; empty: `pointbrush` in the user's "
+        "cache folder",
         where=EVERYWHERE,
+        shown=STORES,
+        group=STORAGE,
     )
     sequence_cache_bytes: int = option(
         20 * 2**30,
-        "room for them; what is in use stays, even beyond that",
+        "maximum size of the cache; files in use are kept beyond it",
         where=EVERYWHERE,
         unit="bytes",
+        shown=STORES,
+        group=STORAGE,
     )
     max_frame_points: int = option(
-        500_000_000, "greatest number of points in a frame", where=READERS, group=LIMITS
+        500_000_000, "maximum number of points in a frame", where=READERS, group=LIMITS
     )
-    workers: int = option(2, "local processes for jobs", where=RUNNERS, group=JOBS)
+    workers: int = option(2, "local processes that run jobs", where=RUNNERS, group=JOBS)
     scheduler: str = option(
         "",
-        "Dask scheduler (tcp://host:port) whose workers run jobs instead",
+        "Dask scheduler (tcp://host:port); its workers run jobs instead of local processes",
         where=RUNNERS,
         group=JOBS,
     )
     host: str = option("127.0.0.1", "address to listen on", where=SERVERS, group=ADDRESS)
     port: int = option(
         8080,
-        "port to listen on; 0 takes a free one",
+        "port to listen on; 0: any free port",
         where=SERVERS,
         least=0,
         most=65_535,
         group=ADDRESS,
     )
     server: str = option(
-        "", "http(s) address of a server, whose workspace is meant", where=REMOTE, group=ACCESS
+        "",
+        "http(s) address of a server; the command works on the server's workspace",
+        where=CLIENTS,
+        group=ACCESS,
     )
     token: str = option(
         "",
-        "admin token, empty makes a new one at each start; for a server elsewhere your own",
-        where=(*REMOTE, *SERVERS),
+        "admin token; empty: a new one at each start",
+        client_help="your token for the server",
+        where=(*CLIENTS, *SERVERS),
         group=ACCESS,
     )
     token_file: str = option(
-        "", "file that holds the admin token, in place of `token`", where=SERVERS, group=ACCESS
+        "", "file with the admin token, instead of `token`", where=SERVERS, group=ACCESS
     )
     oidc_issuer: str = option(
         "",
-        "https address of an OpenID Connect provider that people may sign in with",
+        "https address of an OpenID Connect provider for sign-in",
         where=SERVERS,
         group=ACCESS,
     )
-    oidc_client_id: str = option("", "this server's id there", where=SERVERS, group=ACCESS)
+    oidc_client_id: str = option(
+        "", "id of this server at the provider", where=SERVERS, group=ACCESS
+    )
     oidc_client_secret_file: str = option(
         "",
-        "file that holds its secret; empty for a client without one",
+        "file with the client secret at the provider; empty: a public client",
         where=SERVERS,
         group=ACCESS,
     )
     oidc_role: str = option(
-        "annotator", "role of who signs in for the first time", where=SERVERS, group=ACCESS
+        "annotator", "role of an account at its first sign-in", where=SERVERS, group=ACCESS
     )
     oidc_roles_claim: str = option(
         "",
-        "claim of the ID token with the role at each sign-in (realm_access.roles), in place of "
+        "claim of the ID token that sets the role at each sign-in (realm_access.roles), instead of "
         "`oidc_role`",
         where=SERVERS,
         group=ACCESS,
     )
     log_format: str = option(
         "text",
-        "what the log is: text, or json, a line for each request, edit and job",
+        "format of the log: text, or json with one line for each request, edit and job",
         where=SERVERS,
         group=JOBS,
     )
     webhook_private: bool = option(
         False,
-        "let webhooks tell addresses of this machine and of private networks too",
+        "allow webhooks to addresses of this machine and of private networks",
         where=SERVERS,
         group=ACCESS,
     )
     selector: str = option(
         "tree",
-        "what answers clicks of the object tool: tree (built in), a plug-in's name, or the "
-        "http(s) address of a service; RECORDING=NAME for one recording, several with commas",
+        "method that answers clicks of the object tool: tree (built in), the name of a plug-in, or "
+        "the http(s) address of a service; RECORDING=NAME for one recording; commas separate "
+        "several",
         where=SERVERS,
         group=JOBS,
     )
     models: str = option(
         "",
-        "services that score classes for label by example: NAME=http://host:port, several with "
-        "commas; plug-ins are there by their names",
+        "services that score classes for label by example: NAME=http://host:port, separated by "
+        "commas; installed plug-ins need no entry",
         where=SERVERS,
+        group=JOBS,
     )
     backup_to: str = option(
         "",
-        "folder of dated backups, which share the files of recordings; a server makes them",
+        "folder of dated backups, which share the files of recordings; servers make backups there",
         where=KEEPERS,
         group=BACKUPS,
     )
     backup_every: str = option(
         "24h",
-        "time between them, as 90m, 24h or 7d",
+        "time between two backups of a server: 90m, 24h or 7d",
         where=SERVERS,
         group=BACKUPS,
     )
     backup_keep: int = option(
-        7, "newest of them that are kept; older ones are removed", where=KEEPERS, group=BACKUPS
+        7, "number of backups to keep; older ones are removed", where=KEEPERS, group=BACKUPS
     )
     tls: bool = option(
         False,
@@ -179,99 +220,99 @@ class Settings:
         group=ADDRESS,
     )
     certfile: str = option(
-        "", "certificate to serve HTTPS with, in place of our own", where=SERVERS, group=ADDRESS
+        "", "certificate for HTTPS, instead of pointbrush's own", where=SERVERS, group=ADDRESS
     )
     keyfile: str = option("", "private key of the certificate", where=SERVERS, group=ADDRESS)
     insecure: bool = option(
-        False, "listen off loopback without TLS all the same", where=SERVERS, group=ADDRESS
+        False, "allow an address other than loopback without TLS", where=SERVERS, group=ADDRESS
     )
     import_roots: str = option(
         "",
-        f"folders REST may import from, separated by '{os.pathsep}'; empty is the current "
+        f"folders that imports by REST may read, separated by '{os.pathsep}'; empty: the current "
         "folder and the home folder, for the admin token on this machine only",
         where=SERVERS,
         group=ACCESS,
     )
     allowed_hosts: str = option(
         "",
-        "further host names the page may be reached by, with commas",
+        "additional host names of the page, separated by commas",
         where=SERVERS,
         group=ADDRESS,
     )
     trusted_proxies: str = option(
         "",
-        "addresses or networks of proxies whose X-Forwarded-For and X-Forwarded-Proto are "
-        "believed, with commas",
+        "proxies trusted to set X-Forwarded-For and X-Forwarded-Proto: addresses or networks, "
+        "separated by commas",
         where=SERVERS,
         group=ADDRESS,
     )
     max_body: int = option(
         64 * 2**20,
-        "greatest body of a request (uploads apart)",
+        "maximum size of a request's body (uploads excepted)",
         where=SERVERS,
         unit="bytes",
         group=LIMITS,
     )
     max_upload: int = option(
-        8 * 2**30, "greatest upload", where=SERVERS, unit="bytes", group=LIMITS
+        8 * 2**30, "maximum size of an upload", where=SERVERS, unit="bytes", group=LIMITS
     )
     max_message: int = option(
         4 * 2**20,
-        "greatest WebSocket message from a client",
+        "maximum size of a WebSocket message from a client",
         where=SERVERS,
         unit="bytes",
         group=LIMITS,
     )
     wrong_tokens_per_minute: int = option(
         20,
-        "wrong tokens that one address may try in a minute until it has to wait",
+        "wrong tokens per minute from one address before it has to wait",
         where=SERVERS,
         group=LIMITS,
     )
     requests_per_second: int = option(
-        200, "requests a second that one client may sustain", where=SERVERS, group=LIMITS
+        200, "sustained requests per second of one client", where=SERVERS, group=LIMITS
     )
     body_seconds: int = option(
         600,
-        "time in which a body must have come whole (uploads apart)",
+        "maximum time to receive a request's body (uploads excepted)",
         where=SERVERS,
         unit="seconds",
         group=LIMITS,
     )
     upload_seconds: int = option(
         14_400,
-        "time in which an upload must have come whole",
+        "maximum time to receive an upload",
         where=SERVERS,
         unit="seconds",
         group=LIMITS,
     )
     stall_seconds: int = option(
         60,
-        "time for which a client may read nothing of an answer until it is given up",
+        "maximum time in which a client reads nothing of an answer",
         where=SERVERS,
         unit="seconds",
         group=LIMITS,
     )
     waiting_edits: int = option(
         6_000,
-        "edits of all viewers that may wait; new strokes are refused then",
+        "maximum number of queued edits of all viewers; further strokes are refused",
         where=SERVERS,
         group=LIMITS,
     )
-    exports: int = option(4, "exports under way at once, in all", where=SERVERS, group=LIMITS)
+    exports: int = option(4, "maximum number of concurrent exports", where=SERVERS, group=LIMITS)
     exports_per_person: int = option(
-        2, "exports under way at once, of one person", where=SERVERS, group=LIMITS
+        2, "maximum number of concurrent exports of one person", where=SERVERS, group=LIMITS
     )
     statement_seconds: int = option(
         60,
-        "time that one statement of PostgreSQL may take",
+        "maximum time of one PostgreSQL statement",
         where=SERVERS,
         unit="seconds",
         group=LIMITS,
     )
     keepalive_seconds: int = option(
         30,
-        "silence after which a connection to PostgreSQL is probed",
+        "idle time after which a PostgreSQL connection is probed",
         where=SERVERS,
         unit="seconds",
         group=LIMITS,
@@ -281,7 +322,9 @@ class Settings:
     def load(
         cls, given: Mapping[str, Any] | None = None, environment: Mapping[str, str] | None = None
     ) -> Settings:
-        """Return ``given`` (the command line; None = not given) over the environment over defaults.
+        """Return the options: ``given`` flags, then variables of the environment, then defaults.
+
+        ``given`` maps names to values of the command line; None: not given.
 
         Raises BadInputError for a value of the wrong form.
         """
@@ -298,9 +341,9 @@ class Settings:
 
     @property
     def database_url(self) -> str:
-        """The database's URL, with the default and the password filled in.
+        """The database's URL with the default and the password filled in.
 
-        Raises BadInputError when the file of the password cannot be read.
+        Raises BadInputError if the file of the password cannot be read.
         """
         if not self.database:
             return f"sqlite:///{(self.workspace / 'labels.sqlite').absolute()}"
@@ -314,14 +357,14 @@ class Settings:
 
     @property
     def cache_folder(self) -> Path:
-        """The folder of files from object storage, absolute."""
+        """The folder that caches files of the object storage, absolute."""
         if self.sequence_cache:
             return Path(self.sequence_cache).expanduser().absolute()
         return Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "pointbrush"
 
     @property
     def admin_token(self) -> str:
-        """The admin token that was set, or ""; raises BadInputError for a file without one."""
+        """The configured admin token, or ""; raises BadInputError for a file without a token."""
         if not self.token_file:
             return self.token
         token = _secret("token_file", self.token_file)
@@ -331,23 +374,23 @@ class Settings:
 
     @property
     def oidc_client_secret(self) -> str:
-        """The secret at the provider, or ""; raises BadInputError for a file that is not there."""
+        """The client secret at the provider, or ""; raises BadInputError for an unreadable file."""
         file = self.oidc_client_secret_file
         return _secret("oidc_client_secret_file", file) if file else ""
 
     @property
     def roots(self) -> list[Path]:
-        """Folders that REST may import from, as named, resolved."""
+        """The folders of ``import_roots``, resolved."""
         return [Path(root).resolve() for root in self.import_roots.split(os.pathsep) if root]
 
     @property
     def own_roots(self) -> list[Path]:
-        """The folders of who started the server: the current one and the home folder, resolved."""
+        """The current folder and the home folder of the server's process, resolved."""
         return [Path.cwd().resolve(), Path.home().resolve()]
 
 
 def seconds_of(name: str, text: str) -> float:
-    """Return the seconds of a time such as 24h; raises BadInputError, which names ``name``."""
+    """Return the seconds of a time such as 24h; raises BadInputError with ``name`` in it."""
     number, unit = text[:-1], text[-1:]
     if unit not in UNIT_SECONDS or not number.isdecimal() or not int(number):
         raise BadInputError(f"{name}: expected a time as 90m, 24h or 7d, got {text[:20]!r}")
@@ -355,7 +398,7 @@ def seconds_of(name: str, text: str) -> float:
 
 
 def _secret(name: str, file: str) -> str:
-    """Read the file of option ``name``, without its end of line."""
+    """Read the file of option ``name`` without its end of line."""
     try:
         return Path(file).read_text(encoding="utf-8").rstrip("\r\n")
     except (OSError, ValueError):
@@ -368,16 +411,23 @@ def options() -> tuple[Option, ...]:
 
 
 def variables(settings: Settings, command: str) -> dict[str, str]:
-    """Return the environment that gives ``command``, in another process, the same options."""
+    """Return the environment variables that give ``command`` in another process these options.
+
+    The command works on this machine's workspace, also where POINTBRUSH_SERVER is set.
+    """
     taken = [each for each in options() if each.taken_by(command)]
-    return {each.variable: str(getattr(settings, each.name)) for each in taken}
+    own = {each.variable: str(getattr(settings, each.name)) for each in taken}
+    return {f"{PREFIX}SERVER": "", **own}
 
 
 def documented(text: str) -> str:
-    """Return docs/options.md, now ``text``, with fresh tables between its two marks."""
+    """Return ``text`` of docs/options.md with new tables between its two marks."""
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
-    return before + begin + markdown(options()) + end + after
+    sets = (("servers", SERVERS), ("clients", CLIENTS), ("workspace", EVERYWHERE))
+    names = [f"- {name}: `{'`, `'.join(commands)}`\n" for name, commands in sets]
+    tables = markdown(options(), GROUPS, COMMAND_SETS)
+    return "".join((before, begin, *names, "\n", tables, end, after))
 
 
 if __name__ == "__main__":

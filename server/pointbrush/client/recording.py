@@ -273,6 +273,20 @@ class Recording(Part[L]):
     # ── boxes ────────────────────────────────────────────────────────────────────────────
 
     @steps
+    def start_fit_boxes(
+        self,
+        labels: Sequence[int] | None = None,
+        *,
+        category: str | None = None,
+        frames: str | None = None,
+        redraw: bool = False,
+        patience: float = PATIENCE,
+    ) -> Steps[Job]:
+        """Start a fit of boxes and return its job; arguments as of ``fit_boxes``."""
+        chosen = {"category": category, "frames": frames, "redraw": redraw}
+        return (yield from self._fit(labels, chosen, patience))
+
+    @steps
     def fit_boxes(
         self,
         labels: Sequence[int] | None = None,
@@ -283,17 +297,22 @@ class Recording(Part[L]):
         progress: bool = False,
         patience: float = PATIENCE,
     ) -> Steps[dict[str, Any]]:
-        """Fit boxes to the points of labels, all unless given, or of a category, and wait.
+        """Fit boxes to the points of labels (None: all) or of a category, and wait.
 
-        Poses that a person drew stay unless ``redraw``.  Returns ``edit``, ``fitted`` ids, and
-        ``skipped``, why by label.  ``patience``: as of ``track``.
+        ``redraw`` also replaces poses that a person drew.  Returns ``edit``, the ``fitted`` ids and
+        ``skipped``, the reasons by label.  ``patience``: as of ``track``.
         """
-        job, wanted = str(uuid.uuid4()), None if labels is None else list(labels)
-        which = {"labels": wanted, "category": category, "frames": frames, "redraw": redraw}
+        chosen = {"category": category, "frames": frames, "redraw": redraw}
+        job = yield from self._fit(labels, chosen, patience)
+        return (yield from finished(job, progress=progress, patience=patience))
+
+    def _fit(
+        self, labels: Sequence[int] | None, chosen: dict[str, Any], patience: float
+    ) -> Steps[Job]:
+        job = str(uuid.uuid4())
+        body = {"id": job, "labels": None if labels is None else list(labels), **chosen}
         place = f"/sequences/{self.id}/boxes/fit"
-        asked = Request("POST", place, {"json": {"id": job, **which}}, patience=patience)
-        begun = yield from started(job, asked)
-        return (yield from finished(begun, progress=progress, patience=patience))
+        return started(job, Request("POST", place, {"json": body}, patience=patience))
 
     @steps
     def export_boxes(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import logging
+import sys
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Generator
@@ -252,12 +253,13 @@ def started(job: str, request: Request) -> Steps[Job]:
 
 
 def finished(job: Job, *, progress: bool, patience: float) -> Steps[dict[str, Any]]:
-    """Wait for a job; returns its result.  ``progress`` shows a bar.
+    """Wait for a job and return its result.  ``progress`` shows a bar on a terminal or in Jupyter.
 
     ``patience``: seconds for which the server may be away.  Raises PointbrushError with the job's
     sentence, CancelledError, UnavailableError.
     """
-    with tqdm(total=100, disable=not progress, unit="%", desc=job.kind) as bar:
+    shown = progress and (sys.stderr.isatty() or "ipykernel" in sys.modules)
+    with tqdm(total=100, disable=not shown, unit="%", desc=job.kind) as bar:
         while job.state not in ENDED:
             yield Pause(POLL_SECONDS)
             job = yield from job_now(job.id, patience)

@@ -101,7 +101,10 @@ class Manifest:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A label of the palette."""
+    """A label of the palette; ``points`` in all frames, None where the answer has no count.
+
+    ``Recording.labels`` counts the points.
+    """
 
     id: int
     name: str
@@ -109,6 +112,7 @@ class Label:
     color: str
     locked: bool
     visible: bool
+    points: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -196,6 +196,12 @@ class LabelOut(Out):
     visible: bool
 
 
+class CountedLabelOut(LabelOut):
+    """An entry of the palette with the number of its points in all frames."""
+
+    points: int
+
+
 class LabelBody(Body):
     """A new label; the server chooses a missing ``id`` and ``color``.
 

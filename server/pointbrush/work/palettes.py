@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import uuid
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from pointbrush.formats.datasets import Dataset
 from pointbrush.labels import Label, LabelStore, Write
@@ -19,6 +20,22 @@ class NamedLabel:
     name: str
     category: str = ""
     color: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CountedLabel(Label):
+    """A label with its ``points``, the number in all frames."""
+
+    points: int = 0
+
+
+def counted_labels(store: LabelStore, sequence: str) -> list[CountedLabel]:
+    """Return the palette of a recording with the number of points of each label."""
+    points: Counter[int] = Counter()
+    for (_, label), (count, _) in store.counts(sequence).items():
+        points[label] += count
+    palette = store.palette(sequence)
+    return [CountedLabel(**asdict(label), points=points[label.id]) for label in palette]
 
 
 def add_labels(

@@ -17,6 +17,7 @@ from pointbrush.web.problems import responses
 from pointbrush.web.schemas import (
     VISIBLE,
     Body,
+    CountedLabelOut,
     EditOut,
     LabelBody,
     LabelOut,
@@ -26,16 +27,16 @@ from pointbrush.web.schemas import (
     SplitBody,
     SplitOut,
 )
-from pointbrush.work.palettes import NamedLabel, add_labels, add_template, offered
+from pointbrush.work.palettes import NamedLabel, add_labels, add_template, counted_labels, offered
 
 router = resource("labels")
 EditId = Annotated[Uuid | None, Query(description="the edit's UUID, which is applied once")]
 
 
 @router.get("/sequences/{seq}/labels", responses=responses(404))
-def list_labels(seq: WholeSequence, workspace: Ws) -> list[LabelOut]:
-    """List the labels of a recording."""
-    return [LabelOut.of(label) for label in workspace.labels.palette(seq)]
+def list_labels(seq: WholeSequence, workspace: Ws) -> list[CountedLabelOut]:
+    """List the labels of a recording with the number of points of each."""
+    return [CountedLabelOut.of(label) for label in counted_labels(workspace.labels, seq)]
 
 
 @router.post("/sequences/{seq}/labels", status_code=201, responses=responses(404, 409, 413))
