@@ -95,7 +95,7 @@ def test_the_whole_way_on_a_server(
     ]
     run("delete", "drift")
     assert run("info") == ""
-    assert run("undelete", "drift") == "drift is back\n"
+    assert run("undelete", "drift") == "restored drift\n"
     assert not (tmp_path / "here").exists()
 
 

@@ -176,7 +176,7 @@ def example(given: argparse.Namespace, settings: Settings) -> Answer:
             return printing.classifiers(known.listing())
         if given.delete:
             known.delete(arguments.required("--classifier", given.classifier))
-            return printing.said(f"deleted {given.classifier}", classifier=given.classifier)
+            return printing.confirmed(f"deleted {given.classifier}", classifier=given.classifier)
         taught = _taught(workspace, given)
         if given.save is not None:
             given.save.write_bytes(known.file(taught.id))
@@ -267,10 +267,10 @@ def token(given: argparse.Namespace, settings: Settings) -> Answer:
             raise BadInputError(f"token {given.action}: expected a name, got none")
         if given.action == "revoke":
             tokens.revoke(given.name)
-            return printing.said(f"revoked {given.name}", token=given.name)
+            return printing.confirmed(f"revoked {given.name}", token=given.name)
         expires = None if given.days is None else time.time() + given.days * 86_400
         secret = tokens.add(given.role, given.name, expires)
-        return printing.said(secret, token=secret)
+        return printing.confirmed(secret, token=secret)
 
 
 def review(given: argparse.Namespace, settings: Settings) -> None:
@@ -350,7 +350,7 @@ def report(given: argparse.Namespace, settings: Settings) -> Answer:
         found = workspace.reviewing.report(given.sequence)
     text = to_html(found) if suffix == ".html" else to_csv(found, given.table)
     given.out.write_text(text, encoding="utf-8")
-    return printing.said(f"wrote {given.out}", file=str(given.out))
+    return printing.confirmed(f"wrote {given.out}", file=str(given.out))
 
 
 def headset_report(given: argparse.Namespace, settings: Settings) -> Answer:  # noqa: ARG001
@@ -373,7 +373,7 @@ def backup(given: argparse.Namespace, settings: Settings) -> Answer:
             target = series.add(workspace.back_up, age)
         else:
             workspace.back_up(target := given.target)
-    return printing.said(f"backed up to {target}", target=str(target))
+    return printing.confirmed(f"backed up to {target}", target=str(target))
 
 
 def restore(given: argparse.Namespace, settings: Settings) -> Answer:
@@ -381,14 +381,16 @@ def restore(given: argparse.Namespace, settings: Settings) -> Answer:
     if given.only:
         with _opened(given, settings) as workspace:
             restored = workspace.restore_from_backup(given.source, given.only)
-            return printing.said(f"restored {restored}", sequence=restored)
+            return printing.confirmed(f"restored {restored}", sequence=restored)
     if settings.sequences:
         raise BadInputError(
             "restore: expected no --sequences: a backup is restored to a folder; copy the folder's "
             "`sequences` to the bucket afterwards"
         )
     restore_backup(given.source, settings.workspace, settings.database and settings.database_url)
-    return printing.said(f"restored to {settings.workspace}", workspace=str(settings.workspace))
+    return printing.confirmed(
+        f"restored to {settings.workspace}", workspace=str(settings.workspace)
+    )
 
 
 def move(given: argparse.Namespace, settings: Settings) -> Answer:
@@ -400,7 +402,9 @@ def move(given: argparse.Namespace, settings: Settings) -> Answer:
         pass  # it can be opened, and its schema is up to date
     move_labels(settings.workspace, settings.database_url, target)
     start = "without --database" if given.target == "sqlite" else f"with --database {target}"
-    return printing.said(f"moved the labels; start the server {start} from now on", target=target)
+    return printing.confirmed(
+        f"moved the labels; start the server {start} from now on", target=target
+    )
 
 
 def bench(given: argparse.Namespace, settings: Settings) -> None:  # noqa: ARG001

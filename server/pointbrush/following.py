@@ -1,4 +1,4 @@
-"""Jobs followed on the command line: a bar on a terminal, plain lines elsewhere."""
+"""Progress of jobs on the command line: a bar on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from pointbrush.errors import CancelledError, PointbrushError
 from pointbrush.job import ENDED
 
 TICK = 0.1
-"""Seconds between two looks."""
+"""Seconds between two polls."""
 LINE_STEP = 0.1
-"""Share of the work between two plain lines."""
+"""Part of the work between two plain lines, 0..1."""
 
 
 class Followed(Protocol):
-    """A job of this process, or of a server as its client sees it."""
+    """A job of this process, or of a server."""
 
     @property
     def id(self) -> str: ...  # noqa: D102
@@ -36,14 +36,13 @@ class Followed(Protocol):
 
 
 Look = Callable[[str], Followed]
-"""Return a job as it is now, by its id."""
+"""Return the current state of a job, by its id."""
 
 
 def follow(look: Look, job: Followed) -> dict[str, Any]:
-    """Show ``job`` until it has ended; returns its result.
+    """Show ``job`` until it has ended, and return its result.
 
-    Raises PointbrushError with the job's own sentence when it failed, CancelledError when it was
-    cancelled.
+    Raises PointbrushError with the error of a failed job, CancelledError for a cancelled job.
     """
     show = _bar if sys.stderr.isatty() else _lines
     ended = show(look, job)

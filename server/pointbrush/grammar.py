@@ -158,7 +158,9 @@ def _add_example(commands: Commands) -> None:
         help="train a new classifier on imported labels, too",
     )
     example.add_argument(
-        "--apply", metavar="I:J", help="label unlabeled points of frames I to J - 1, or of 'all'"
+        "--apply",
+        metavar="I:J",
+        help="label unlabeled and predicted points of frames I to J - 1, or 'all'",
     )
     example.add_argument(
         "--above", type=_share, default=0.0, help="minimum confidence of applied labels, 0 to 1"

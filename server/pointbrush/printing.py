@@ -1,4 +1,4 @@
-"""Answers of commands, of a workspace here and of one behind a server alike."""
+"""Answers of commands, the same for a workspace of this machine and of a server."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from pointbrush.printable import (
 class Answer:
     """Answer of a command.
 
-    ``value`` is what `--json` prints; ``lines`` and, on standard error, ``warnings`` are for
-    people, ``head`` names the columns of lines on a terminal; with an ``error`` the command fails
-    after it has answered.
+    `--json` prints ``value``.  Otherwise ``lines`` are printed, on a terminal below ``head`` with
+    the names of their columns, and ``warnings`` on standard error.  With an ``error`` the command
+    prints the answer and fails.
     """
 
     value: Any
@@ -37,7 +37,7 @@ class Answer:
     error: str = ""
 
     def show(self, *, as_json: bool) -> None:
-        """Print the answer as one JSON document, or in lines."""
+        """Print the answer as one JSON document or as lines."""
         if as_json:
             print(json.dumps(self.value, default=_plain, ensure_ascii=False, indent=1))
             return
@@ -49,15 +49,15 @@ class Answer:
 
 
 def _plain(value: object) -> object:
-    """Turn a value that JSON does not know into one that it does."""
+    """Return a value that JSON cannot hold as one that it can."""
     return asdict(value) if is_dataclass(value) and not isinstance(value, type) else str(value)
 
 
 def preview(found: Mapping[str, Any]) -> Answer:
     """Describe an import that was not carried out."""
     points = ", ".join(f"{frame['points']:,}" for frame in found["points"])
-    said = found["fps_from"]
-    rate_from = said if said in ("given", "assumed") else f"from {said}"
+    source = found["fps_from"]
+    rate_from = source if source in ("given", "assumed") else f"from {source}"
     columns = ", ".join(
         column["name"]
         if column["meaning"] in (column["name"].lower(), "xyz")
@@ -66,7 +66,7 @@ def preview(found: Mapping[str, Any]) -> Answer:
     )
     frames = "an unknown number of" if found["frames"] is None else found["frames"]
     wide = " x ".join(f"{width:,.1f}" for width in found["units"]["extent"])
-    told = {
+    shown = {
         "name": found["name"],
         "format": f"{found['format']} ({found['title']})",
         "frames": f"{frames}, {found['order']}",
@@ -84,9 +84,9 @@ def preview(found: Mapping[str, Any]) -> Answer:
         "up": found["up"],
         "labels": "come with the points" if found["labels"] else "none",
     }
-    lines = [f"{name:10} {value}" for name, value in told.items() if value]
+    lines = [f"{name:10} {value}" for name, value in shown.items() if value]
     lines += [f"warning    {warning}" for warning in found["warnings"]]
-    lines.append("nothing was written: this is what an import would do")
+    lines.append("dry run: nothing was imported")
     return Answer(found, lines)
 
 
@@ -100,7 +100,7 @@ def imported(result: Mapping[str, Any]) -> Answer:
 
 
 def together(answers: Iterable[Answer]) -> Answer:
-    """Describe several results; one alone as it is."""
+    """Join several results; return a single result unchanged."""
     found = list(answers)
     if len(found) == 1:
         return found[0]
@@ -116,21 +116,21 @@ def _warnings(result: Mapping[str, Any]) -> list[str]:
 def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -> Answer:
     """Describe labels that were imported into a recording of ``frames`` frames."""
     lines = [
-        f"frame {told['frame']}: {told['points']:,} points of {told['file']}"
-        for told in result["frames"]
+        f"frame {frame['frame']}: {frame['points']:,} points of {frame['file']}"
+        for frame in result["frames"]
     ]
     lines += [
-        f"class {number} has no name: --map FILE gives it one"
+        f"class {number} has no name; name it in a file for --map"
         for number in result["unknown_classes"]
     ]
     if result["unmatched_frames"]:
         lines.append(f"frames without labels: {', '.join(map(str, result['unmatched_frames']))}")
     if result["unmatched_files"]:
-        lines.append(f"files of no frame: {', '.join(result['unmatched_files'])}")
+        lines.append(f"files without a frame: {', '.join(result['unmatched_files'])}")
     done = "found" if dry_run else "imported"
     count = result["labelled"] if dry_run else result.get("changed", 0)
     if locked := result.get("locked"):
-        lines.append(f"points of locked labels stayed: {', '.join(locked)}")
+        lines.append(f"points of locked labels unchanged: {', '.join(locked)}")
     lines.append(
         f"{done} {count:,} labelled points in {result['matched']} of {frames} "
         f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
@@ -154,7 +154,7 @@ def fitted(result: Mapping[str, Any]) -> Answer:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A recording's row of the list; of a damaged one perhaps only the id is known."""
+    """A recording's row of the list; ``known`` is None for an unreadable recording."""
 
     id: str
     known: About | None
@@ -163,7 +163,7 @@ class Row:
 
     @property
     def line(self) -> str:
-        """Join what is known by tabs."""
+        """The columns, separated by tabs."""
         parts = [self.id]
         if self.known is not None:
             points = f"{sum(self.known.points):,} points"
@@ -200,27 +200,27 @@ def _facts(known: About) -> dict[str, Any]:
     }
 
 
-def said(line: str, **value: Any) -> Answer:
-    """Answer with one line, and with ``value`` as JSON."""
+def confirmed(line: str, **value: Any) -> Answer:
+    """Return an answer of one line, with ``value`` as JSON."""
     return Answer(value, [line])
 
 
 def deleted(sequence: str) -> Answer:
     """Confirm that a recording is deleted."""
-    return said(
-        f"deleted {sequence}; `pointbrush undelete {sequence}` brings it back for 30 days",
+    return confirmed(
+        f"deleted {sequence}; `pointbrush undelete {sequence}` restores it within 30 days",
         sequence=sequence,
     )
 
 
 def undeleted(sequence: str) -> Answer:
-    """Confirm that a recording is back."""
-    return said(f"{sequence} is back", sequence=sequence)
+    """Confirm that a recording is restored."""
+    return confirmed(f"restored {sequence}", sequence=sequence)
 
 
 def renamed(sequence: str, name: str) -> Answer:
     """Confirm a recording's new name."""
-    return said(f"{sequence} is called {name!r}", sequence=sequence, name=name)
+    return confirmed(f"renamed {sequence} to {name!r}", sequence=sequence, name=name)
 
 
 def tokens(found: Iterable[TokenEntry]) -> Answer:
@@ -239,8 +239,8 @@ def _status(token: TokenEntry) -> str:
 
 
 def source_labels_imported(sequence: str) -> Answer:
-    """Confirm that the labels in a recording's own files are in."""
-    return said(f"the labels in the files of {sequence} are in", sequence=sequence)
+    """Confirm an import of the labels in a recording's own files."""
+    return confirmed(f"imported the labels in the files of {sequence}", sequence=sequence)
 
 
 def labels(palette: Iterable[CountedEntry]) -> Answer:
@@ -259,7 +259,7 @@ def table(value: Sequence[object], head: Sequence[str], rows: Iterable[Sequence[
 def facts(known: About, revision: int, palette: Iterable[CountedEntry]) -> Answer:
     """Describe a recording."""
     listed = list(palette)
-    told: dict[str, Any] = {
+    shown: dict[str, Any] = {
         "id": known.id,
         "name": known.name,
         "source": known.source,
@@ -269,7 +269,7 @@ def facts(known: About, revision: int, palette: Iterable[CountedEntry]) -> Answe
         "fields": ", ".join(known.fields),
         "revision": revision,
     }
-    lines = [f"{name:10} {value}" for name, value in told.items()]
+    lines = [f"{name:10} {value}" for name, value in shown.items()]
     lines += [f"label {label.id:<4} {label.color} {label.name}" for label in listed]
     return Answer(_facts(known) | {"revision": revision, "labels": listed}, lines)
 
@@ -277,9 +277,9 @@ def facts(known: About, revision: int, palette: Iterable[CountedEntry]) -> Answe
 def findings(
     found: Iterable[Suspicious], unchecked: Sequence[str], *, settled: bool, fail: bool
 ) -> Answer:
-    """List suspicious things, with ``settled`` also those that a reviewer has accepted.
+    """List suspicious labels; ``settled``: with findings that a reviewer has accepted.
 
-    ``fail``: the command fails where there are any.
+    ``fail``: the command fails if the list is not empty.
     """
     wanted = [each for each in found if settled or not each.settled]
     lines = []
@@ -291,19 +291,21 @@ def findings(
     lines.append(f"{len(wanted)} suspicious")
     value = {"findings": wanted, "unchecked": list(unchecked)}
     error = f"{len(wanted)} suspicious" if fail and wanted else ""
-    return Answer(value, lines, [f"not looked at: {each}" for each in unchecked], error=error)
+    return Answer(value, lines, [f"not checked: {each}" for each in unchecked], error=error)
 
 
 def labels_compared(labels: Sequence[Agreeing], miou: float | None) -> Answer:
     """List the IoU of labels of two recordings."""
     lines = [f"{each.iou:.3f}  {each.name}" for each in labels]
-    lines.append("neither has labels" if miou is None else f"{miou:.3f}  mean of all labels")
+    lines.append(
+        "neither recording has labels" if miou is None else f"{miou:.3f}  mean of all labels"
+    )
     value = [{"name": each.name, "iou": each.iou} for each in labels]
     return Answer({"labels": value, "miou": miou}, lines, head="IoU    label")
 
 
 def boxes_compared(classes: Sequence[ComparedClass], hota: float | None) -> Answer:
-    """List the agreement of boxes by class, a line for each 3D IoU from which they are the same."""
+    """List the agreement of boxes by class, with a line for each minimum 3D IoU of a match."""
     lines = [
         f"{one.name}: {one.second} boxes for {one.first}, IoU from {at.iou}: "
         f"AP {at.ap:.3f}, precision {at.precision:.3f}, recall {at.recall:.3f}"
@@ -311,9 +313,9 @@ def boxes_compared(classes: Sequence[ComparedClass], hota: float | None) -> Answ
         for at in one.scores
     ]
     if not classes:
-        lines.append("neither has boxes")
+        lines.append("neither recording has boxes")
     elif hota is None:
-        lines.append("HOTA: not computed ('pip install trackeval')")
+        lines.append("HOTA: not computed; 'pip install trackeval'")
     else:
         lines.append(f"HOTA {hota:.3f}")
     return Answer({"classes": list(classes), "hota": hota}, lines)
@@ -322,18 +324,20 @@ def boxes_compared(classes: Sequence[ComparedClass], hota: float | None) -> Answ
 def checked(
     recordings: int, problems: Sequence[str], rebuilt: Sequence[str], *, readable: bool
 ) -> Answer:
-    """Describe the faults of a workspace; ``readable``: by other users of the machine."""
+    """List the faults of a workspace; ``readable``: other users of the machine can read it."""
     lines = [*rebuilt, *problems]
     if not problems:
         lines.append(f"{recordings} recordings and their labels are sound")
         if readable:
-            lines.append("other users of this machine may read the workspace: chmod -R go= it")
+            lines.append(
+                "other users of this machine can read the workspace: chmod -R go= closes it"
+            )
     value = {"recordings": recordings, "problems": problems, "rebuilt": rebuilt}
     return Answer(value, lines, error=f"{len(problems)} problems found" if problems else "")
 
 
 def exported(sequence: str, out: Path, entry: ExportFormat) -> Answer:
-    """Name the place of an export, and list the content that its format leaves out."""
+    """Name the place of an export and the content that its format cannot hold."""
     lines = [f"exported {sequence} to {out}"]
     if entry.cannot_hold:
         lines.insert(0, f"{entry.title} does not hold: {', '.join(entry.cannot_hold)}")
@@ -345,23 +349,23 @@ def exported(sequence: str, out: Path, entry: ExportFormat) -> Answer:
 
 
 def classifiers(found: Iterable[Taught]) -> Answer:
-    """List classifiers with their examples, teachers and scores."""
+    """List classifiers with their examples, recordings and scores."""
     listed = list(found)
     if not listed:
-        return Answer(listed, ["no classifiers; `pointbrush example SEQ` teaches one"])
+        return Answer(listed, ["no classifiers; `pointbrush example SEQ` trains one"])
     lines = [_classifier(each) for each in listed]
     return Answer(listed, lines, head="ID\tEXAMPLES\tTAUGHT BY\tSCORE")
 
 
 def classifier(found: Taught) -> Answer:
-    """Describe a classifier: its examples, its teachers and its score."""
+    """Describe a classifier with its examples, recordings and score."""
     return Answer(found, [_classifier(found)])
 
 
 def _classifier(found: Taught) -> str:
     examples = ", ".join(f"{name} {count}" for name, count in found.examples.items())
     score = "" if found.score is None else f"\tscore {found.score:.2f}"
-    return f"{found.id}\t{examples}\tby {', '.join(found.taught_by) or 'nobody'}{score}"
+    return f"{found.id}\t{examples}\tby {', '.join(found.taught_by) or 'no recording'}{score}"
 
 
 def applied(found: Taught, result: Mapping[str, Any]) -> Answer:

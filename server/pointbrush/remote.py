@@ -100,7 +100,7 @@ def example(given: argparse.Namespace, settings: Settings) -> Answer:
             return printing.classifiers(known.all())
         if given.delete:
             known.delete(arguments.required("--classifier", given.classifier))
-            return printing.said(f"deleted {given.classifier}", classifier=given.classifier)
+            return printing.confirmed(f"deleted {given.classifier}", classifier=given.classifier)
         taught = _taught(client, given)
         if given.save is not None:
             known.save(taught.id, given.save)
@@ -221,4 +221,4 @@ def report(given: argparse.Namespace, settings: Settings) -> Answer:
     arguments.report_suffix(given.out)
     with client_of(settings) as client:
         client[given.sequence].review.report(given.out, given.table)
-    return printing.said(f"wrote {given.out}", file=str(given.out))
+    return printing.confirmed(f"wrote {given.out}", file=str(given.out))

@@ -26,7 +26,7 @@ REMOTE = (
 LOCAL = ("token", "check", "backup", "restore", "review", "move")
 """Commands that need the folder of the workspace."""
 CLIENTS = (*REMOTE, "project", "task", "webhook", "undo")
-"""Commands that work on a server; those that are not in ``REMOTE`` need one."""
+"""Commands that work on a server; the commands that are not in ``REMOTE`` need one."""
 EVERYWHERE = (*REMOTE, *LOCAL, *SERVERS)
 """Commands that open a workspace."""
 KEEPERS = ("backup", *SERVERS)

@@ -22,9 +22,9 @@ def project(given: argparse.Namespace, settings: Settings) -> Answer:
         name = arguments.required("project", given.name)
         if given.action == "add":
             made = projects.create(name).id
-            return printing.said(f"added project {made}", project=made)
+            return printing.confirmed(f"added project {made}", project=made)
         projects[name].delete()
-        return printing.said(f"deleted project {name}", project=name)
+        return printing.confirmed(f"deleted project {name}", project=name)
 
 
 def task(given: argparse.Namespace, settings: Settings) -> Answer:
@@ -37,7 +37,7 @@ def task(given: argparse.Namespace, settings: Settings) -> Answer:
             for number in numbers:
                 queue.delete_task(number)
             deleted = ", ".join(map(str, numbers))
-            return printing.said(f"deleted tasks {deleted}", tasks=numbers)
+            return printing.confirmed(f"deleted tasks {deleted}", tasks=numbers)
         if given.action == "add":
             recordings = [client[name].id for name in given.items] or None
             found = queue.add_tasks(
@@ -71,9 +71,11 @@ def webhook(given: argparse.Namespace, settings: Settings) -> Answer:
         if given.action == "add":
             topics = arguments.listed(given.topics) if given.topics else None
             made = hooks.add_webhook(item, topics)
-            return printing.said(f"added webhook {made['id']}, secret {made['secret']}", **made)
+            return printing.confirmed(
+                f"added webhook {made['id']}, secret {made['secret']}", **made
+            )
         hooks.delete_webhook(item)
-        return printing.said(f"deleted webhook {item}", webhook=item)
+        return printing.confirmed(f"deleted webhook {item}", webhook=item)
 
 
 def undo(given: argparse.Namespace, settings: Settings) -> Answer:
@@ -82,4 +84,4 @@ def undo(given: argparse.Namespace, settings: Settings) -> Answer:
         recording = client[given.sequence]
         edit = recording.undo()
         line = f"undid your last edit of {recording.id}: {edit.changed:,} points changed"
-        return printing.said(line, sequence=recording.id, edit=edit.edit, changed=edit.changed)
+        return printing.confirmed(line, sequence=recording.id, edit=edit.edit, changed=edit.changed)

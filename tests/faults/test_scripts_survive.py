@@ -217,7 +217,7 @@ def test_a_command_waits_for_its_server(tmp_path: Path) -> None:
         restarted.kill_once()
         # The command has said that it goes on without an answer.
         assert running.stderr is not None
-        while (said := running.stderr.readline()) and b"is asked again" not in said:
+        while (said := running.stderr.readline()) and b"is repeated" not in said:
             pass
         assert said, "the command has not missed its server"
         restarted.missed.set()

@@ -1,4 +1,4 @@
-"""A client of a pointbrush server: recordings, frames, labels and jobs as Python values.
+"""The client of a pointbrush server: recordings, frames, labels and jobs as Python values.
 
     from pointbrush.client import Client
 
@@ -11,8 +11,9 @@
 
 ``AsyncClient`` has the same calls as coroutines: ``room = await client["juggling"]``.
 
-Arrays are NumPy's, in the order of the source's points.  What the server refuses raises the errors
-of ``pointbrush.errors``.
+A path is a path of this machine, and its files are uploaded; ``server_path`` names a path on the
+server.  Arrays are NumPy's, in the order of the points in the source.  A call that the server
+refuses raises an error of ``pointbrush.errors``.
 """
 
 from pointbrush.client.boxes import Box, Boxes, BoxPose

@@ -1,4 +1,4 @@
-"""Oriented boxes of a recording: listed, added, changed, fitted, as a table."""
+"""Oriented boxes of a recording."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Provenance = Literal["fitted", "drawn", "imported"]
 
 @dataclass(frozen=True, slots=True)
 class BoxPose:
-    """Place of a box in a frame: ``centre`` metres, ``quaternion`` x, y, z, w of frame <- box.
+    """Pose of a box in a frame: ``centre`` metres, ``quaternion`` x, y, z, w of frame <- box.
 
-    Both in source coordinates.  ``attributes`` go before those of the box.
+    Both are in source coordinates.  ``attributes`` override the attributes of the box.
     """
 
     centre: Vector
@@ -51,12 +51,12 @@ class Boxes(Part[L]):
 
     @steps
     def all(self, frame: int | None = None, label: int | None = None) -> Steps[list[Box]]:
-        """Return the boxes, or those with a pose in ``frame``, or of a label."""
+        """Return the boxes; optionally only boxes with a pose in ``frame``, or of a label."""
         return (yield from self._listed(frame, label))
 
     @steps
     def __getitem__(self, box: int) -> Steps[Box]:
-        """Return the box of an id; raises NotFoundError."""
+        """Return a box by its id; raises NotFoundError."""
         answer = yield from send(Request("GET", f"{self._place}/{box}", again=True))
         return read(Box, answer.json())
 
@@ -69,7 +69,7 @@ class Boxes(Part[L]):
         attributes: Mapping[str, AttributeValue] | None = None,
         provenance: Provenance = "drawn",
     ) -> Steps[Box]:
-        """Add a box, poses by frame; one edit."""
+        """Add a box as one edit, and return it; ``poses`` by frame."""
         body = {
             "label": label,
             "size": list(size),
@@ -89,7 +89,10 @@ class Boxes(Part[L]):
         poses: Mapping[int, BoxPose | None] | None = None,
         attributes: Mapping[str, AttributeValue | None] | None = None,
     ) -> Steps[Box]:
-        """Change a box: poses are set by frame, attributes by name, None removes one; one edit."""
+        """Change a box as one edit, and return it.
+
+        ``poses`` by frame and ``attributes`` by name; None removes an entry.
+        """
         given = {"label": label, "size": size and list(size), "attributes": attributes}
         body: dict[str, Any] = {name: each for name, each in given.items() if each is not None}
         if poses is not None:
@@ -98,7 +101,7 @@ class Boxes(Part[L]):
 
     @steps
     def remove(self, box: int) -> Steps[Edit]:
-        """Remove a box."""
+        """Delete a box."""
         query = {"edit": str(uuid.uuid4())}
         place = f"{self._place}/{box}"
         answer = yield from send(Request("DELETE", place, {"params": query}, again=True))
@@ -108,7 +111,7 @@ class Boxes(Part[L]):
     def paint(
         self, box: int, frames: str | None = None, *, only_unlabeled: bool = False
     ) -> Steps[Edit]:
-        """Give the points inside a box its label, in its frames ``I:J``, all unless given."""
+        """Label the points inside a box with its label, in its frames ``I:J`` (None: all)."""
         body = {"frames": frames, "only_unlabeled": only_unlabeled, "edit": str(uuid.uuid4())}
         place = f"{self._place}/{box}/points"
         answer = yield from send(Request("POST", place, {"json": body}, again=True))
@@ -116,7 +119,7 @@ class Boxes(Part[L]):
 
     @steps
     def frame(self, frame: int | None = None, label: int | None = None) -> Steps[Any]:
-        """Return a row for each box and frame, as a pandas frame; needs pandas.
+        """Return a pandas frame with a row for each box and frame; needs pandas.
 
         Columns: box, frame, label, length, width, height, x, y, z, qx, qy, qz, qw, provenance,
         confidence, and one for each attribute.
@@ -125,7 +128,7 @@ class Boxes(Part[L]):
             import pandas
         except ImportError:
             raise BadInputError(
-                "boxes.frame: expected pandas, 'pip install pandas' has it"
+                "boxes.frame: expected pandas to be installed ('pip install pandas')"
             ) from None
         boxes = yield from self._listed(frame, label)
         rows = [_row(b, f) for b in boxes for f in b.poses if frame is None or f == frame]

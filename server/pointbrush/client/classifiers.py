@@ -1,4 +1,4 @@
-"""Labels by example: classifiers of a workspace, taught by what is painted in recordings."""
+"""Label by example: classifiers of a workspace, trained on the painted points of recordings."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from pointbrush.client.values import Job, Vector, read
 
 @dataclass(frozen=True, slots=True)
 class Classifier:
-    """A classifier: ``taught_by`` recordings with their examples, ``examples`` of each class.
+    """A classifier; ``taught_by``: number of examples by recording; ``examples``: by class.
 
-    ``score``: share of held-out examples that are right, mean of the classes; ``cell``: metres.
+    ``score``: mean over the classes of the accuracy on held-out examples; ``cell``: metres.
     """
 
     id: str
@@ -48,11 +48,11 @@ class Classifier:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prediction:
-    """Points of a frame as a classifier sees them, in source order.
+    """A classifier's prediction of points of a frame, in source order.
 
-    ``label`` (n,) uint16, 0 where the palette has none of the class; ``kind`` (n,) uint8 number of
-    the class in ``classes`` from 1, 0 while nothing is taught; ``confidence`` (n,) uint8;
-    ``index`` (n,) the points' numbers, None: all.
+    ``label`` (n,) uint16, 0 if the palette has no label of the class; ``kind`` (n,) uint8 number
+    of the class in ``classes`` from 1, 0 without training; ``confidence`` (n,) uint8;
+    ``index`` (n,) numbers of the points, None: all.
     """
 
     label: NDArray[np.uint16]
@@ -64,9 +64,9 @@ class Prediction:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A place in doubt: ``centre`` on a surface, source metres, ``radius`` of a stroke there.
+    """A doubtful place: ``centre`` on a surface and ``radius`` of a stroke on it, source metres.
 
-    ``points`` of the piece; the two ``classes`` that it may be, the likelier first.
+    ``points``: number in the piece; ``classes``: its two most likely classes, the likelier first.
     """
 
     sequence: str
@@ -83,13 +83,13 @@ class Classifiers(Part[L]):
 
     @steps
     def all(self) -> Steps[list[Classifier]]:
-        """Return all, by id."""
+        """Return all classifiers, by id."""
         answer = yield from send(Request("GET", "/classifiers", again=True))
         return [read(Classifier, entry) for entry in answer.json()]
 
     @steps
     def __getitem__(self, classifier: str) -> Steps[Classifier]:
-        """Return the classifier of an id; raises NotFoundError."""
+        """Return a classifier by its id; raises NotFoundError."""
         answer = yield from send(Request("GET", f"/classifiers/{classifier}", again=True))
         return read(Classifier, answer.json())
 
@@ -98,11 +98,10 @@ class Classifiers(Part[L]):
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
         model: str = "", imported: bool = False,
     ) -> Steps[Classifier]:  # fmt: skip
-        """Make one, taught by what is painted in recordings, now and later.
+        """Add a classifier that is trained on the painted points of recordings; return it.
 
-        ``classes`` None: all of the recordings' palettes.  ``model``: name of a plug-in or
-        service of the server that answers in place of the trees.  ``imported``: imported labels
-        teach beside painted ones.
+        ``classes`` None: all of the recordings' palettes.  ``model``: name of a plug-in or service
+        of the server to use instead of the trees.  ``imported``: train on imported labels as well.
         """
         body: dict[str, Any] = {"name": name, "recordings": list(recordings)}
         body |= {"model": model, "imported": imported}
@@ -113,7 +112,7 @@ class Classifiers(Part[L]):
 
     @steps
     def teach(self, classifier: str, recordings: Sequence[str] = ()) -> Steps[Classifier]:
-        """Teach what is painted now, also in further recordings, and have it written down."""
+        """Train on the current labels, also of further recordings, and save the classifier."""
         body = {"recordings": list(recordings)}
         place = f"/classifiers/{classifier}/teach"
         answer = yield from send(Request("POST", place, {"json": body}, again=True))
@@ -121,12 +120,12 @@ class Classifiers(Part[L]):
 
     @steps
     def delete(self, classifier: str) -> Steps[None]:
-        """Delete one; what it labelled stays."""
+        """Delete a classifier; the labels that it applied stay."""
         yield from send(Request("DELETE", f"/classifiers/{classifier}"))
 
     @steps
     def save(self, classifier: str, out: AnyPath) -> Steps[Path]:
-        """Write one to a file, to be taken elsewhere; returns its path."""
+        """Write a classifier to a file for ``load``, and return the file's path."""
         target = Path(out)
         place = f"/classifiers/{classifier}/file"
         answer = yield from send(Request("GET", place, again=True))
@@ -135,7 +134,7 @@ class Classifiers(Part[L]):
 
     @steps
     def load(self, file: AnyPath, name: str | None = None) -> Steps[Classifier]:
-        """Take in a file that ``save`` wrote; returns what it is called here."""
+        """Add a classifier from a file of ``save``, and return it; ``name``: its new name."""
         query = {} if name is None else {"name": name}
         options = {"content": Path(file).read_bytes(), "params": query}
         answer = yield from send(Request("POST", "/classifiers/file", options))
@@ -143,7 +142,7 @@ class Classifiers(Part[L]):
 
 
 class ByExample(Part[L]):
-    """Predictions of a recording by classifiers, and labels that they give it."""
+    """Predictions of a recording by classifiers, and their application as labels."""
 
     def __init__(self, link: L, sequence: str) -> None:
         super().__init__(link)
@@ -158,10 +157,10 @@ class ByExample(Part[L]):
         labels: Sequence[int] | None = None,
         place: Sequence[float] | None = None,
     ) -> Steps[Prediction]:
-        """Predict the points of a frame, from all that is painted by now; nothing is changed.
+        """Predict the points of a frame from all current labels; nothing is changed.
 
-        ``labels``: as these alone, by id; ``place``: only near it (3,), source metres, which a
-        frame of many millions of points needs.
+        ``labels``: predict only these, by id.  ``place`` (3,): predict only near it, source
+        metres; a frame of many millions of points needs a place.
         """
         given = {"classifier": classifier, "labels": labels, "place": place}
         body = {key: value for key, value in given.items() if value is not None}
@@ -178,10 +177,11 @@ class ByExample(Part[L]):
         near: Sequence[float] | None = None,
         most: int = 5,
     ) -> Steps[list[Place]]:
-        """Return the places whose answer would teach most, the best first.
+        """Return the places with the most useful answers for training, the best first.
 
-        In one ``frame``; in some frames; in some recordings of the ``workspace``.  ``near`` (3,)
-        source metres: a place of a large frame round which it is looked.
+        The search covers one ``frame``, or some frames, or some recordings of the ``workspace``.
+        ``near`` (3,) source metres: search only near a place of a large frame.  ``most``: maximum
+        number of places.
         """
         query: dict[str, Any] = {"classifier": classifier, "most": most}
         query |= {} if frame is None else {"frame": frame}
@@ -196,7 +196,7 @@ class ByExample(Part[L]):
         self, /, classifier: str, frames: str = "", above: float = 0.0, *,
         patience: float = PATIENCE,
     ) -> Steps[Job]:  # fmt: skip
-        """Start what ``apply`` waits for; returns the job."""
+        """Start an application and return its job; arguments as of ``apply``."""
         return (yield from self._start(classifier, frames, above, patience))
 
     @steps
@@ -204,10 +204,10 @@ class ByExample(Part[L]):
         self, /, classifier: str, frames: str = "", above: float = 0.0, *, progress: bool = False,
         patience: float = PATIENCE,
     ) -> Steps[dict[str, Any]]:  # fmt: skip
-        """Label what nobody has labelled in frames ``I:J``, and wait; returns the job's result.
+        """Label unlabeled and predicted points in frames ``I:J``, and wait; return the result.
 
-        One edit of provenance 4.  ``above``: points whose confidence, 0 to 1, is below stay as
-        they are.  ``patience``: as of ``Recording.track``.
+        The labels are one edit of provenance 4 (predicted).  ``above``: minimum confidence, 0 to 1.
+        ``patience``: as of ``Recording.track``.
         """
         job = yield from self._start(classifier, frames, above, patience)
         return (yield from finished(job, progress=progress, patience=patience))

@@ -1,4 +1,4 @@
-"""The connection: one token, one address, recordings and jobs."""
+"""The client itself: its connection, recordings, imports and jobs."""
 
 from __future__ import annotations
 
@@ -36,20 +36,21 @@ from pointbrush.client.values import BoxAttribute, Category, ExportFormat, Job, 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 
 TIMEOUT = 60.0
-"""Seconds of one call without a byte; jobs are waited for as long as they take."""
+"""Seconds without a byte until a call fails; a job may take longer."""
 ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")
-"""Form of the ids of recordings."""
+"""Pattern of the ids of recordings."""
 URL_VARIABLE, TOKEN_VARIABLE = "POINTBRUSH_SERVER", "POINTBRUSH_TOKEN"
 
 
 class Server(Part[L]):
-    """Calls of a server that ``Client`` and ``AsyncClient`` share."""
+    """The calls that ``Client`` and ``AsyncClient`` share."""
 
     @steps
     def call(self, /, method: str, path: str, **options: Any) -> Steps[httpx.Response]:
-        """Make any call; ``path`` is below ``/api/v1``, ``options`` are those of httpx.
+        """Make any call and return its answer; ``path`` is relative to ``/api/v1``.
 
-        Raises the errors of ``pointbrush.errors``; UnavailableError when nothing answers.
+        ``options`` are passed to httpx.  Raises the errors of ``pointbrush.errors``;
+        UnavailableError if no server answers.
         """
         return (yield from send(Request(method, path, options, again=method == "GET")))
 
@@ -57,15 +58,15 @@ class Server(Part[L]):
 
     @steps
     def sequences(self) -> Steps[list[Recording[L]]]:
-        """Return all recordings that can be opened, by name."""
+        """Return all readable recordings, by name."""
         listed = yield from self._manifests()
         return [Recording(self._link, entry) for entry in listed if entry.damaged is None]
 
     @steps
     def search(self, q: str = "", /, **wanted: str) -> Steps[list[Manifest]]:
-        """Find recordings by a part of their name, and by what is ``wanted``.
+        """Return the recordings with ``q`` in their name that match all criteria in ``wanted``.
 
-        That is project, class_, label, state (of a task) or person.
+        Criteria: project, class_, label, state (of a task), person.
         """
         query = {name.rstrip("_"): value for name, value in wanted.items()} | {"q": q}
         answer = yield from send(Request("GET", "/sequences", {"params": query}, again=True))
@@ -73,7 +74,7 @@ class Server(Part[L]):
 
     @steps
     def manifests(self) -> Steps[list[Manifest]]:
-        """Return the facts of all recordings, also of ``damaged`` ones, by name."""
+        """Return the manifests of all recordings, ``damaged`` ones too, by name."""
         return (yield from self._manifests())
 
     def _manifests(self, query: str = "") -> Steps[list[Manifest]]:
@@ -86,9 +87,9 @@ class Server(Part[L]):
 
     @steps
     def __getitem__(self, sequence: str) -> Steps[Recording[L]]:
-        """Open a recording by its id, or else by its name.
+        """Return a recording by its id, or else by its name.
 
-        Raises NotFoundError, and BadInputError for the name of several.
+        Raises NotFoundError, and BadInputError for a name that several recordings have.
         """
         if ID.fullmatch(sequence):
             try:
@@ -98,21 +99,26 @@ class Server(Part[L]):
         named = [each for each in (yield from self._manifests()) if each.name == sequence]
         if len(named) > 1:
             ids = ", ".join(each.id for each in named)
-            raise BadInputError(f"sequence: expected the name of one recording, got that of {ids}")
+            raise BadInputError(
+                f"sequence: expected the name of one recording, got the name of {ids}"
+            )
         if not named:
             raise NotFoundError(f"sequence: expected a recording's id or name, got {sequence!r}")
         return Recording(self._link, named[0])
 
     @steps
     def deleted(self) -> Steps[list[Manifest]]:
-        """Return deleted recordings that can be restored, newest first."""
+        """Return the deleted recordings that can be restored, the last deleted first."""
         return (yield from self._manifests("?deleted=true"))
 
     @steps
     def restore(self, sequence: str) -> Steps[Recording[L]]:
-        """Bring a deleted recording back by its id or identity; its id may be another one now."""
+        """Restore a deleted recording by its id or identity, and return it.
+
+        Its id changes if another recording has it now.
+        """
         deleted = yield from self._manifests("?deleted=true")
-        # By its identity the call can be repeated: an id may be that of several.
+        # Only a call by identity can be repeated: several deleted recordings may have one id.
         known = (each.identity for each in deleted if sequence in (each.id, each.identity))
         key = next(known, None)
         path = f"/sequences/{key or sequence}/restore"
@@ -202,7 +208,7 @@ class Server(Part[L]):
 
     @property
     def projects(self) -> Projects[L]:
-        """The projects of the workspace, and their queues."""
+        """The projects of the workspace, with their queues of tasks."""
         return Projects(self._link)
 
     # ── the workspace ────────────────────────────────────────────────────────────────────
@@ -215,7 +221,7 @@ class Server(Part[L]):
 
     @steps
     def box_attributes(self) -> Steps[list[BoxAttribute]]:
-        """Return the attributes that boxes may have beside occluded, truncated and parked."""
+        """Return the attributes of boxes beside occluded, truncated and parked."""
         answer = yield from send(Request("GET", "/taxonomy", again=True))
         return [read(BoxAttribute, entry) for entry in answer.json()["attributes"]]
 
@@ -225,9 +231,10 @@ class Server(Part[L]):
         categories: Sequence[Category] = (),
         attributes: Sequence[BoxAttribute] | None = None,
     ) -> Steps[None]:
-        """Add classes, or change those of their numbers; ``attributes``: all that boxes may have.
+        """Add classes, or change the classes with the same numbers.
 
-        Numbers of classes never change meaning: raises ConflictError.
+        ``attributes`` replaces the list of the attributes of boxes.  Raises ConflictError for a
+        change of a number's meaning.
         """
         body: dict[str, Any] = {"categories": [asdict(each) for each in categories]}
         if attributes is not None:
@@ -236,12 +243,12 @@ class Server(Part[L]):
 
     @steps
     def templates(self) -> Steps[list[str]]:
-        """Return the names of palettes that ``Recording.add_palette`` takes."""
+        """Return the names of the palettes for ``Recording.add_palette``."""
         return list((yield from send(Request("GET", "/templates", again=True))).json())
 
     @steps
     def export_formats(self) -> Steps[list[ExportFormat]]:
-        """List the export formats, with what each cannot hold."""
+        """Return the export formats, with the content that each cannot hold."""
         answer = yield from send(Request("GET", "/exports", again=True))
         return [read(ExportFormat, entry) for entry in answer.json()]
 
@@ -249,13 +256,13 @@ class Server(Part[L]):
 
     @steps
     def jobs(self) -> Steps[list[Job]]:
-        """Return all remembered jobs, newest first."""
+        """Return the jobs that the server remembers, newest first."""
         answer = yield from send(Request("GET", "/jobs", again=True))
         return [read(Job, entry) for entry in answer.json()]
 
     @steps
     def job(self, job: str, *, patience: float = 0.0) -> Steps[Job]:
-        """Return a job as it is now, by its id.
+        """Return the current state of a job, by its id.
 
         ``patience``: seconds for which the server may be away.
         """
@@ -263,14 +270,14 @@ class Server(Part[L]):
 
     @steps
     def cancel(self, job: str, *, keep: bool = False) -> Steps[Job]:
-        """Ask a job to stop; ``keep`` commits what a tracking run has found."""
+        """Cancel a job and return it; ``keep`` commits the labels found by a tracking run."""
         query = {"keep": json.dumps(keep)}
         try:
             asked = Request("DELETE", f"/jobs/{job}", {"params": query}, again=True)
             return read(Job, (yield from send(asked)).json())
         except ConflictError:
             ended = yield from job_now(job)
-            if ended.state != "cancelled":  # by an earlier call, whose answer was lost
+            if ended.state != "cancelled":  # by an earlier call with a lost answer
                 raise
             return ended
 
@@ -278,26 +285,26 @@ class Server(Part[L]):
     def wait(
         self, job: Job, *, progress: bool = False, patience: float = PATIENCE
     ) -> Steps[dict[str, Any]]:
-        """Wait for a job; returns its result.  ``progress`` shows a bar.
+        """Wait for a job and return its result.  ``progress`` shows a bar.
 
-        ``patience``: seconds for which the server may be away, as when it is restarted.  Raises
-        PointbrushError with the job's sentence, CancelledError, UnavailableError.
+        ``patience``: seconds for which the server may be away, such as during a restart.  Raises
+        PointbrushError with the error of a failed job, CancelledError, UnavailableError.
         """
         return (yield from finished(job, progress=progress, patience=patience))
 
 
 class Client(Server[SyncLink]):
-    """A pointbrush server; a context manager, and safe to share between threads."""
+    """A client of a pointbrush server; a context manager, safe to share between threads."""
 
     def __init__(
         self, url: str = "", token: str = "", *, timeout: float = TIMEOUT, **options: Any
     ) -> None:
         """Connect to a server.
 
-        ``url`` is its address, also as it printed it, with a token; without one, and without a
-        ``token``, the variables POINTBRUSH_SERVER and POINTBRUSH_TOKEN say them.
-        ``timeout`` in seconds, of one call; ``options`` go to httpx: verify, proxy, ….
-        Raises BadInputError for no address, or no token.
+        ``url``: the server's address, with or without the token that the server printed in it.
+        Defaults of ``url`` and ``token``: the variables POINTBRUSH_SERVER and POINTBRUSH_TOKEN.
+        ``timeout``: seconds without a byte until a call fails.  ``options`` are passed to httpx:
+        verify, proxy and others.  Raises BadInputError for no address, or no token.
         """
         super().__init__(SyncLink(httpx.Client(**_address(url, token), timeout=timeout, **options)))
 
@@ -318,17 +325,17 @@ class Client(Server[SyncLink]):
 
 
 class AsyncClient(Server[AsyncLink]):
-    """The same for code that awaits: ``async with``, and every call of ``Client`` a coroutine."""
+    """A ``Client`` for asynchronous code: use ``async with``, and await each call."""
 
     def __init__(
         self, url: str = "", token: str = "", *, timeout: float = TIMEOUT, **options: Any
     ) -> None:
         """Connect to a server.
 
-        ``url`` is its address, also as it printed it, with a token; without one, and without a
-        ``token``, the variables POINTBRUSH_SERVER and POINTBRUSH_TOKEN say them.
-        ``timeout`` in seconds, of one call; ``options`` go to httpx: verify, proxy, ….
-        Raises BadInputError for no address, or no token.
+        ``url``: the server's address, with or without the token that the server printed in it.
+        Defaults of ``url`` and ``token``: the variables POINTBRUSH_SERVER and POINTBRUSH_TOKEN.
+        ``timeout``: seconds without a byte until a call fails.  ``options`` are passed to httpx:
+        verify, proxy and others.  Raises BadInputError for no address, or no token.
         """
         http = httpx.AsyncClient(**_address(url, token), timeout=timeout, **options)
         super().__init__(AsyncLink(http))

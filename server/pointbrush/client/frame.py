@@ -51,14 +51,14 @@ class Frame(Part[L]):
 
     @steps
     def points(self) -> Steps[dict[str, NDArray[Any]]]:
-        """Return arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` if there are."""
+        """Return arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` where stored."""
         answer = yield from self._call("GET", "/points", params={"format": "npz"})
         with np.load(io.BytesIO(answer.content), allow_pickle=False) as stored:
             return dict(stored.items())
 
     @steps
     def cameras(self) -> Steps[list[Camera]]:
-        """Return the cameras that took a picture at this frame."""
+        """Return the cameras with a picture of this frame."""
         answer = yield from self._call("GET", "/cameras")
         return [read(Camera, entry) for entry in answer.json()]
 
@@ -77,9 +77,9 @@ class Frame(Part[L]):
 
     @steps
     def annotation(self, layer: str = "label", snapshot: str | None = None) -> Steps[Annotation]:
-        """Return a layer (N,), label, provenance, deleted or confidence, with its ``etag``.
+        """Return a layer (N,) with its ``etag``: label, provenance, deleted or confidence.
 
-        ``snapshot``: as it was in that one.
+        ``snapshot``: id of a snapshot to read instead of the current labels.
         """
         params = {"layer": layer} | ({} if snapshot is None else {"snapshot": snapshot})
         answer = yield from self._call("GET", "/annotation", params=params)
@@ -89,12 +89,11 @@ class Frame(Part[L]):
     def annotate(
         self, values: NDArray[Any], layer: str = "label", *, if_match: str | None = None
     ) -> Steps[Edit]:
-        """Replace a layer, as one edit.
+        """Replace a layer as one edit; ``values`` (N,): whole numbers of any type.
 
-        ``values`` (N,) may be of any type that holds whole numbers; BadInputError for those that
-        the layer cannot hold (label 0 to 65535, provenance 0 to 255, deleted 0 or 1).
-        ``if_match``: the ``etag`` of what it was made from; ConflictError when the frame has
-        changed since.
+        Raises BadInputError for values that the layer cannot hold (label 0 to 65535, provenance 0
+        to 255, deleted 0 or 1).  ``if_match``: the ``etag`` of the layer that the values were made
+        from; raises ConflictError if the frame has changed since.
         """
         headers = {"Content-Type": "application/x-npy"}
         if if_match is not None:
@@ -123,9 +122,9 @@ class Frame(Part[L]):
         shape: str = "sphere",
         **fields: Any,
     ) -> Steps[Edit]:
-        """Apply a stroke: ``samples`` (S, 3) places or ray origins, ``directions`` (S, 3) of rays.
+        """Apply a stroke of ``samples`` (S, 3), places or origins of rays with ``directions``.
 
-        ``fields`` are the stroke's own: radius, polygon and matrix, candidate, frames, ….
+        ``fields``: other fields of the stroke, such as radius, polygon, matrix, candidate, frames.
         """
         body = {"label": label, "tool": tool, "shape": shape, **fields}
         return (yield from self._edit("/strokes", {**body, "samples": rays(samples, directions)}))
@@ -140,10 +139,10 @@ class Frame(Part[L]):
         negatives: tuple[ArrayLike, ArrayLike] | None = None,
         **fields: Any,
     ) -> Steps[list[Candidate]]:
-        """Return candidates of the object that rays (K, 3) point at, from part to group.
+        """Return candidates for the object that rays (K, 3) point at, from part to group.
 
-        ``negatives``: origins and directions of rays at what is no part of it.  A stroke of shape
-        ``object`` with the same rays and a ``candidate``'s id takes one.
+        ``negatives``: origins and directions of rays at points outside the object.  A stroke of
+        shape ``object`` with the same rays and the id of a ``candidate`` takes one, with any label.
         """
         body = {"positives": rays(origins, directions), **fields}
         if negatives is not None:
@@ -153,14 +152,14 @@ class Frame(Part[L]):
 
     @steps
     def copy_labels(self, source: int, labels: Sequence[int]) -> Steps[Edit]:
-        """Label points as those at the same place in frame ``source`` are."""
+        """Copy ``labels`` from the points at the same place in frame ``source``."""
         return (yield from self._edit("/copy", {"source": source, "labels": list(labels)}))
 
     @steps
     def clear(self, labels: Sequence[int], stop: int | None = None) -> Steps[Edit]:
-        """Take labels from all of their points in this frame, or up to ``stop`` (included).
+        """Remove labels from all their points in this frame, or in all up to frame ``stop``.
 
-        Painted points too; ``recording.clear`` takes back only what tracking found.
+        Painted points lose the labels as well; ``recording.clear`` clears only tracked points.
         """
         body = {"labels": list(labels)} | ({} if stop is None else {"stop": stop})
         return (yield from self._edit("/clear", body))
@@ -181,7 +180,7 @@ class Frames(Part[L], Sequence[Frame[L]]):
     @overload
     def __getitem__(self, index: slice) -> list[Frame[L]]: ...
     def __getitem__(self, index: int | slice) -> Frame[L] | list[Frame[L]]:
-        """Return a frame, or several; raises IndexError."""
+        """Return a frame, or the list of frames of a slice; raises IndexError."""
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(self._count))]
         number = index + self._count if index < 0 else index

@@ -1,4 +1,4 @@
-"""Projects: recordings in groups, their people, and the queue of who labels what next."""
+"""Projects: groups of recordings with their people, tasks, webhooks and snapshots."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from pointbrush.client.values import Edit, Job, Vector, html_table, read
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Frames ``first`` to ``last``, both included, of recording ``sequence``.
+    """A task: label frames ``first`` to ``last``, both included, of recording ``sequence``.
 
-    ``state``: open, taken, done, review, accepted, returned; ``note`` pinned to ``place`` of
-    ``frame``, source metres.
+    ``state``: open, taken, done, review, accepted, returned.  ``note`` is pinned to ``place`` in
+    ``frame``, source coordinates, metres.
     """
 
     number: int
@@ -37,7 +37,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A version of a project's labels: the revision of each recording then."""
+    """A version of a project's labels: the revision of each recording at its time."""
 
     id: str
     name: str
@@ -48,7 +48,7 @@ class Snapshot:
 
 @dataclass(frozen=True, slots=True)
 class LabelDifference:
-    """A label that ``came``, ``went`` or was ``changed``."""
+    """A label that differs: it ``came``, ``went`` or was ``changed``."""
 
     label: int
     name: str
@@ -57,7 +57,7 @@ class LabelDifference:
 
 @dataclass(frozen=True, slots=True)
 class FrameDifference:
-    """Points of a frame that got a label, lost theirs, have another; ids of labels there."""
+    """Points of a frame that gained, lost or changed their label; ids of labels in it."""
 
     frame: int
     came: int
@@ -78,7 +78,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class ProjectInfo:
-    """Facts of a project; ``role``: the caller's; ``tasks`` in each state, by person too."""
+    """Facts of a project; ``role`` of the caller; number of ``tasks`` by state, and by person."""
 
     id: str
     name: str
@@ -92,7 +92,7 @@ class ProjectInfo:
 
 
 class Project(Part[L]):
-    """One project, as it was when it was asked for: ``info``."""
+    """A project; ``info``: its facts as of the call that returned it."""
 
     def __init__(self, link: L, info: ProjectInfo) -> None:
         super().__init__(link)
@@ -103,19 +103,19 @@ class Project(Part[L]):
         return f"Project({self.id!r}, {len(self.info.recordings)} recordings)"
 
     def _repr_html_(self) -> str:
-        """Describe the project in a notebook."""
+        """Return a table of the project for a notebook."""
         known = self.info
-        told = {
+        facts = {
             "id": known.id,
             "recordings": ", ".join(known.recordings),
             "people": ", ".join(f"{person} ({role})" for person, role in known.roles.items()),
             "tasks": ", ".join(f"{count} {state}" for state, count in known.tasks.items()),
         }
-        return html_table(known.name, told)
+        return html_table(known.name, facts)
 
     @steps
     def change(self, /, **fields: Any) -> Steps[ProjectInfo]:
-        """Set name, roles or categories, or put ``recordings`` into it; returns what it is then.
+        """Change the name, roles or categories, or add ``recordings``; return the new facts.
 
         ``categories`` None: all.
         """
@@ -131,7 +131,7 @@ class Project(Part[L]):
 
     @steps
     def delete(self) -> Steps[None]:
-        """Delete it; raises ConflictError while it has recordings."""
+        """Delete the project; raises ConflictError while it has recordings."""
         yield from send(Request("DELETE", self._place))
 
     @steps
@@ -147,7 +147,7 @@ class Project(Part[L]):
     def tasks(
         self, state: str | None = None, person: str | None = None, sequence: str | None = None
     ) -> Steps[list[Task]]:
-        """Return all tasks, or those in a state, of an assignee, of a recording; by number."""
+        """Return the tasks, by number; optionally only of a state, an assignee or a recording."""
         wanted = {"state": state, "person": person, "sequence": sequence}
         query: dict[str, Any] = {n: value for n, value in wanted.items() if value is not None}
         found: list[Task] = []
@@ -170,11 +170,11 @@ class Project(Part[L]):
         people: int = 1,
         truth: bool = False,
     ) -> Steps[list[Task]]:
-        """Make a task of each recording (None: all), or of each ``every`` frames of ``frames``.
+        """Add a task for each recording (None: all), or for each ``every`` frames of ``frames``.
 
-        ``people`` label the same, each a copy that the others do not see; ``truth``: the labels
-        that are there are hidden, and known to be right.  Raises ConflictError for frames that
-        have a task which is not accepted yet.
+        ``people``: number of annotators of the same frames, each with their own copy.  ``truth``:
+        the current labels are ground truth, and hidden from the annotators.  Raises ConflictError
+        for frames with a task that is not accepted yet.
         """
         given = {"recordings": recordings, "frames": frames, "every": every}
         body: dict[str, Any] = {n: value for n, value in given.items() if value is not None}
@@ -184,14 +184,14 @@ class Project(Part[L]):
 
     @steps
     def next_task(self, work: Literal["label", "review"] = "label") -> Steps[Task | None]:
-        """Take the next task, or return the one that was begun; None where there is none."""
+        """Take the next task, or return the caller's current task; None if the queue is empty."""
         request = Request("POST", f"{self._place}/tasks/next", {"json": {"work": work}}, again=True)
-        told = (yield from send(request)).json()
-        return None if told is None else read(Task, told)
+        found = (yield from send(request)).json()
+        return None if found is None else read(Task, found)
 
     @steps
     def task(self, number: int) -> Steps[Task]:
-        """Return one task; raises NotFoundError."""
+        """Return a task by its number; raises NotFoundError."""
         request = Request("GET", f"{self._place}/tasks/{number}", again=True)
         return read(Task, (yield from send(request)).json())
 
@@ -206,7 +206,10 @@ class Project(Part[L]):
         frame: int | None = None,
         place: Sequence[float] | None = None,
     ) -> Steps[Task]:
-        """Set what is given of a task; raises ForbiddenError, ConflictError, BadInputError."""
+        """Change the given fields of a task and return it.
+
+        Raises ForbiddenError, ConflictError, BadInputError.
+        """
         given = {
             "state": state,
             "assignee": assignee,
@@ -220,12 +223,12 @@ class Project(Part[L]):
 
     @steps
     def delete_task(self, number: int) -> Steps[None]:
-        """Remove a task with its history; labels stay."""
+        """Delete a task with its history; the labels stay."""
         yield from send(Request("DELETE", f"{self._place}/tasks/{number}"))
 
     @steps
     def task_history(self, number: int) -> Steps[list[dict[str, Any]]]:
-        """List the changes of a task, the newest first."""
+        """Return the changes of a task, newest first."""
         request = Request("GET", f"{self._place}/tasks/{number}/history", again=True)
         found: list[dict[str, Any]] = (yield from send(request)).json()
         return found
@@ -234,7 +237,7 @@ class Project(Part[L]):
 
     @steps
     def agreement(self, sequence: str) -> Steps[list[dict[str, Any]]]:
-        """Compare each two people's copies of a recording: by points, and places that differ."""
+        """Compare the copies of a recording in pairs; return agreement and differing places."""
         query = {"sequence": sequence}
         place = f"{self._place}/agreement"
         answer = yield from send(Request("GET", place, {"params": query}, again=True))
@@ -249,9 +252,9 @@ class Project(Part[L]):
         labels: Mapping[str, Sequence[int]] | None = None,
         frame: int | None = None,
     ) -> Steps[Edit]:
-        """Write the labels of the majority, or of one copy by its id, into the recording.
+        """Write the majority's labels, or the labels of one copy by its id, into the recording.
 
-        ``labels``: only of points to which a copy, by its id, gives one of these, in ``frame``.
+        ``labels``: ids of labels by copy; only their points in ``frame`` are written.
         """
         body: dict[str, Any] = {"sequence": sequence, "take": take, "id": str(uuid.uuid4())}
         if labels is not None:
@@ -261,7 +264,7 @@ class Project(Part[L]):
 
     @steps
     def scores(self) -> Steps[list[dict[str, Any]]]:
-        """Compare what each person has handed in of known truth with it."""
+        """Return the scores of each person on tasks with ground truth."""
         answer = yield from send(Request("GET", f"{self._place}/scores", again=True))
         found: list[dict[str, Any]] = answer.json()
         return found
@@ -270,14 +273,14 @@ class Project(Part[L]):
 
     @steps
     def webhooks(self) -> Steps[list[dict[str, Any]]]:
-        """Return the addresses that are told what happens in it."""
+        """Return the webhooks of the project."""
         answer = yield from send(Request("GET", f"{self._place}/webhooks", again=True))
         found: list[dict[str, Any]] = answer.json()
         return found
 
     @steps
     def add_webhook(self, url: str, topics: Sequence[str] | None = None) -> Steps[dict[str, Any]]:
-        """Tell an address of topics (task, labels, job; None: all); returns id and secret."""
+        """Add a webhook for topics (task, labels, job; None: all); return its id and secret."""
         body = {"url": url} if topics is None else {"url": url, "topics": list(topics)}
         answer = yield from send(Request("POST", f"{self._place}/webhooks", {"json": body}))
         made: dict[str, Any] = answer.json()
@@ -285,12 +288,12 @@ class Project(Part[L]):
 
     @steps
     def delete_webhook(self, webhook: str) -> Steps[None]:
-        """Remove a webhook, and what is on its way to it."""
+        """Delete a webhook with its pending events."""
         yield from send(Request("DELETE", f"{self._place}/webhooks/{webhook}"))
 
     @steps
     def deliveries(self, webhook: str) -> Steps[list[dict[str, Any]]]:
-        """Return the latest events of a webhook and how they went, the newest first."""
+        """Return the latest events of a webhook with their delivery, newest first."""
         place = f"{self._place}/webhooks/{webhook}/deliveries"
         found: list[dict[str, Any]] = (yield from send(Request("GET", place, again=True))).json()
         return found
@@ -299,26 +302,26 @@ class Project(Part[L]):
 
     @steps
     def snapshots(self) -> Steps[list[Snapshot]]:
-        """Return the versions of its labels, the newest first."""
+        """Return the snapshots of the project's labels, newest first."""
         answer = yield from send(Request("GET", f"{self._place}/snapshots", again=True))
         return [read(Snapshot, entry) for entry in answer.json()]
 
     @steps
     def snapshot(self, name: str) -> Steps[Snapshot]:
-        """Name its labels as they are now."""
+        """Save the current labels of the project as a snapshot."""
         request = Request("POST", f"{self._place}/snapshots", {"json": {"name": name}})
         return read(Snapshot, (yield from send(request)).json())
 
     @steps
     def delete_snapshot(self, snapshot: str) -> Steps[None]:
-        """Forget a version; labels stay."""
+        """Delete a snapshot; the current labels stay."""
         yield from send(Request("DELETE", f"{self._place}/snapshots/{snapshot}"))
 
     @steps
     def difference(
         self, snapshot: str, other: str | None = None, sequence: str | None = None
     ) -> Steps[list[Difference]]:
-        """Compare a version with another, or with now; of one recording or of all."""
+        """Compare a snapshot with another, or with the current labels (None)."""
         given = {"with": other, "sequence": sequence}
         query = {name: value for name, value in given.items() if value is not None}
         place = f"{self._place}/snapshots/{snapshot}/difference"
@@ -331,18 +334,18 @@ class Projects(Part[L]):
 
     @steps
     def all(self) -> Steps[list[Project[L]]]:
-        """Return all that are for the caller, by name."""
+        """Return the caller's projects, by name."""
         answer = yield from send(Request("GET", "/projects", again=True))
         return [Project(self._link, read(ProjectInfo, entry)) for entry in answer.json()]
 
     @steps
     def __getitem__(self, project: str) -> Steps[Project[L]]:
-        """Return the project of an id; raises NotFoundError."""
+        """Return a project by its id; raises NotFoundError."""
         answer = yield from send(Request("GET", f"/projects/{project}", again=True))
         return Project(self._link, read(ProjectInfo, answer.json()))
 
     @steps
     def create(self, name: str, /, **fields: Any) -> Steps[Project[L]]:
-        """Make one; ``fields``: id, roles, categories, recordings.  Raises ConflictError."""
+        """Add a project; ``fields``: id, roles, categories, recordings.  Raises ConflictError."""
         answer = yield from send(Request("POST", "/projects", {"json": {"name": name, **fields}}))
         return Project(self._link, read(ProjectInfo, answer.json()))

@@ -45,7 +45,7 @@ from pointbrush.errors import NotFoundError
 
 
 class Recording(Part[L]):
-    """A recording; ``manifest``: its facts when it was opened, with ``id`` and ``name``.
+    """A recording with its ``id``, ``name`` and ``manifest`` as of the call that returned it.
 
     Its parts are ``frames``, ``boxes``, ``review`` and ``by_example``.
     """
@@ -63,16 +63,16 @@ class Recording(Part[L]):
         return f"Recording({self.id!r}, {len(self.frames)} frames)"
 
     def _repr_html_(self) -> str:
-        """Describe the recording in a notebook."""
+        """Return a table of the recording for a notebook."""
         known = self.manifest
-        told = {
+        facts = {
             "id": known.id,
             "frames": f"{known.frames:,}, {known.fps:g} a second",
             "points": f"{sum(known.points):,}",
             "fields": ", ".join(known.fields),
             "labelled frames": f"{known.labelled:,}",
         }
-        return html_table(known.name, told)
+        return html_table(known.name, facts)
 
     def _call(
         self,
@@ -87,7 +87,7 @@ class Recording(Part[L]):
         return send(Request(method, place, options, into, again or method == "GET"))
 
     def _edit(self, method: str, path: str, body: dict[str, Any] | None = None) -> Steps[Edit]:
-        """Make an edit by a call whose body takes its id, so that it is done once."""
+        """Make an edit once, by a call with the edit's id in its body."""
         named = {"id": str(uuid.uuid4()), **(body or {})}
         answer = yield from self._call(method, path, again=True, json=named)
         return read(Edit, answer.json())
@@ -95,7 +95,7 @@ class Recording(Part[L]):
     def _palette_edit(
         self, method: str, path: str, body: dict[str, Any] | None = None
     ) -> Steps[dict[str, Any]]:
-        """Make an edit by a call whose query takes its id."""
+        """Make an edit once, by a call with the edit's id in its query."""
         query = {"edit": str(uuid.uuid4())}
         answer = yield from self._call(method, path, again=True, params=query, json=body)
         found: dict[str, Any] = answer.json()
@@ -105,13 +105,13 @@ class Recording(Part[L]):
 
     @steps
     def labels(self) -> Steps[list[Label]]:
-        """Return the palette."""
+        """Return the palette, with the number of points of each label."""
         answer = yield from self._call("GET", "/labels")
         return [read(Label, entry) for entry in answer.json()]
 
     @steps
     def label(self, name: str) -> Steps[Label]:
-        """Return the label of a name; raises NotFoundError."""
+        """Return the label with a name; raises NotFoundError."""
         answer = yield from self._call("GET", "/labels")
         for entry in answer.json():
             if entry["name"] == name:
@@ -120,30 +120,30 @@ class Recording(Part[L]):
 
     @steps
     def create_label(self, /, name: str, **fields: Any) -> Steps[Label]:
-        """Add a label; ``fields``: category, color, id, locked, visible, distinct."""
+        """Add a label and return it; ``fields``: category, color, id, locked, visible, distinct."""
         entry = yield from self._palette_edit("POST", "/labels", {"name": name, **fields})
         return read(Label, entry)
 
     @steps
     def update_label(self, /, label: int, **fields: Any) -> Steps[Label]:
-        """Change a label's name, category, color, locked or visible."""
+        """Change a label's name, category, color, locked or visible, and return it."""
         return read(Label, (yield from self._palette_edit("PATCH", f"/labels/{label}", fields)))
 
     @steps
     def delete_label(self, label: int) -> Steps[Edit]:
-        """Remove a label; its points become unlabeled in the same edit."""
+        """Delete a label; the same edit makes its points unlabeled."""
         return read(Edit, (yield from self._palette_edit("DELETE", f"/labels/{label}")))
 
     @steps
     def merge_labels(self, into: int, labels: Sequence[int]) -> Steps[Edit]:
-        """Give all points of ``labels`` to the label ``into``, and remove them; one edit."""
+        """Give all points of ``labels`` to label ``into`` and delete ``labels``, as one edit."""
         body = {"labels": list(labels)}
         return read(Edit, (yield from self._palette_edit("POST", f"/labels/{into}/merge", body)))
 
     @steps
     def add_palette(self, template: str) -> Steps[list[str]]:
-        """Add the classes of a well-known dataset; returns the names that were not there."""
-        # Again, it finds them there: the call needs no id.
+        """Add the classes of a well-known dataset; return the names of the new labels."""
+        # A repeated call finds the labels in the palette: it needs no id.
         answer = yield from self._call("POST", "/palette", again=True, json={"template": template})
         added: list[str] = answer.json()["added"]
         return added
@@ -152,39 +152,39 @@ class Recording(Part[L]):
 
     @steps
     def categories(self) -> Steps[list[str]]:
-        """Return the categories to choose from: those its project has selected, or all."""
+        """Return the categories for labels: the selection of the project, or all."""
         return list((yield from self._call("GET", "/categories")).json()["names"])
 
     @steps
     def undo(self) -> Steps[Edit]:
-        """Take back one's last edit; raises ConflictError when there is none."""
+        """Undo your last edit; raises ConflictError if there is none."""
         return (yield from self._edit("POST", "/undo"))
 
     @steps
     def redo(self) -> Steps[Edit]:
-        """Bring back what the last undo took."""
+        """Redo the edit of your last undo."""
         return (yield from self._edit("POST", "/redo"))
 
     @steps
     def edits(self, limit: int = 100, before: int | None = None) -> Steps[list[PastEdit]]:
-        """Return the history, newest first; ``before`` a revision."""
+        """Return the history, newest first; ``before``: only edits before this revision."""
         query = {"limit": limit} | ({} if before is None else {"before": before})
         answer = yield from self._call("GET", "/edits", params=query)
         return [read(PastEdit, entry) for entry in answer.json()]
 
     def watch(self, after: int | None = None, *, patience: float = PATIENCE) -> Watch[L]:
-        """Watch edits, doubts and jobs as they happen: ``for`` each, or ``async for``.
+        """Return an iterator of edits, doubts and jobs, for ``for`` or ``async for``.
 
-        ``after``: a revision whose followers come first; from now on unless given.  ``patience``:
+        ``after``: start with the edits after this revision (None: from now on).  ``patience``:
         seconds for which the server may be away.
         """
         return Watch(self._link, self.id, after, patience)
 
     @steps
     def annotate(self, values: Mapping[int, ArrayLike], layer: str = "label") -> Steps[Edit]:
-        """Replace a layer in several frames, ``values`` by frame, as one edit.
+        """Replace a layer in several frames as one edit; ``values``: arrays by frame.
 
-        BadInputError as of ``Frame.annotate``; then no frame has changed.
+        Raises BadInputError as ``Frame.annotate`` does, and then changes no frame.
         """
         arrays = {frame: layer_of(array, layer) for frame, array in values.items()}
         query = {"layer": layer, "id": str(uuid.uuid4())}
@@ -196,15 +196,15 @@ class Recording(Part[L]):
 
     @steps
     def accept(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
-        """Make what tracking found in frames ``start`` to ``stop`` count as painted."""
+        """Mark tracked points of labels in frames ``start`` to ``stop`` as painted."""
         body = {"labels": list(labels), "start": start, "stop": stop}
         return (yield from self._edit("POST", "/accept", body))
 
     @steps
     def clear(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
-        """Take back what tracking found in frames ``start`` to ``stop``; painted points stay.
+        """Remove labels from tracked points in frames ``start`` to ``stop``; painted points stay.
 
-        ``frames[i].clear`` takes the labels from painted points too.
+        ``frames[i].clear`` removes the labels from painted points as well.
         """
         body = {"labels": list(labels), "start": start, "stop": stop}
         return (yield from self._edit("POST", "/clear", body))
@@ -222,7 +222,7 @@ class Recording(Part[L]):
         patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Job]:
-        """Start what ``track`` waits for; returns the job."""
+        """Start a tracking run and return its job; arguments as of ``track``."""
         return (yield from self._tracking(labels, start, stop, options, patience))
 
     @steps
@@ -239,11 +239,11 @@ class Recording(Part[L]):
         patience: float = PATIENCE,
         **options: Any,
     ) -> Steps[Run]:
-        """Carry labels from frame ``start`` to ``stop``, and wait; ``progress`` shows a bar.
+        """Track labels from frame ``start`` to ``stop``, and wait; ``progress`` shows a bar.
 
-        ``labels`` None: all in frame ``start``.  ``options``: continue_lost, until_painted,
-        stop_unsure.  ``patience``: seconds for which the server may be away meanwhile, as when it
-        is restarted.  Raises PointbrushError with the job's sentence, CancelledError,
+        ``labels`` None: all labels in frame ``start``.  ``options``: continue_lost, until_painted,
+        stop_unsure.  ``patience``: seconds for which the server may be away, such as during a
+        restart.  Raises PointbrushError with the error of a failed job, CancelledError,
         UnavailableError.
         """
         chosen = {"method": method, "overwrite": overwrite, **options}
@@ -266,7 +266,7 @@ class Recording(Part[L]):
 
     @steps
     def tracks(self) -> Steps[list[Track]]:
-        """Return pose, confidence and state of every tracked label in every frame."""
+        """Return pose, confidence and state of each tracked label in each frame."""
         answer = yield from self._call("GET", "/tracks")
         return [read(Track, entry) for entry in answer.json()]
 
@@ -316,7 +316,7 @@ class Recording(Part[L]):
 
     @steps
     def export_boxes(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:
-        """Write the boxes of frames ``I:J`` in a format that keeps them, as ``export`` does."""
+        """Write the boxes of frames ``I:J`` in a format of boxes; as ``export``."""
         return (yield from self._export(out, {"format": format, "frames": frames}))
 
     # ── labels made elsewhere, exports ───────────────────────────────────────────────────
@@ -361,7 +361,7 @@ class Recording(Part[L]):
 
     @steps
     def import_source_labels(self) -> Steps[None]:
-        """Bring in the labels in the recording's own files, which did not come in with it."""
+        """Import the labels in the recording's own files that were not imported with it."""
         place = f"/sequences/{self.id}/source-labels"
         yield from send(Request("POST", place, again=True))
 
@@ -388,12 +388,12 @@ class Recording(Part[L]):
         above: float = 0.0,
         snapshot: str | None = None,
     ) -> Steps[Path]:
-        """Write an export of frames ``I:J`` to a .zip, whole or not at all; returns its path.
+        """Write an export of frames ``I:J`` to a .zip, whole or not at all; return its path.
 
-        ``val`` are the frames for validation of a format that splits: ``I:J``, ids of recordings
-        with commas, or ``none``; by default those of one recording in five.  ``above``: predicted
-        labels of a confidence, 0 to 1, below it are left out; ``snapshot``: labels as they were
-        then.
+        ``val``: validation frames of a format that splits: ``I:J``, ids of recordings separated by
+        commas, or ``none``; by default the frames of one recording in five.  ``above``: minimum
+        confidence of predicted labels, 0 to 1.  ``snapshot``: labels of a snapshot instead of the
+        current ones.
         """
         asked = {"format": format, "frames": frames, "val": val, "above": above or None}
         asked |= {"snapshot": snapshot}
@@ -415,7 +415,7 @@ class Recording(Part[L]):
 
     @steps
     def update(self, *, name: str | None = None, fps: float | None = None) -> Steps[Manifest]:
-        """Change the name or the rate; returns the manifest as it is now."""
+        """Change the name or the frame rate, and return the new manifest."""
         given = {"name": name, "fps": fps}
         body = {key: value for key, value in given.items() if value is not None}
         answer = yield from self._call("PATCH", "", json=body, again=True)
@@ -425,7 +425,7 @@ class Recording(Part[L]):
 
     @steps
     def delete(self) -> Steps[None]:
-        """Delete the recording with its labels; ``Client.restore`` brings it back for 30 days."""
+        """Delete the recording with its labels; ``Client.restore`` restores it within 30 days."""
         identity = self.manifest.identity
         query = {} if identity is None else {"identity": identity}
         yield from self._call("DELETE", "", again=identity is not None, params=query)

@@ -1,4 +1,4 @@
-"""The review of a recording: states and notes, suspicious things, agreement, reports."""
+"""The review of a recording: states and notes, suspicious labels, agreement, reports."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from pointbrush.client.values import Vector, read
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """State of frames ``first`` to ``last``; None: of ``label`` as a whole.
+    """Review state of frames ``first`` to ``last``, or of ``label`` as a whole (frames None).
 
-    ``label`` None: the frames themselves; ``place`` that the note is pinned to, source metres;
-    ``at`` ISO 8601; ``changed``: labels changed after the state was given.
+    ``label`` None: state of the frames themselves.  ``place``: position of the note, source
+    coordinates, metres.  ``at``: ISO 8601.  ``changed``: labels have changed since the review.
     """
 
     first: int | None
@@ -36,7 +36,7 @@ class Standing:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A suspicious thing; ``place`` in frame ``first``, source metres."""
+    """A suspicious label; ``place`` in frame ``first``, source coordinates, metres."""
 
     id: str
     kind: str
@@ -50,7 +50,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """Findings in the order to go through them, and sentences about what was not looked at."""
+    """Findings in the order of review, and a sentence for each skipped check."""
 
     findings: tuple[Finding, ...]
     unchecked: tuple[str, ...]
@@ -58,7 +58,7 @@ class Checked:
 
 @dataclass(frozen=True, slots=True)
 class LabelAgreement:
-    """A label by name: its points in the first, the second and both."""
+    """Agreement on a label: its points in the first recording, the second and both."""
 
     name: str
     iou: float
@@ -69,7 +69,7 @@ class LabelAgreement:
 
 @dataclass(frozen=True, slots=True)
 class FrameAgreement:
-    """Points of a frame that either labelled, and those of them that differ."""
+    """Points of a frame labelled in either recording, and the differing ones among them."""
 
     frame: int
     labelled: int
@@ -78,7 +78,7 @@ class FrameAgreement:
 
 @dataclass(frozen=True, slots=True)
 class BoxScore:
-    """Boxes of the second recording against the first's, the same from the 3D IoU ``iou`` on."""
+    """Score of the second recording's boxes against the first's, with minimum 3D IoU ``iou``."""
 
     iou: float
     ap: float
@@ -88,7 +88,7 @@ class BoxScore:
 
 @dataclass(frozen=True, slots=True)
 class ClassAgreement:
-    """Boxes of a class, counted in each frame; ``mean_iou`` of those that overlap."""
+    """Boxes of a class, counted in each frame; ``mean_iou`` of overlapping boxes."""
 
     name: str
     first: int
@@ -99,7 +99,7 @@ class ClassAgreement:
 
 @dataclass(frozen=True, slots=True)
 class BoxAgreement:
-    """Similarity of boxes by class; ``hota`` None where the server has no trackeval."""
+    """Agreement of boxes by class; ``hota`` None if the server has no trackeval."""
 
     classes: tuple[ClassAgreement, ...]
     hota: float | None
@@ -107,7 +107,7 @@ class BoxAgreement:
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """Similarity of two annotations; None where neither has labelled anything."""
+    """Agreement of two annotations; values are None if neither has labels."""
 
     miou: float | None
     same: float | None
@@ -130,15 +130,15 @@ class Review(Part[L]):
 
     @steps
     def counts(self) -> Steps[dict[str, int]]:
-        """Count the frames that are open, in review, accepted and rejected."""
+        """Return the numbers of open, review, accepted and rejected frames."""
         found: dict[str, int] = (yield from self._get("/review")).json()["counts"]
         return found
 
     @steps
     def standings(self) -> Steps[list[Standing]]:
-        """Return runs of frames about which anything was said, then labels as a whole."""
-        told = (yield from self._get("/review")).json()
-        return [read(Standing, entry) for entry in (*told["frames"], *told["labels"])]
+        """Return the states of reviewed runs of frames, then of labels as a whole."""
+        found = (yield from self._get("/review")).json()
+        return [read(Standing, entry) for entry in (*found["frames"], *found["labels"])]
 
     @steps
     def frame(self, frame: int, label: int | None = None) -> Steps[Standing]:
@@ -158,9 +158,9 @@ class Review(Part[L]):
         place: Sequence[float] | None = None,
         assignee: str | None = None,
     ) -> Steps[None]:
-        """Set what is given of frames ``first`` to ``last`` (the same unless given), or a label.
+        """Change the review of frames ``first`` to ``last`` (default: ``first``) or of a label.
 
-        Raises ForbiddenError below the role that it needs, NotFoundError, BadInputError.
+        Raises ForbiddenError for an insufficient role, NotFoundError, BadInputError.
         """
         given = {
             "first": first,
@@ -177,19 +177,19 @@ class Review(Part[L]):
 
     @steps
     def history(self, limit: int = 100) -> Steps[list[dict[str, Any]]]:
-        """List the review decisions with their authors, the newest first."""
+        """Return the review decisions with their authors, newest first."""
         answer = yield from self._get("/review/history", limit=limit)
         found: list[dict[str, Any]] = answer.json()
         return found
 
     @steps
     def check(self, frames: str | None = None) -> Steps[Checked]:
-        """Return suspicious things in frames ``I:J``, and what could not be looked at."""
+        """Return the findings in frames ``I:J``, and the skipped checks."""
         return read(Checked, (yield from self._get("/checks", frames=frames)).json())
 
     @steps
     def checks(self, frames: str | None = None) -> Steps[list[Finding]]:
-        """Return suspicious things, in frames ``I:J`` where given."""
+        """Return the findings in frames ``I:J`` (None: all)."""
         answer = yield from self._get("/checks", frames=frames)
         return list(read(Checked, answer.json()).findings)
 
@@ -197,22 +197,23 @@ class Review(Part[L]):
     def agreement(
         self, other: str, by: str = "name", frames: str | None = None, *, boxes: bool = False
     ) -> Steps[Agreement]:
-        """Return IoU of each label, and points of each frame that differ, with a recording's.
+        """Return the agreement with another recording: IoU by label, differing points by frame.
 
-        ``by``: "name" or "category"; ``frames`` I:J; ``boxes`` compares those too.
+        ``by``: match labels by "name" or "category".  ``frames``: I:J.  ``boxes``: compare boxes
+        as well.
         """
         query = {"with": other, "by": by, "frames": frames, "boxes": "true" if boxes else None}
         return read(Agreement, (yield from self._get("/agreement", **query)).json())
 
     @steps
     def difference(self, other: str, frame: int, by: str = "name") -> Steps[bytes]:
-        """Return a PNG of a frame from above: where the labels differ."""
+        """Return a PNG of a frame from above with the differing points."""
         query = {"with": other, "by": by}
         return (yield from self._get(f"/frames/{frame}/agreement", **query)).content
 
     @steps
     def report(self, out: AnyPath, table: str = "frames") -> Steps[Path]:
-        """Write the report to a file, .html or .csv; returns its path.
+        """Write the report to a .html or .csv file, and return its path.
 
         ``table`` of a .csv: "frames", "labels" or "people".
         """

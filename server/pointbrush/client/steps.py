@@ -1,8 +1,7 @@
-"""Calls written once, for code that blocks and for code that awaits.
+"""Calls written once for blocking and for asynchronous code.
 
-A method of the client is a generator of steps: it yields a request or a pause, and is sent the
-answer.  ``SyncLink`` takes the steps one after the other, ``AsyncLink`` awaits them.  A job is
-waited for so, too.
+A method of the client is a generator of steps: it yields a request or a pause and receives the
+answer.  ``SyncLink`` runs the steps and blocks, ``AsyncLink`` awaits them.
 """
 
 from __future__ import annotations
@@ -30,29 +29,28 @@ from pointbrush.client.values import Job, raise_for, read
 log = logging.getLogger(__name__)
 
 ATTEMPTS = 4
-"""Of a call that the server did not answer, or answered with "later"."""
+"""Attempts of a call that has no answer, or an answer of a status in ``LATER``."""
 PATIENCE = 300.0
-"""Seconds that a job is waited for while its server does not answer, as when it is restarted."""
+"""Seconds to wait for a job while its server does not answer, such as during a restart."""
 FIRST_WAIT = 0.2
-"""Seconds before the second attempt; doubled before each further one."""
+"""Seconds before the second attempt; doubled before each further attempt."""
 LONGEST_WAIT = 5.0
-"""Seconds between two attempts, whatever the server asks for."""
+"""Maximum seconds between two attempts, also if the server asks for more."""
 LATER = (429, 503)
-"""Statuses of an answer that nothing was done for, and that another attempt may change."""
+"""Statuses of an answer to a call without effect; another attempt may succeed."""
 AWAY = (502, 504)
-"""Statuses of a proxy whose server is away: it may have done what was asked, or not."""
+"""Statuses of a proxy without its server; the call may have had its effect."""
 POLL_SECONDS = 0.2
-"""Between two looks at a job."""
+"""Seconds between two polls of a job."""
 ENDED = ("done", "failed", "cancelled")
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A call; ``into``: a file that a good answer's body is written to.
+    """A call; ``into``: file for the body of a successful answer.
 
-    ``again``: done twice it has the same effect as once, so that it is sent again when the
-    connection is lost before the answer.  ``patience``: seconds for which it is sent again at
-    least, however often.
+    ``again``: the call is idempotent, and is repeated if the connection is lost before the answer.
+    ``patience``: minimum seconds in which the call is repeated, beyond ``ATTEMPTS`` too.
     """
 
     method: str
@@ -65,26 +63,26 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """Seconds in which nothing is done."""
+    """A pause of some seconds."""
 
     seconds: float
 
 
 class LostError(errors.UnavailableError):
-    """No answer came: the server may have done what was asked, or not."""
+    """No answer came; the call may have had its effect."""
 
 
 T = TypeVar("T")
 P = ParamSpec("P")
 Step: TypeAlias = Request | Pause
 Steps: TypeAlias = Generator[Step, httpx.Response | None, T]
-"""Steps of a method that ends in a ``T``: the value from ``Client``, awaited from AsyncClient."""
+"""Steps of a method that returns a ``T``: from ``Client`` directly, from AsyncClient awaited."""
 
 
 def send(request: Request) -> Steps[httpx.Response]:
-    """Make a call, again where that is safe; returns the answer.
+    """Make a call, repeated where that is safe, and return the answer.
 
-    Raises the errors of ``pointbrush.errors``; LostError when nothing answers.
+    Raises the errors of ``pointbrush.errors``; LostError if no server answers.
     """
     wait, again = FIRST_WAIT, (*LATER, *AWAY) if request.again else LATER
     deadline = time.monotonic() + request.patience
@@ -93,18 +91,18 @@ def send(request: Request) -> Steps[httpx.Response]:
         try:
             answer = yield request
         except httpx.HTTPError as error:
-            said = str(error) or type(error).__name__
+            reason = str(error) or type(error).__name__
             if not request.again or last:
-                raise LostError(f"url: expected a server that answers: {said}") from None
+                raise LostError(f"url: expected a server that answers: {reason}") from None
         else:
             assert answer is not None  # noqa: S101 – links answer requests
             if answer.status_code not in again or last:
                 raise_for(answer)
                 return answer
-            said = f"{answer.status_code} {answer.reason_phrase}"
+            reason = f"{answer.status_code} {answer.reason_phrase}"
             wait = max(wait, _seconds(answer.headers.get("Retry-After", "")))
         if attempt == ATTEMPTS:
-            log.warning("the server does not answer, it is asked again: %s", said)
+            log.warning("the server does not answer; the call is repeated: %s", reason)
         yield Pause(min(wait, LONGEST_WAIT))
         wait *= 2
     raise AssertionError("the last attempt returns or raises")
@@ -115,7 +113,7 @@ def _seconds(text: str) -> float:
 
 
 class _Link(ABC):
-    """Take steps to their end, by a connection that blocks or one that awaits."""
+    """Runs steps to their end, on a blocking or an asynchronous connection."""
 
     async def _take(self, steps: Steps[T]) -> T:
         with closing(steps):
@@ -136,30 +134,30 @@ class _Link(ABC):
 
     @abstractmethod
     async def _pause(self, seconds: float) -> None:
-        """Do nothing for a while."""
+        """Pause for some seconds."""
 
     @abstractmethod
     async def _answer(self, request: Request) -> httpx.Response:
-        """Make a call; returns its answer, read whole or written to the request's file."""
+        """Make a call and return its answer, read whole or written to the request's file."""
 
 
 class SyncLink(_Link):
-    """A connection whose steps block the calling thread; safe to share between threads."""
+    """A connection that blocks the calling thread; safe to share between threads."""
 
     def __init__(self, http: httpx.Client) -> None:
         self.http = http
 
     def run(self, steps: Steps[T]) -> T:
-        """Take steps to their end; returns what they return."""
+        """Run steps to their end and return their result."""
         taking = self._take(steps)
         try:
-            taking.send(None)  # to its end: whatever it awaits blocks instead
+            taking.send(None)  # runs to the end: its awaits block and never suspend
         except StopIteration as end:
             return cast(T, end.value)
         raise AssertionError("a connection that blocks never waits")
 
     async def _pause(self, seconds: float) -> None:
-        time.sleep(seconds)  # as all that it awaits
+        time.sleep(seconds)  # blocks, as the other methods do
 
     async def _answer(self, request: Request) -> httpx.Response:
         with self.http.stream(request.method, request.path, **request.options) as answer:
@@ -173,13 +171,13 @@ class SyncLink(_Link):
 
 
 class AsyncLink(_Link):
-    """A connection whose steps are awaited in the running event loop."""
+    """A connection that awaits in the running event loop."""
 
     def __init__(self, http: httpx.AsyncClient) -> None:
         self.http = http
 
     async def run(self, steps: Steps[T]) -> T:
-        """Take steps to their end; returns what they return."""
+        """Run steps to their end and return their result."""
         return await self._take(steps)
 
     async def _pause(self, seconds: float) -> None:
@@ -200,14 +198,14 @@ L = TypeVar("L", bound=SyncLink | AsyncLink, default=SyncLink)
 
 
 class Part(Generic[L]):
-    """Something on a server, reached by a link."""
+    """A part of the client, which reaches the server by a link."""
 
     def __init__(self, link: L) -> None:
         self._link: L = link
 
 
 class steps(Generic[P, T]):  # noqa: N801 – a decorator
-    """Make a generator of steps a method: one that blocks, or a coroutine, as its object's link."""
+    """Turn a generator of steps into a blocking method or a coroutine, as its object's link is."""
 
     def __init__(self, function: Callable[Concatenate[Any, P], Steps[T]]) -> None:
         self.function = function
@@ -220,7 +218,7 @@ class steps(Generic[P, T]):  # noqa: N801 – a decorator
     @overload
     def __get__(self, part: None, owner: Any) -> Callable[Concatenate[Any, P], Steps[T]]: ...
     def __get__(self, part: Any, owner: Any) -> Any:
-        """Bind to an object; of the class it is the generator function."""
+        """Bind to an object; return the generator function for the class."""
         if part is None:
             return self.function
 
@@ -232,16 +230,16 @@ class steps(Generic[P, T]):  # noqa: N801 – a decorator
 
 
 def job_now(job: str, patience: float = 0.0) -> Steps[Job]:
-    """Return a job as it is now; see ``Request`` for ``patience``."""
+    """Return the current state of a job; ``patience`` as of ``Request``."""
     answer = yield from send(Request("GET", f"/jobs/{job}", again=True, patience=patience))
     return read(Job, answer.json())
 
 
 def started(job: str, request: Request) -> Steps[Job]:
-    """Start the job of an id by a call that names the id; returns it as it is then.
+    """Start a job by a call with the job's id in it, and return the job.
 
-    When the connection is lost before the answer, the server is asked for the job, and only where
-    it has none is the call repeated, once.  So files are uploaded twice at most.
+    If the connection is lost before the answer, the server is asked for the job, and the call is
+    repeated once if the server has none.  Files are uploaded at most twice.
     """
     try:
         return read(Job, (yield from send(replace(request, again=False))).json())
@@ -256,7 +254,7 @@ def finished(job: Job, *, progress: bool, patience: float) -> Steps[dict[str, An
     """Wait for a job and return its result.  ``progress`` shows a bar on a terminal or in Jupyter.
 
     ``patience``: seconds for which the server may be away.  Raises PointbrushError with the job's
-    sentence, CancelledError, UnavailableError.
+    error, CancelledError, UnavailableError.
     """
     shown = progress and (sys.stderr.isatty() or "ipykernel" in sys.modules)
     with tqdm(total=100, disable=not shown, unit="%", desc=job.kind) as bar:

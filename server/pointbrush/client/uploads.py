@@ -13,18 +13,18 @@ from pointbrush.errors import BadInputError, NotFoundError
 
 
 class UploadFile:
-    """A file that is open only while it is sent: a folder has more than a process may open."""
+    """A file that is open only while it is sent, since a process can open only some files."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._file: BinaryIO | None = None
 
     def tell(self) -> int:
-        """Return the place in the file."""
+        """Return the position in the file."""
         return 0 if self._file is None else self._file.tell()
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        """Go to a place; the end is told without opening the file."""
+        """Set the position, and return it; the end does not open the file."""
         if whence == os.SEEK_END:
             return self._path.stat().st_size + offset
         self._close()
@@ -34,7 +34,7 @@ class UploadFile:
         return offset
 
     def read(self, size: int = -1) -> bytes:
-        """Read on; the file is closed at its end."""
+        """Return the next bytes; the file is closed at its end."""
         if self._file is None:
             self._file = self._path.open("rb")
         block = self._file.read(size)
@@ -52,13 +52,13 @@ Parts = list[tuple[str, tuple[str, Any]]]
 AnyPath = str | os.PathLike[str]
 """A path of this machine."""
 Files = AnyPath | Sequence[AnyPath]
-"""Files and folders of this machine, or one."""
+"""Files and folders of this machine, or one of them."""
 
 
 def parts_of(given: Files) -> Parts:
-    """Return files, and those in folders with their place there, as parts of an upload.
+    """Return files, and files in folders with their relative paths, as parts of an upload.
 
-    Hidden files stay behind.  Raises NotFoundError, BadInputError for a folder without files.
+    Hidden files are left out.  Raises NotFoundError; BadInputError for a folder without files.
     """
     found: Parts = []
     for each in [given] if isinstance(given, str | os.PathLike) else given:
@@ -113,7 +113,7 @@ def upload(
 
 
 def _text(value: Any) -> str:
-    """Return an option as a form has it."""
+    """Return the text of an option in a form."""
     if isinstance(value, str):
         return value
     return ",".join(value) if isinstance(value, list | tuple) else json.dumps(value)

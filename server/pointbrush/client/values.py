@@ -35,9 +35,9 @@ BY_STATUS: dict[int, type[errors.PointbrushError]] = {
     503: errors.UnavailableError,
 }
 AHEAD = (0.0, 0.0, -1.0)
-"""Direction of a sample that is a place alone."""
+"""Direction of a sample without one."""
 LAYER_TYPES = {"label": np.uint16, "provenance": np.uint8, "deleted": np.bool_}
-"""Types of a frame's layers, which the server takes and gives."""
+"""Types of a frame's layers on the server."""
 
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
@@ -70,10 +70,10 @@ class Bounds:
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """Facts of a recording; ``points`` of each frame, ``labelled``: frames with labels;
-    ``labels_used``: those of its ``labels`` that have points somewhere.
+    """Facts of a recording; ``points`` per frame.
 
-    ``labels_missing``: the reason why the labels in its files did not come in.
+    ``labelled``: number of frames with labels; ``labels``: number of labels; ``labels_used``:
+    number of labels with points; ``labels_missing``: why the labels in its files were not imported.
     """
 
     id: str
@@ -117,7 +117,7 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Edit:
-    """An edit that is durable: its id, how many points changed, the recording's revision."""
+    """A durable edit: its id, number of changed points, and revision of the recording."""
 
     edit: str
     changed: int
@@ -126,7 +126,7 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class PastEdit:
-    """A line of the history."""
+    """An edit of the history."""
 
     id: str
     revision: int
@@ -141,7 +141,7 @@ class PastEdit:
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """A label's track in a frame: ``pose`` 4x4 takes the start frame to this one."""
+    """A label's track in a frame; ``pose`` (4, 4) maps the start frame to this frame."""
 
     label: int
     frame: int
@@ -155,7 +155,7 @@ class Track:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Outcome of a tracking run, which is one edit."""
+    """Result of a tracking run, which is one edit."""
 
     edit: str
     changed: int
@@ -165,7 +165,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Camera:
-    """A camera that took a picture: a point p of the source is at ``K (T_camera_frame p)``."""
+    """A camera with a picture: it projects a source point p to ``K (T_camera_frame p)``."""
 
     name: str
     width: int
@@ -178,7 +178,7 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """An object that clicks can mean; ``numbers`` of its points, in the source's order."""
+    """A candidate for clicks on an object; ``numbers`` of its points, source order."""
 
     id: str
     level: int
@@ -189,7 +189,7 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Long work and how far it is, 0..1."""
+    """Long work on the server; ``progress`` 0..1."""
 
     id: str
     kind: str
@@ -203,9 +203,10 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Category:
-    """A class of the workspace; ``datasets``: its numbers in those by name.
+    """A class of the workspace; ``datasets``: its number in datasets, by name.
 
-    ``size``: length, width, height of its objects, metres, ``spread``: their standard deviation.
+    ``size``: mean length, width and height of its objects, metres; ``spread``: their standard
+    deviation.
     """
 
     number: int
@@ -218,7 +219,7 @@ class Category:
 
 @dataclass(frozen=True, slots=True)
 class BoxAttribute:
-    """An attribute that boxes may have, for the track or in each frame."""
+    """An attribute of boxes, with one value per track or per frame."""
 
     name: str
     kind: Literal["text", "choice", "number", "yes/no"]
@@ -228,8 +229,10 @@ class BoxAttribute:
 
 @dataclass(frozen=True, slots=True)
 class ExportFormat:
-    """An export format; ``cannot_hold``: what of points and labels is lost in it; ``splits``: its
-    frames are for training or for validation."""
+    """An export format; ``cannot_hold``: content that is lost in it.
+
+    ``splits``: it divides frames into training and validation.
+    """
 
     format: str
     title: str
@@ -239,7 +242,7 @@ class ExportFormat:
 
 
 class Annotation(np.ndarray[Any, np.dtype[Any]]):
-    """A layer of a frame (N,); ``etag`` is what ``Frame.annotate`` is given as ``if_match``."""
+    """A layer of a frame (N,); pass its ``etag`` to ``Frame.annotate`` as ``if_match``."""
 
     etag: str
 
@@ -250,7 +253,7 @@ class Annotation(np.ndarray[Any, np.dtype[Any]]):
         return made
 
     def __array_finalize__(self, other: Any) -> None:
-        """Keep ``etag`` of what this is a view of."""
+        """Copy ``etag`` from the viewed array."""
         self.etag = getattr(other, "etag", "")
 
 
@@ -263,16 +266,16 @@ def _adapter(kind: Hashable) -> TypeAdapter[Any]:
 
 
 def read(kind: type[Value], entry: Any) -> Value:
-    """Return an answer's JSON as a value; members that ``kind`` has no field for are passed over.
+    """Return an answer's JSON as a value of ``kind``; unknown members are ignored.
 
-    Raises ValidationError for an answer of another shape, as of a server of another version.
+    Raises ValidationError for an answer of another shape, such as from another version.
     """
     found: Value = _adapter(cast(Hashable, kind)).validate_python(entry)
     return found
 
 
 def raise_for(answer: httpx.Response) -> None:
-    """Raise the error that the server names in a problem; nothing for a success."""
+    """Raise the error in the server's problem details, unless the answer is a success."""
     if answer.is_success:
         return
     try:
@@ -291,9 +294,9 @@ def array_of(answer: httpx.Response) -> NDArray[Any]:
 
 
 def layer_of(values: ArrayLike, layer: str) -> NDArray[Any]:
-    """Return values in the type of a layer; raises BadInputError for values that do not fit it.
+    """Return values in the type of a layer; raises BadInputError for values that do not fit.
 
-    Values of a layer that is not known here stay as they are: the server says what is wrong.
+    Values of an unknown layer are returned unchanged; the server refuses them.
     """
     array, dtype = np.asarray(values), LAYER_TYPES.get(layer)
     if dtype is None or array.dtype == dtype or array.dtype.kind not in "biuf":
@@ -325,14 +328,14 @@ def npz_of(arrays: Mapping[int, NDArray[Any]]) -> bytes:
 
 
 def rays(origins: ArrayLike, directions: ArrayLike | None = None) -> list[dict[str, Any]]:
-    """Return samples of a stroke from arrays (S, 3); without directions they are places."""
+    """Return samples of a stroke from arrays (S, 3); without directions the samples are places."""
     places = np.asarray(origins, np.float64).reshape(-1, 3)
     ways = np.asarray(AHEAD if directions is None else directions, np.float64)
     pairs = zip(places.tolist(), np.broadcast_to(ways, places.shape).tolist(), strict=True)
     return [{"origin": origin, "direction": way} for origin, way in pairs]
 
 
-def html_table(caption: str, told: Mapping[str, str]) -> str:
-    """Describe something in a notebook: a row for each thing that is told of it."""
-    rows = "".join(f"<tr><th>{n}</th><td>{escape(value)}</td></tr>" for n, value in told.items())
+def html_table(caption: str, facts: Mapping[str, str]) -> str:
+    """Return an HTML table of facts, with a row for each."""
+    rows = "".join(f"<tr><th>{n}</th><td>{escape(value)}</td></tr>" for n, value in facts.items())
     return f"<table><caption>{escape(caption)}</caption>{rows}</table>"

@@ -1,4 +1,4 @@
-"""Events of a recording, as they happen."""
+"""Events of a recording as they happen."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pointbrush.client.steps import AsyncLink, L, Part, Request, Steps, SyncLink
 from pointbrush.client.values import Job, PastEdit, Track, read
 
 WAIT_SECONDS = 25.0
-"""Time for which the server holds a call in which nothing happens."""
+"""Seconds for which the server holds a call without events."""
 
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """A frame in which the tracker is not sure of a label: lost, occluded, or little confidence."""
+    """A frame with a doubtful track of a label: lost, occluded, or of low confidence."""
 
     label: int
     frame: int
@@ -36,10 +36,10 @@ class _Answer:
 
 
 class Watch(Part[L]):
-    """Edits, doubts and changes of jobs, without an end: for ``for`` and ``async for``.
+    """An endless iterator of edits, doubts and changes of jobs, for ``for`` and ``async for``.
 
-    Nothing is missed where the connection is lost or the server restarts: the next call goes on
-    from ``revision``, that of the last edit that was asked for.
+    No event is missed if the connection is lost or the server restarts: the next call continues
+    from ``revision``, the revision of the last returned edit.
     """
 
     def __init__(self, link: L, sequence: str, after: int | None, patience: float) -> None:
@@ -53,7 +53,7 @@ class Watch(Part[L]):
 
     @steps
     def next(self) -> Steps[Happening]:
-        """Wait for what happens next; raises UnavailableError after ``patience`` seconds."""
+        """Wait for the next event and return it; raises UnavailableError after ``patience``."""
         while not self._ahead:
             query = {"wait": WAIT_SECONDS, "after": self.revision, "jobs_seen": self._jobs_seen}
             given = {name: value for name, value in query.items() if value is not None}
@@ -69,7 +69,7 @@ class Watch(Part[L]):
             Doubt(each.label, each.frame, each.confidence, each.state) for each in answer.doubts
         )
         changed = [job for job in answer.jobs if self._jobs.get(job.id) != job]
-        # Jobs of before are no news to who begins to watch.
+        # The first answer has older jobs, which are no events.
         if self._jobs_seen is not None:
             self._ahead.extend(reversed(changed))
         self._jobs |= {job.id: job for job in changed}

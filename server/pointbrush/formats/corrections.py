@@ -1,6 +1,6 @@
-"""Corrections by a person of what a recording's files say, or seem to say.
+"""A person's corrections of how a recording's files are read.
 
-Command line, REST and the jobs of imports follow from them.
+The flags of the command line and the options of REST and of import jobs derive from them.
 """
 
 from __future__ import annotations
@@ -27,30 +27,32 @@ LARGEST_SCALE = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Corrections:
-    """Choices of a person on how a recording is read, in place of the files' own.
+    """A person's choices on how files are read; they win over the files' own facts.
 
-    Raises BadInputError for a value that is none of its field's.
+    Raises BadInputError for an invalid value.
     """
 
-    format: str | None = choice(None, "file format, where the name does not tell")
+    format: str | None = choice(None, "file format (default: detected)")
     columns: tuple[str, ...] = choice(
         (),
-        "what the columns are, in order: x,y,z,intensity,red,green,blue,label,instance, '-' for "
-        "none; or pairs: scalar_Foo=label",
+        "meanings of the columns in their order: x,y,z,intensity,red,green,blue,label,instance, or "
+        "'-' for a column to leave out; or pairs: scalar_Foo=label",
     )
     delimiter: str | None = choice(
-        None, f"between values of a text: a character, or {', '.join(DELIMITERS)}"
+        None, f"delimiter of text files: a character, or {', '.join(DELIMITERS)}"
     )
-    decimal_comma: bool | None = choice(None, "whether 1,5 is one and a half in a text")
+    decimal_comma: bool | None = choice(None, "read 1,5 in text files as one and a half")
     scale: float = choice(
-        1.0, "metres for each unit of the files and of the poses with them: 0.001 for millimetres"
+        1.0, "metres per unit of the files and their poses: 0.001 for millimetres (default: 1)"
     )
-    up: str | None = choice(None, f"the axis that points up, as --up=-y: one of {', '.join(AXES)}")
+    up: str | None = choice(None, f"axis that points up, as in --up=-y: one of {', '.join(AXES)}")
     """"--up -y" would be read as an option -y."""
-    topic: str | None = choice(None, "of a bag; topic#frame_id where sensors share a topic")
-    poses: str = choice("auto", "auto, none, or a file of poses, a line a frame (default: auto)")
+    topic: str | None = choice(None, "topic of a bag; topic#frame_id if sensors share a topic")
+    poses: str = choice(
+        "auto", "auto, none, or a file of poses with one line per frame (default: auto)"
+    )
     by_order: bool = choice(
-        False, "take poses that begin with times, and colour images, for frames in their order"
+        False, "match poses with times, and colour images, to frames by their order"
     )
     drop_invalid: bool = choice(False, "leave out points that are NaN or infinite")
 

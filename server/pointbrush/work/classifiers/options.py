@@ -54,14 +54,14 @@ class ClassifierOptions:
 
 @dataclass
 class ApplyOptions:
-    """Choices for applying a classifier, each with the command line's words on it.
+    """Choices for applying a classifier, each with its help.
 
     Raises BadInputError.
     """
 
     classifier: str = choice("", "id of the classifier")
     frames: str = choice("", "frames I:J (default: all)")
-    above: float = choice(0.0, "leave out points whose confidence, 0 to 1, is below")
+    above: float = choice(0.0, "minimum confidence of points to label, 0 to 1")
 
     def __post_init__(self) -> None:
         if not 0 <= self.above <= 1:
@@ -69,5 +69,5 @@ class ApplyOptions:
 
     @classmethod
     def of(cls, source: object) -> dict[str, Any]:
-        """Return the choices among the attributes of ``source``, to be passed on by name."""
+        """Return the choices as ``source``'s attributes have them, by name."""
         return {each.name: getattr(source, each.name) for each in fields(cls)}

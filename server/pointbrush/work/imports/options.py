@@ -1,4 +1,4 @@
-"""Choices of a person for an import of labels: command line and job follow from them."""
+"""A person's choices for an import of labels; flags and job options derive from them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pointbrush.options import choice
 
 BOTH, KEEP, POINTS = "both", "keep", "points"
 BOX_CHOICES = (BOTH, KEEP, POINTS)
-"""Results of boxes that come in: boxes of labels, labels of the points inside, or both."""
+"""Results of imported boxes: boxes of labels, labels of the points inside, or both."""
 SAMPLES = ("juggling", "aerial")
 """Recordings that `pointbrush demo` makes."""
 
@@ -19,11 +19,15 @@ SAMPLES = ("juggling", "aerial")
 class LabelOptions:
     """Choices on how files of labels are read."""
 
-    format: str | None = choice(None, f"of the labels: {', '.join(LABEL_FORMATS)}")
-    no_ground: bool = choice(False, "leave the ground out of each box")
-    by_order: bool = choice(False, "files are frames in their order, not by name")
-    field: str | None = choice(None, "the field of the points that is labels")
-    boxes: str = choice(BOTH, "of boxes: keep them, label the points inside, or both")
+    format: str | None = choice(
+        None, f"format of the labels (default: detected): {', '.join(LABEL_FORMATS)}"
+    )
+    no_ground: bool = choice(False, "do not label the ground inside boxes")
+    by_order: bool = choice(False, "match files to frames by their order, not by name")
+    field: str | None = choice(None, "field of the points that holds the labels")
+    boxes: str = choice(
+        BOTH, "keep imported boxes (keep), label the points inside (points), or both (default)"
+    )
 
     def __post_init__(self) -> None:
         """Check the choices.  Raises BadInputError."""

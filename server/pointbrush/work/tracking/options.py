@@ -1,4 +1,4 @@
-"""Choices of a person for a tracking run: wire, REST, command line and job follow from them."""
+"""A person's choices for a tracking run; wire, REST, flags and job options derive from them."""
 
 from __future__ import annotations
 
@@ -13,18 +13,20 @@ Overwrite = Literal["never", "tracked", "all"]
 
 @dataclass
 class RunOptions:
-    """Choices for one run, each with the command line's words on it.
+    """Choices for one run, each with its help.
 
-    Those that ``TrackOptions`` has too reach the method.  Raises BadInputError.
+    Fields that ``TrackOptions`` has, too, are passed to the method.  Raises BadInputError.
     """
 
-    method: str = choice("auto", "icp, color-icp or auto")
-    overwrite: Overwrite = choice(
-        "tracked", "which labels a run may replace (default: tracked; painted ones stay)"
+    method: str = choice(
+        "auto", "tracking method: auto, icp, color-icp or a plug-in (default: auto)"
     )
-    continue_lost: bool = choice(False, "look on for a label after it was lost")
-    until_painted: bool = choice(False, "end a label where it is painted again")
-    stop_unsure: bool = choice(False, "end the run where a label is doubtful")
+    overwrite: Overwrite = choice(
+        "tracked", "labels that the run may replace (default: tracked; painted labels stay)"
+    )
+    continue_lost: bool = choice(False, "continue to search for a lost label")
+    until_painted: bool = choice(False, "stop tracking a label at a frame in which it is painted")
+    stop_unsure: bool = choice(False, "stop the run at a doubtful label")
 
     def __post_init__(self) -> None:
         known = get_args(Overwrite)
@@ -35,5 +37,5 @@ class RunOptions:
 
     @classmethod
     def of(cls, source: object) -> dict[str, Any]:
-        """Return the choices among the attributes of ``source``, to be passed on by name."""
+        """Return the choices as ``source``'s attributes have them, by name."""
         return chosen(cls, source)
