@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from pointbrush import formats
 from pointbrush.errors import BadInputError, ReadOnlyError
-from pointbrush.formats.datasets import DATASETS
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import LabelStore, Limits
 from pointbrush.lazy import once
@@ -40,7 +39,7 @@ from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
-from pointbrush.work.events import Event, Listeners, SequencesChanged
+from pointbrush.work.events import ClassesRenamed, Event, Listeners, SequencesChanged
 from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
 from pointbrush.work.imports.requests import IMPORT, LABELS, SAMPLE
 from pointbrush.work.imports.submitting import Imports
@@ -131,6 +130,7 @@ class Workspace:
         self.imports.complete(self.library.manifests())
         self.labels.seal()
         self.labels.watch_sequences(self._changed_elsewhere)
+        self.labels.watch_classes(lambda: publish(ClassesRenamed()))
 
     def _require_labels(self) -> None:
         settings, recordings = self.settings, len(self.library.store.ids())
@@ -315,13 +315,9 @@ class Workspace:
 
             labeled = boxed_frames(labeled, kept, recording)
         palette = kept.palette(sequence)
-        names = formats.category_names(palette)
-        numbers = self.labels.taxonomy.numbers(names)
-        datasets = {name: self.labels.taxonomy.known_as(name) for name in DATASETS}
-        if (numbering := formats.EXPORTS[export_format].numbering) is not None:
-            given = self.labels.taxonomy.numbers_in(numbering, names)
-            datasets[numbering.name] = datasets.get(numbering.name, {}) | given
-        formats.export(export_format, labeled, palette, out, gaps, numbers, datasets)
+        numbering = formats.EXPORTS[export_format].numbering
+        numbers = self.labels.taxonomy.exported(palette, numbering)
+        formats.export(export_format, labeled, palette, out, gaps, *numbers)
 
     def import_roots(self, *, own: bool) -> list[Path]:
         """Folders that a caller over the network may import from.

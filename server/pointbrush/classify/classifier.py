@@ -118,6 +118,21 @@ class Classifier:
         kept = balanced(classes, most)
         return features[kept], classes[kept], place[kept]
 
+    def called(self, names: Sequence[str]) -> Classifier:
+        """Return the same with other names of its classes.
+
+        Those of one name become one class; then its examples are to be learnt anew.
+        """
+        classes = tuple(dict.fromkeys(names))
+        if len(classes) == len(self.classes):
+            return replace(self, classes=classes)
+        place = np.array([classes.index(name) for name in names], np.uint8)
+        examples = {
+            key: replace(some, classes=place[some.classes]) for key, some in self.examples.items()
+        }
+        merged = replace(self, classes=classes, examples=examples)
+        return replace(merged, trees=None, state=None, score=None)
+
     def learnt(self, options: ForestOptions, model: Model | None = None) -> Classifier:
         """Return the same with trees, or its ``model``'s state, that know all examples."""
         if model is not None and not model.learns:

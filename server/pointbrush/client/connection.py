@@ -233,13 +233,24 @@ class Server(Part[L]):
     ) -> Steps[None]:
         """Add classes, or change the classes with the same numbers.
 
-        ``attributes`` replaces the list of the attributes of boxes.  Raises ConflictError for a
-        change of a number's meaning.
+        ``attributes`` replaces the list of the attributes of boxes.  Labels of a class follow its
+        new name.  Raises ConflictError for a change of a number's meaning.
         """
         body: dict[str, Any] = {"categories": [asdict(each) for each in categories]}
         if attributes is not None:
             body["attributes"] = [asdict(each) for each in attributes]
         yield from send(Request("PUT", "/taxonomy", {"json": body}, again=True))
+
+    @steps
+    def merge_categories(self, number: int, others: Sequence[int]) -> Steps[None]:
+        """Make the labels of other classes labels of this one; those classes go."""
+        body = {"categories": list(others)}
+        yield from send(Request("POST", f"/taxonomy/{number}/merge", {"json": body}))
+
+    @steps
+    def delete_category(self, number: int) -> Steps[None]:
+        """Remove a class; raises ConflictError while labels have it."""
+        yield from send(Request("DELETE", f"/taxonomy/{number}", again=True))
 
     @steps
     def templates(self) -> Steps[list[str]]:

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
         ExportFrame,
         LabeledFrame,
         Split,
-        category_names,
         export,
     )
     from pointbrush.formats.options import Limits, ReadOptions
@@ -24,7 +23,7 @@ if not TYPE_CHECKING:
     __getattr__ = lazily(
         __name__,
         {
-            "exports": "BlockedFrame EXPORTS ExportFrame LabeledFrame Split category_names export",
+            "exports": "BlockedFrame EXPORTS ExportFrame LabeledFrame Split export",
             "options": "Limits ReadOptions",
             "palette": "own_labels",
             "registry": "FORMATS Format format_names",

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from pointbrush.formats.datasets import LAS, SEMANTIC_KITTI
+from pointbrush.formats.datasets import DATASETS, LAS, SCANNET, SEMANTIC_KITTI
 
 
 @dataclass(frozen=True, slots=True)
 class Numbering:
-    """Numbers of classes in a kind of files, from ``first`` to ``last``.
+    """Numbers of classes in a kind of files.
 
-    ``dense``: they are counted in the order in which classes get them; else a class has its own
-    number of the workspace where that is free, or the greatest that is.
+    A class that a data set of this ``name`` lists has its official number, which no other class is
+    given.  Other classes have numbers from ``first`` to ``last``.  ``dense``: they are counted in
+    the order in which classes get them; else a class has its own number of the workspace where that
+    is free, or the greatest that is.
     """
 
     name: str
@@ -24,17 +27,19 @@ class Numbering:
     def completed(self, known: Mapping[str, int], wanted: Mapping[str, int]) -> dict[str, int]:
         """Add numbers for the classes of ``wanted`` that have none; those are their own ones."""
         numbers = dict(known)
-        taken = set(known.values())
+        taken, listed = set(known.values()), official_numbers(self.name)
         for name, own in wanted.items():
             if name in numbers:
                 continue
-            number = self._free(taken, own)
+            number = listed.get(plain(name))
+            if number is None or number in taken:
+                number = self._free({*taken, *listed.values()}, own)
             if number is not None:
                 numbers[name] = number
                 taken.add(number)
         return numbers
 
-    def _free(self, taken: set[int], own: int) -> int | None:
+    def _free(self, taken: Collection[int], own: int) -> int | None:
         if self.dense:
             following = max(taken, default=self.first - 1) + 1
             return following if following <= self.last else None
@@ -48,12 +53,25 @@ KITTI_NUMBERS = Numbering(SEMANTIC_KITTI.name, 1, 65_535)
 LAS_NUMBERS = Numbering(LAS.name, 64, 255)
 """ASPRS leaves 64 to 255 to users; its own classes keep their numbers."""
 TRAINING_NUMBERS = Numbering("training", 0, 32_767, dense=True)
-KNOWN_NUMBERINGS = (KITTI_NUMBERS, LAS_NUMBERS, TRAINING_NUMBERS)
 GREATEST = 65_535
 """Greatest number of a class in the files of other data sets."""
+SCANNET_NUMBERS = Numbering(SCANNET.name, 41, GREATEST)
+"""NYU has 40 classes, of which ScanNet lists 20."""
+KNOWN_NUMBERINGS = (KITTI_NUMBERS, LAS_NUMBERS, TRAINING_NUMBERS, SCANNET_NUMBERS)
 
 
 def numbering_of(dataset: str) -> Numbering:
     """The numbering of a data set's files; one that is not known has numbers from 1 to GREATEST."""
     known = {numbering.name: numbering for numbering in KNOWN_NUMBERINGS}
     return known.get(dataset) or Numbering(dataset, 1, GREATEST)
+
+
+def official_numbers(dataset: str) -> dict[str, int]:
+    """Return the numbers of a known data set's classes by their ``plain`` names."""
+    listed = DATASETS[dataset].classes.items() if dataset in DATASETS else ()
+    return {plain(each.name): number for number, each in listed}
+
+
+def plain(name: str) -> str:
+    """Return a name of a class without what spellings differ in: case, and what joins words."""
+    return re.sub(r"[\s_-]+", " ", name).strip().casefold()

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import sqlite3
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Select, Table, delete, func, insert, select, text
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
+from pointbrush.formats.datasets import DATASETS
+from pointbrush.labels.class_names import read_names
 from pointbrush.labels.database import Database
 from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY
 from pointbrush.labels.project_tables import metadata, projects
 from pointbrush.labels.schema import (
     LIVE,
     PER_SEQUENCE,
+    categories,
+    dataset_numbers,
     migrate,
     sequences,
     signing_keys,
@@ -93,9 +98,11 @@ def restore_sequence(
     target: str,
     identity: str,
     put: Callable[[], object],
-) -> None:
+) -> dict[str, dict[str, int]]:
     """Bring one sequence of a backup back as ``target``, an import of its own, with its history.
 
+    A class of its labels is the one of the same key here, or else of the same name.  Returns the
+    numbers that its classes have in known datasets there, by the names here.
     ``put`` runs before the commit: what it raises leaves the database as it was.  Raises
     BadInputError when ``source`` is no backup, NotFoundError when it does not know the sequence.
     """
@@ -111,10 +118,39 @@ def restore_sequence(
         made = writer.execute(insert(sequences), fields | {"id": target, "identity": identity})
         key = made.inserted_primary_key
         assert key is not None  # noqa: S101 - of an autoincrement column
+        theirs, ours = read_names(reader), read_names(writer)
+        used: dict[str, str] = {}
+
+        def keyed(fields: Mapping[str, Any]) -> dict[str, Any]:
+            if there := fields.get("category"):
+                named = ours.key(ours.meaning(theirs.name(there)))
+                used[there] = there if there in ours.shown else named
+                return {**fields, "category": used[there]}
+            return dict(fields)
+
+        def moved(row: Mapping[str, Any]) -> dict[str, Any]:
+            here = {**keyed(row), "sequence": key[0]}
+            if "fields" in row:
+                here["fields"] = json.dumps(keyed(json.loads(row["fields"])))
+            return here
+
         for table in reversed(PER_SEQUENCE):
             wanted = select(table).where(table.c.sequence == row["number"])
-            _copy_table(reader, writer, table, wanted, {"sequence": key[0]})
+            _copy_table(reader, writer, table, wanted, moved)
         put()
+        return _numbers_of(reader, {there: ours.name(here) for there, here in used.items()})
+
+
+def _numbers_of(reader: Connection, names: dict[str, str]) -> dict[str, dict[str, int]]:
+    """Read the numbers of classes in known datasets; ``names``: what they are called, by key."""
+    found: dict[str, dict[str, int]] = {}
+    rows = select(categories.c.key, dataset_numbers.c.dataset, dataset_numbers.c.number).join(
+        dataset_numbers, dataset_numbers.c.category == categories.c.number
+    )
+    for key, dataset, number in reader.execute(rows):
+        if key in names and dataset in DATASETS:
+            found.setdefault(dataset, {})[names[key]] = number
+    return found
 
 
 def restore(source: Path, url: str) -> None:
@@ -187,13 +223,17 @@ def _copy_rows(reader: Connection, writer: Connection) -> None:
     for table in (signing_keys, projects):
         writer.execute(delete(table))
     for table in metadata.sorted_tables:
-        _copy_table(reader, writer, table, select(table), {})
+        _copy_table(reader, writer, table, select(table), dict)
 
 
 def _copy_table(
-    reader: Connection, writer: Connection, table: Table, wanted: Select[Any], other: dict[str, Any]
+    reader: Connection,
+    writer: Connection,
+    table: Table,
+    wanted: Select[Any],
+    changed: Callable[[Any], dict[str, Any]],
 ) -> None:
-    """Copy the rows that are ``wanted``, with ``other`` values in place of theirs."""
+    """Copy the rows that are ``wanted``, each as ``changed`` makes it."""
     rows = reader.execution_options(yield_per=ROWS).execute(wanted)
     for part in rows.mappings().partitions(ROWS):
-        writer.execute(insert(table), [{**row, **other} for row in part])
+        writer.execute(insert(table), list(map(changed, part)))

@@ -190,7 +190,8 @@ def _check_palette(connection: Connection, state: SequenceState) -> Iterator[Fin
     kept = set(
         connection.execute(select(labels.c.id).where(labels.c.sequence == state.number)).scalars()
     )
-    for label_id, label in palette.fold(connection, state.number, known | kept).items():
+    folded = palette.fold(connection, state.number, known | kept, state.classes)
+    for label_id, label in folded.items():
         if label != state.palette.get(label_id):
             got = state.palette.get(label_id)
             yield Finding(f"palette: label {label_id}: expected {label}, got {got}", derived=True)
@@ -346,9 +347,9 @@ def _count_rows(connection: Connection, state: SequenceState) -> list[dict[str, 
 def _label_rows(connection: Connection, state: SequenceState) -> list[dict[str, Any]]:
     here = edit_labels.c.sequence == state.number
     known = connection.execute(select(edit_labels.c.label).where(here).distinct()).scalars().all()
-    folded = palette.fold(connection, state.number, known)
+    folded = palette.fold(connection, state.number, known, state.classes)
     return [
-        {"id": label.id, **{name: getattr(label, name) for name in FIELDS}}
+        state.classes.stored({"id": label.id, **{name: getattr(label, name) for name in FIELDS}})
         for label in folded.values()
         if label is not None
     ]

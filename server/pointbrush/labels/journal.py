@@ -185,7 +185,7 @@ def _append_parts(driver: Driver, draft: Draft, key: dict[str, Any]) -> None:
     _INSERT_LABEL.run_each(
         driver,
         [
-            {**key, "label": label, "fields": json.dumps(fields)}
+            {**key, "label": label, "fields": json.dumps(draft.state.classes.stored(fields))}
             for label, fields in draft.label_fields.items()
         ],
     )
@@ -309,7 +309,8 @@ def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
         return {**here, **columns}
 
     given = [label for label in draft.labels.values() if label is not None]
-    _PUT_LABEL.run_each(driver, [row(**{f: getattr(one, f) for f in _FIELDS}) for one in given])
+    fields = ({name: getattr(one, name) for name in _FIELDS} for one in given)
+    _PUT_LABEL.run_each(driver, [row(**draft.state.classes.stored(each)) for each in fields])
     gone = [row(id=number) for number, label in draft.labels.items() if label is None]
     _DROP_LABEL.run_each(driver, gone)
     tracks = [row(frame=f, label=n, data=data) for (f, n), data in draft.tracks.items()]

@@ -6,13 +6,14 @@ import colorsys
 import json
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
 from sqlalchemy import Connection, select, true
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.schema import IN_FORCE, edit_labels, edits
 from pointbrush.labels.types import Label
 from pointbrush.names import require_visible
@@ -43,12 +44,14 @@ class Palette:
     ``given``    for each id that any edit ever gave, undone ones too: what its label was called.
     ``highest``  the greatest id that was ever given.
     ``allowed``  categories that labels may have, None: all.
+    ``classes``  names of all classes.
     """
 
     labels: Sequence[Label]
     given: Mapping[int, Called]
     highest: int
     allowed: frozenset[str] | None = None
+    classes: ClassNames = field(default_factory=ClassNames)
 
     def admits(self, category: str) -> bool:
         """Return whether a new label may have a category."""
@@ -181,7 +184,9 @@ def fields_of(label: Label) -> dict[str, Any]:
     return {"exists": True, **{k: value for k, value in fields.items() if value is not None}}
 
 
-def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[int, Label | None]:
+def fold(
+    connection: Connection, number: int, label_ids: Iterable[int], classes: ClassNames
+) -> dict[int, Label | None]:
     """Fold the changes of each label by edits in force; None: it does not exist."""
     wanted = list(label_ids)
     rows = connection.execute(
@@ -194,11 +199,15 @@ def fold(connection: Connection, number: int, label_ids: Iterable[int]) -> dict[
     merged: dict[int, dict[str, Any]] = {label_id: {} for label_id in wanted}
     for label_id, fields in rows:
         merged[label_id].update(json.loads(fields))
-    return {label_id: _label(label_id, fields) for label_id, fields in merged.items()}
+    return {label_id: _label(label_id, fields, classes) for label_id, fields in merged.items()}
 
 
 def as_last_made(
-    connection: Connection, number: int, label_id: int, until: int | None = None
+    connection: Connection,
+    number: int,
+    label_id: int,
+    classes: ClassNames,
+    until: int | None = None,
 ) -> Label | None:
     """Fold the changes of a label by edits in force, and its last creation in any case.
 
@@ -217,10 +226,10 @@ def as_last_made(
     for at, (fields, in_force) in enumerate(told):
         if in_force or at == made:
             merged.update(fields)
-    return _label(label_id, merged)
+    return _label(label_id, merged, classes)
 
 
-def given_ids(connection: Connection, number: int) -> dict[int, Called]:
+def given_ids(connection: Connection, number: int, classes: ClassNames) -> dict[int, Called]:
     """Read the last name and class of the label of each id ever given."""
     rows = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields)
@@ -230,27 +239,27 @@ def given_ids(connection: Connection, number: int) -> dict[int, Called]:
     called: dict[int, Called] = {}
     for label_id, fields in rows:
         before = called.get(label_id, ("", ""))
-        told = json.loads(fields)
+        told = classes.read(json.loads(fields))
         called[label_id] = told.get("name", before[0]), told.get("category", before[1])
     return called
 
 
-def created_by(connection: Connection, number: int, revision: int) -> Label:
+def created_by(connection: Connection, number: int, revision: int, classes: ClassNames) -> Label:
     """The label that an edit made, as it made it; raises NotFoundError if it made none."""
     row = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields).where(
             edit_labels.c.sequence == number, edit_labels.c.revision == revision
         )
     ).first()
-    label = None if row is None else _label(row.label, json.loads(row.fields))
+    label = None if row is None else _label(row.label, json.loads(row.fields), classes)
     if label is None:
         raise NotFoundError(f"label: expected revision {revision} to have made one")
     return label
 
 
-def _label(label_id: int, fields: dict[str, Any]) -> Label | None:
+def _label(label_id: int, fields: dict[str, Any], classes: ClassNames) -> Label | None:
     exists = fields.pop("exists", False)
-    return Label(label_id, **fields) if exists and "name" in fields else None
+    return Label(label_id, **classes.read(fields)) if exists and "name" in fields else None
 
 
 def free_name_and_color(fields: Mapping[str, Any], others: Collection[Label]) -> dict[str, Any]:

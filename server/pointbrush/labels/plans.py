@@ -168,10 +168,10 @@ def _next_id(draft: Draft) -> int:
 
 def palette_of(connection: Connection, state: SequenceState) -> Palette:
     """Return the palette of now, for choosing labels to add."""
-    given = palette.given_ids(connection, state.number)
+    given = palette.given_ids(connection, state.number, state.classes)
     labels = tuple(state.palette.values())
     categories = allowed(connection, state.number, labels)
-    return Palette(labels, given, state.highest_label, categories)
+    return Palette(labels, given, state.highest_label, categories, state.classes)
 
 
 def _require_category(draft: Draft, fields: Mapping[str, Any]) -> None:

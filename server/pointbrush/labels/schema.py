@@ -35,7 +35,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0020"
+HEAD = "0021"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -168,7 +168,7 @@ labels = Table(
     _sequence(),
     Column("id", Integer, primary_key=True, autoincrement=False),
     Column("name", Text, nullable=False),
-    Column("category", Text, nullable=False),
+    Column("category", Text, nullable=False),  # the key of its class, "" for none
     Column("color", String(7), nullable=False),
     Column("locked", Boolean, nullable=False),
     Column("visible", Boolean, nullable=False),
@@ -258,6 +258,10 @@ categories = Table(
     Column("color", String(7), nullable=False),
     Column("size", Text),  # JSON [length, width, height], mean of its objects, or NULL
     Column("spread", Text),  # the same, standard deviation
+    Column("key", String(512), nullable=False, server_default=""),  # kept by labels: the first name
+    Column("merged", Integer),  # NULL: as it is; 0: deleted; else the number of the one it is now
+    Column("renamed", BigInteger, nullable=False, server_default="0"),  # number of the last change
+    Index("categories_key", "key", unique=True),
 )
 
 box_attributes = Table(
@@ -276,6 +280,7 @@ dataset_numbers = Table(
     Column("dataset", String(64), primary_key=True),
     Column("category", Integer, primary_key=True, autoincrement=False),
     Column("number", Integer, nullable=False),
+    Column("stated", Boolean, nullable=False, server_default=false()),  # by a person
     UniqueConstraint("dataset", "number"),
 )
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from sqlalchemy import Connection, select
 
 from pointbrush.errors import BadInputError
+from pointbrush.labels.class_names import read_names
 from pointbrush.labels.project_tables import projects
 from pointbrush.labels.schema import PROJECT_OF, categories, sequences
 from pointbrush.labels.types import Label
@@ -22,9 +23,9 @@ def selected(connection: Connection, sequence: int) -> frozenset[str] | None:
     chosen = connection.execute(here.where(sequences.c.number == sequence)).scalar()
     if chosen is None:
         return None
-    numbers = set(json.loads(chosen))
-    known = connection.execute(select(categories.c.number, categories.c.name))
-    return frozenset(row.name for row in known if row.number in numbers)
+    numbers, names = set(json.loads(chosen)), read_names(connection)
+    known = connection.execute(select(categories.c.number, categories.c.key))
+    return frozenset(names.name(row.key) for row in known if row.number in numbers)
 
 
 def allowed(

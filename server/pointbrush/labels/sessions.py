@@ -19,11 +19,14 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.effect import deltas_of, labels_in
 from pointbrush.labels.notify import Outbox, Watcher
 from pointbrush.labels.state import (
+    CLASSES,
     LOOK,
     LOOK_FOR,
+    Found,
     SequenceState,
     find_revision,
     find_sequence,
+    found_in,
     revisions,
 )
 from pointbrush.labels.statements import driver_of
@@ -54,6 +57,9 @@ class Sessions:
         self._seen = dict(self._live.values())
         self.came_or_went: Callable[[str], None] = lambda _: None
         """Called with the id of a sequence that another process added, deleted or replaced."""
+        self.classes_renamed: Callable[[], None] = lambda: None
+        """Called when classes have other names, in whatever process they got them."""
+        self._classes = -1
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)
@@ -76,9 +82,9 @@ class Sessions:
         try:
             with state.lock:
                 if look or state.stale:
-                    row = self._database.look(LOOK, {"sequence_id": state.id})
-                    found = row and (row.number, row.revision)
-                    if state.stale or found != (state.number, state.revision):
+                    found = found_in(self._database.look(LOOK, {"sequence_id": state.id}))
+                    known = state.number, state.revision, state.classes.revision
+                    if state.stale or found != known:
                         with self._database.read() as connection:
                             self.refresh(connection, state, find_revision(connection, state.id))
                 yield state
@@ -148,6 +154,7 @@ class Sessions:
             with self._listing:
                 self._live = before
             raise
+        self._look_at_classes()
         for sequence, (number, revision) in newest.items():
             state = self._states.get(sequence)
             if state is None:
@@ -156,6 +163,12 @@ class Sessions:
                 behind = (number, revision) != (state.number, state.revision)
             if behind:
                 self._look_into(sequence)
+
+    def _look_at_classes(self) -> None:
+        """Tell of new names of classes."""
+        before, self._classes = self._classes, self._database.look(CLASSES, {}).classes
+        if before not in (-1, self._classes):
+            self.classes_renamed()
 
     def _look_into(self, sequence: str) -> None:
         """Bring a sequence up to date; a fault of its own keeps no other from it."""
@@ -205,14 +218,12 @@ class Sessions:
             self._states[sequence] = state
             return state
 
-    def refresh(
-        self, connection: Connection, state: SequenceState, found: tuple[int, int] | None
-    ) -> None:
-        """Bring ``state`` to the number and revision that ``connection`` has ``found`` for it."""
+    def refresh(self, connection: Connection, state: SequenceState, found: Found | None) -> None:
+        """Bring ``state`` to the numbers that ``connection`` has ``found`` for it."""
         if found is None:
             self.forget(state.id)
             raise NotFoundError(f"sequence: {state.id!r} was deleted")
-        number, revision = found
+        number, revision, classes = found
         if number != state.number or revision < state.revision or state.stale:
             # Another process made it anew, or put a backup in its place; or a commit failed here.
             row, before = find_sequence(connection, state.id), (state.number, state.revision)
@@ -225,6 +236,8 @@ class Sessions:
                         self.outbox.put(commit)
         elif revision > state.revision:
             self._take_in(connection, state, revision)
+        if classes != state.classes.revision:
+            state.reload_palette(connection)
 
     def _take_in(self, connection: Connection, state: SequenceState, revision: int) -> None:
         """Catch up to ``revision``; if it fails on the way, it starts again from where it was."""

@@ -13,6 +13,7 @@ from sqlalchemy import Connection, Row, and_, bindparam, select
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.blocks import Block, BlockCache, Place, block_size, load_blocks
+from pointbrush.labels.class_names import REVISION, ClassNames, read_names
 from pointbrush.labels.packing import (
     BLOCK,
     DELETED_BIT,
@@ -54,6 +55,8 @@ class SequenceState:
         self.lock = threading.RLock()
         self.stale = False
         """Memory has what the database may not: it must be read anew."""
+        self.classes = ClassNames()
+        """Names of the classes of its labels."""
         self.palette: dict[int, Label] = {}
         self.counts: dict[FrameLabel, Count] = {}
         self.changed: dict[int, int] = {}
@@ -100,12 +103,13 @@ class SequenceState:
         """Read the palette again, and which ids were ever given: also to labels that are gone."""
         highest = select(sequences.c.highest_label).where(sequences.c.number == self.number)
         self.highest_label = connection.execute(highest).scalar_one()
+        self.classes = read_names(connection)
         rows = connection.execute(select(labels).where(labels.c.sequence == self.number))
         self.set_palette(
             Label(
                 row.id,
                 row.name,
-                row.category,
+                self.classes.name(row.category),
                 row.color,
                 bool(row.locked),
                 bool(row.visible),
@@ -254,12 +258,15 @@ def decode_points(data: bytes) -> NDArray[np.int64]:
 
 LIVE = sequences.c.deleted.is_(None)
 
-_LOOK = select(sequences.c.number, sequences.c.revision).where(
+Found = tuple[int, int, int]
+"""Number and revision of a sequence, and the revision of the classes' names."""
+_LOOK = select(sequences.c.number, sequences.c.revision, REVISION.label("classes")).where(
     sequences.c.id == bindparam("sequence_id"), LIVE
 )
 _LOCK = _LOOK.with_for_update()
 LOOK, LOCK = Statement(_LOOK), Statement(_LOCK)
-"""Number and revision of a sequence; locked: no other process commits to it meanwhile."""
+"""``Found`` of a sequence; locked: no other process commits to it meanwhile."""
+CLASSES = Statement(select(REVISION.label("classes")))
 LOOK_FOR = Statement(
     _LOOK.add_columns(edits.c.revision.label("edit")).join(
         edits,
@@ -276,12 +283,15 @@ def find_sequence(connection: Connection, sequence: str) -> Row[Any] | None:
     return connection.execute(query).one_or_none()
 
 
-def find_revision(
-    connection: Connection, sequence: str, *, lock: bool = False
-) -> tuple[int, int] | None:
-    """Number and revision of a sequence; ``lock``: no other process commits to it meanwhile."""
+def find_revision(connection: Connection, sequence: str, *, lock: bool = False) -> Found | None:
+    """Return ``Found`` of a sequence; ``lock``: no other process commits to it meanwhile."""
     row = connection.execute(_LOCK if lock else _LOOK, {"sequence_id": sequence}).one_or_none()
-    return None if row is None else (row.number, row.revision)
+    return found_in(row)
+
+
+def found_in(row: Any) -> Found | None:
+    """Return ``Found`` of a row of LOOK or LOCK, if there is one."""
+    return None if row is None else (row.number, row.revision, row.classes)
 
 
 def revisions(connection: Connection) -> dict[str, tuple[int, int]]:

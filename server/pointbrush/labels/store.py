@@ -9,6 +9,7 @@ from pointbrush.labels import check, integrity, palette, plans, reading
 from pointbrush.labels.accounts import Accounts, SignIns, Tokens
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.boxes import Boxes
+from pointbrush.labels.class_names import ClassNames, read_names
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
 from pointbrush.labels.job_records import JobRecords
@@ -57,7 +58,7 @@ class LabelStore:
         self.sign_ins = SignIns(self.database)
         self.signing_keys = SigningKeys(self.database)
         self.own_keys = OwnKeys(self.database)
-        self.taxonomy = Taxonomy(self.database)
+        self.taxonomy = Taxonomy(self.database, self._sessions)
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)
         self.boxes = Boxes(self._sessions, self._writer, self.taxonomy)
@@ -100,6 +101,10 @@ class LabelStore:
         """
         self._sessions.came_or_went = listener
 
+    def watch_classes(self, listener: Callable[[], None]) -> None:
+        """Call ``listener`` when labels' classes have other names, as ``watch_sequences`` does."""
+        self._sessions.classes_renamed = listener
+
     # ── sequences ────────────────────────────────────────────────────────────────────────
 
     def require_import(self, sequence: str, identity: str) -> None:
@@ -129,6 +134,11 @@ class LabelStore:
         """The labels, in their order."""
         with self._sessions.knowing(sequence) as state:
             return list(state.palette.values())
+
+    def class_names(self) -> ClassNames:
+        """Return the names of the workspace's classes."""
+        with self.database.read() as connection:
+            return read_names(connection)
 
     def label(self, sequence: str, label_id: int) -> Label:
         """One label; raises NotFoundError."""
@@ -174,7 +184,7 @@ class LabelStore:
         if commit.label:  # without another look at a database that may have gone away meanwhile
             return commit.label
         with self._sessions.reading(sequence) as (connection, state):
-            return palette.created_by(connection, state.number, commit.revision)
+            return palette.created_by(connection, state.number, commit.revision, state.classes)
 
     def update_label(
         self,
@@ -194,7 +204,7 @@ class LabelStore:
             return commit.label
         with self._sessions.reading(sequence) as (connection, state):
             number, made = state.number, commit.revision
-            label = palette.as_last_made(connection, number, label_id, until=made)
+            label = palette.as_last_made(connection, number, label_id, state.classes, until=made)
         return palette.require({} if label is None else {label_id: label}, label_id)
 
     def arrange_labels(

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, or_, select
+from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, literal, or_, select
 
+from pointbrush.labels.class_names import AGAIN, read_names
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST, tasks
 from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, labels, sequences
 from pointbrush.labels.tasks import TaskState
 
 _CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
-"""The class of a label; one without a category is a class of its own."""
+"""The key of a label's class; one without a category is a class of its own."""
+_CALLED: ColumnElement[str] = func.lower(func.rtrim(_CLASS, AGAIN))
+"""The name of a class that has no other one than its first, in lower case."""
 _OF_LABEL = and_(
     counts.c.sequence == labels.c.sequence, counts.c.label == labels.c.id, counts.c.points > 0
 )
@@ -138,8 +141,9 @@ class Summaries:
         original = select(whole.c.id).where(whole.c.number == sequences.c.copy_of)
         chosen = select(
             sequences.c.id, sequences.c.revision, PROJECT_OF, original.scalar_subquery()
-        ).where(LIVE, *_conditions(search))
+        ).where(LIVE)
         with self._database.read() as connection:
+            chosen = chosen.where(*_conditions(search, read_names(connection).shown))
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
     def figures(self, project: str, effort: Effort) -> Figures:
@@ -156,16 +160,19 @@ class Summaries:
         return Figures(number, count, classes, people)
 
 
-def _conditions(search: Search) -> list[ColumnElement[bool]]:
+def _conditions(search: Search, names: Mapping[str, str]) -> list[ColumnElement[bool]]:
     own = sequences.c.number
     found: list[ColumnElement[bool]] = []
     if search.project is not None:
         found.append(search.project == PROJECT_OF)
+    called = []
+    if search.category is not None:
+        called.append(_of_class(search.category.lower(), names))
+    if search.label is not None:
+        called.append(func.lower(labels.c.name) == search.label.lower())
     shown = select(labels.c.id).where(labels.c.sequence == own)
-    for column, wanted in ((_CLASS, search.category), (labels.c.name, search.label)):
-        if wanted is not None:
-            there = exists(select(counts.c.frame).where(_OF_LABEL))
-            found.append(exists(shown.where(func.lower(column) == wanted.lower(), there)))
+    there = exists(select(counts.c.frame).where(_OF_LABEL))
+    found += [exists(shown.where(each, there)) for each in called]
     of_it = select(tasks.c.number).where(tasks.c.sequence == own)
     if search.state is not None:
         found.append(exists(of_it.where(tasks.c.state == search.state)))
@@ -175,6 +182,15 @@ def _conditions(search: Search) -> list[ColumnElement[bool]]:
         )
         found.append(or_(exists(of_it.where(tasks.c.assignee == search.person)), exists(wrote)))
     return found
+
+
+def _of_class(wanted: str, names: Mapping[str, str]) -> ColumnElement[bool]:
+    """Choose labels of a class by its name in lower case; ``names`` of classes by key."""
+    renamed = {key: name.lower() for key, name in names.items() if key != name}
+    return or_(
+        and_(literal(wanted) == _CALLED, labels.c.category.not_in(renamed)),
+        labels.c.category.in_([key for key, name in renamed.items() if name == wanted]),
+    )
 
 
 def _people(
@@ -220,7 +236,7 @@ def _classes(
     chosen = (
         select(
             labels.c.sequence,
-            _CLASS.label("name"),
+            _CLASS.label("key"),
             func.sum(counts.c.points),
             func.sum(counts.c.painted),
             func.count(labels.c.id.distinct()),
@@ -230,12 +246,13 @@ def _classes(
         .where(here)
         .group_by(labels.c.sequence, _CLASS)
     )
-    rows = connection.execute(chosen).all()
+    rows, classes = connection.execute(chosen).all(), read_names(connection)
     painted: dict[int, int] = defaultdict(int)
     for number, _, _, by_hand, _ in rows:
         painted[number] += int(by_hand)
     found: dict[str, ClassFigures] = {}
-    for number, name, points, by_hand, objects in rows:
+    for number, key, points, by_hand, objects in rows:
+        name = classes.name(key)
         old = found.get(name, ClassFigures(name, 0, 0, 0.0))
         share = int(by_hand) / painted[number] if painted[number] else 0.0
         seconds = old.seconds + share * spent.get(number, 0.0)

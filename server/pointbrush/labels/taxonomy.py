@@ -2,59 +2,61 @@
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
-from sqlalchemy import delete, insert, select, text, update
-from sqlalchemy.engine import Connection
+from sqlalchemy import select, text
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
-from pointbrush.formats.numbering import Numbering
+from pointbrush.formats.datasets import DATASETS
+from pointbrush.formats.numbering import Numbering, official_numbers, plain
 from pointbrush.labels.box_attributes import BoxAttribute, read_attributes, write_attributes
 from pointbrush.labels.box_maps import LONGEST_SIDE
+from pointbrush.labels.class_names import DELETED, read_names
+from pointbrush.labels.classes import GREATEST, Category, Classes, held
 from pointbrush.labels.database import Database
-from pointbrush.labels.schema import categories, dataset_numbers
+from pointbrush.labels.schema import labels
+from pointbrush.labels.sessions import Sessions
+from pointbrush.labels.statements import driver_of
+from pointbrush.labels.types import Label
 from pointbrush.names import require_visible
 
-GREATEST = 65535
-"""Greatest number of a category: SemanticKITTI keeps it in 16 bits."""
 LONGEST = 256
 """Characters of a name."""
+TOLD = 5
+"""Recordings that an error names."""
 _DATASET = re.compile("[a-z0-9][a-z0-9-]{0,63}")
+T = TypeVar("T")
 
 
-Size = tuple[float, float, float]
+class Numbers(NamedTuple):
+    """Numbers of classes by their words: those of the workspace, and those of each dataset."""
 
-
-@dataclass(frozen=True, slots=True)
-class Category:
-    """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
-
-    ``datasets`` are its numbers in the datasets that it is known from.  ``size``, length,
-    width and height of its objects, and the standard deviation ``spread``, metres; None: unknown.
-    """
-
-    number: int
-    name: str
-    color: str = ""
-    datasets: Mapping[str, int] = field(default_factory=dict)
-    size: Size | None = None
-    spread: Size | None = None
+    own: dict[str, int]
+    datasets: dict[str, dict[str, int]]
 
 
 class Taxonomy:
     """The categories of one database; thread-safe."""
 
-    def __init__(self, database: Database) -> None:
-        self._database = database
+    def __init__(self, database: Database, sessions: Sessions) -> None:
+        self._database, self._sessions = database, sessions
 
     def entries(self) -> list[Category]:
         """Return all categories, by number."""
         with self._database.read() as connection:
-            return _entries(connection)
+            return Classes(connection).shown()
+
+    def listed(self) -> list[Category]:
+        """Return all categories; those of labels that have no number yet get one."""
+        with self._database.read() as connection:
+            used = connection.execute(select(labels.c.category).distinct()).scalars()
+            names = sorted(map(read_names(connection).name, filter(None, used)))
+        self.numbers(names)
+        return self.entries()
 
     def attributes(self) -> list[BoxAttribute]:
         """Return the attributes that boxes may have, beside those that all have."""
@@ -67,102 +69,70 @@ class Taxonomy:
         Where nothing can be written the numbers of new names are those that they would get.
         """
         wanted = list(dict.fromkeys(names))
-        known = {entry.name: entry.number for entry in self.entries()}
-        fresh = [name for name in wanted if name not in known]
-        if fresh:
-            known |= self._given_out(fresh, known)
-        return {name: known[name] for name in wanted}
+        return self._given(lambda classes: {name: classes.get(name).number for name in wanted})
 
-    def _given_out(self, fresh: Sequence[str], known: dict[str, int]) -> dict[str, int]:
-        try:
-            with self._locked() as connection:
-                known = {entry.name: entry.number for entry in _entries(connection)}
-                given = _next(fresh, known)
-                _insert(connection, [Category(given[n], n) for n in given if n not in known])
-                return given
-        except ReadOnlyError:
-            return _next(fresh, known)
+    def exported(self, palette: Iterable[Label], numbering: Numbering | None) -> Numbers:
+        """Return the numbers of the classes of labels, each of which is given once, for ever.
 
-    @contextmanager
-    def _locked(self) -> Iterator[Connection]:
-        """A transaction in which nobody else changes categories; raises ReadOnlyError."""
-        with self._database.write() as connection:
-            if not self._database.sqlite:  # whose writers are one at a time
-                connection.execute(text("LOCK TABLE categories IN SHARE ROW EXCLUSIVE MODE"))
-            yield connection
-
-    def known_as(self, dataset: str) -> dict[str, int]:
-        """Return the numbers that categories have in a dataset, by name."""
-        found = {entry.name: entry.datasets.get(dataset) for entry in self.entries()}
-        return {name: number for name, number in found.items() if number is not None}
-
-    def numbers_in(self, numbering: Numbering, names: Sequence[str]) -> dict[str, int]:
-        """Numbers of categories in a numbering, which each is given once, for ever.
-
-        Where nothing can be written they are those that the categories would get.  A category for
-        which none is free has none.
+        They are those of the workspace, those known of datasets, and those in ``numbering``, where
+        a class for which none is free has none.  A label without a category is of the class that
+        has its name, or had it first.  Where nothing can be written they are as of ``numbers``.
         """
+        words: dict[str, str] = {}
+        for label in sorted(palette, key=lambda each: each.id):
+            word = label.category or label.name
+            words[word] = words.get(word) or label.category
 
-        def given(entries: Sequence[Category]) -> dict[str, int]:
-            known = {
-                e.name: e.datasets[numbering.name] for e in entries if numbering.name in e.datasets
-            }
-            own = {entry.name: entry.number for entry in entries}
-            return numbering.completed(known, {name: own.get(name, 0) for name in names})
+        def give(classes: Classes) -> Numbers:
+            meant = {w: classes.get(name or classes.names.meaning(w)) for w, name in words.items()}
+            if numbering is not None:
+                classes.complete(numbering, meant.values())
+            own = {word: entry.number for word, entry in meant.items()}
+            datasets = {}
+            for dataset in {*DATASETS, *((numbering.name,) if numbering else ())}:
+                known = {e.number: (n, e.name) for n, e in classes.holders(dataset).items()}
+                datasets[dataset] = {name: number for number, name in known.values()}
+                datasets[dataset] |= {w: known[n][0] for w, n in own.items() if n in known}
+            return Numbers(own, datasets)
 
-        self.numbers(names)
-        entries = self.entries()
-        found = given(entries)
-        if any(numbering.name not in entry.datasets for entry in entries if entry.name in found):
-            try:
-                with self._locked() as connection:
-                    entries = _entries(connection)
-                    found = given(entries)
-                    fresh = [
-                        replace(entry, datasets={numbering.name: found[entry.name]})
-                        for entry in entries
-                        if entry.name in found and numbering.name not in entry.datasets
-                    ]
-                    _write_datasets(connection, fresh)
-            except ReadOnlyError:
-                pass
-        return {name: found[name] for name in names if name in found}
+        return self._given(give)
+
+    def known_classes(self, dataset: str, words: Mapping[int, str]) -> dict[int, str]:
+        """Return the names of the classes that have numbers of a dataset here.
+
+        ``words``: what files call each number.  One that is not the official name counts itself,
+        and so does each where a class only came in with the number by another name.
+        """
+        listed = official_numbers(dataset)
+        with self._database.read() as connection:
+            classes = Classes(connection)
+        holders = classes.holders(dataset)
+        return {
+            number: classes.now(holders[number]).name
+            for number, word in words.items()
+            if number in holders
+            and listed.get(plain(word)) == number
+            and (dataset in holders[number].stated or holders[number].is_called(word))
+        }
 
     def learn(self, dataset: str, numbers: Mapping[str, int], *, strict: bool = True) -> None:
         """Keep the number that each named category has in a dataset; a known one stays.
 
         New categories get numbers of the workspace, those of the dataset where they are free.
+        The class of an official name gets the official number, also from another class, unless a
+        person gave it to that.
         Raises ConflictError for a number of the dataset that another category has; or, not
         ``strict``, leaves that out.
         """
-        with self._locked() as connection:
-            entries = _entries(connection)
-            known = {entry.name: entry for entry in entries}
-            held = {e.datasets[dataset]: e.name for e in entries if dataset in e.datasets}
-            if not strict:
-                numbers = {n: number for n, number in numbers.items() if number not in held}
-            fresh = [name for name in numbers if name not in known]
-            taken = {entry.number for entry in entries}
-            own = {
-                name: numbers[name]
-                for name in fresh
-                if 1 <= numbers[name] <= GREATEST and numbers[name] not in taken
-            }
-            others = _next(
-                [name for name in fresh if name not in own],
-                {name: entry.number for name, entry in known.items()} | own,
-            )
-            added = [Category(number, name) for name, number in (own | others).items()]
-            _check(added)
-            _insert(connection, added)
-            _write_datasets(
-                connection,
-                [
-                    replace(entry, datasets={dataset: numbers[entry.name]})
-                    for entry in (*entries, *added)
-                    if entry.name in numbers and dataset not in entry.datasets
-                ],
-            )
+        with self._changing() as classes:
+            meant = {classes.names.meaning(name): number for name, number in numbers.items()}
+            taken = {entry.number for entry in classes.all()}
+            # Classes whose number is free come first: no other one takes it.
+            fresh = sorted(meant, key=lambda name: meant[name] in taken)
+            _check([classes.get(name, meant[name]) for name in fresh])
+            for name, number in meant.items():
+                if not classes.give(dataset, number, classes.get(name)) and strict:
+                    raise held(dataset, number, classes.holders(dataset)[number], name)
 
     def put(
         self, wanted: Sequence[Category], attributes: Sequence[BoxAttribute] | None = None
@@ -175,90 +145,76 @@ class Taxonomy:
         change; or for a number of a dataset that another category has.
         """
         _check(wanted)
-        with self._locked() as connection:
-            before = {entry.number: entry for entry in _entries(connection)}
-            taken = {entry.name: entry.number for entry in before.values()}
-            renamed = {entry.name for entry in before.values()} - {
-                before[each.number].name for each in wanted if each.number in before
-            }
+        numbers = {each.number for each in wanted}
+        with self._changing() as classes:
+            known = classes.all()
+            taken = {entry.name: entry for entry in known if entry.number not in numbers}
+            before = {entry.number for entry in known}
             for each in wanted:
-                if each.name in renamed and taken[each.name] != each.number:
+                holder = taken.get(each.name)
+                # The name of a deleted class is free for another one, not for another number.
+                if holder is not None and (holder.merged is None or each.number not in before):
                     raise ConflictError(
-                        f"name: expected '{each.name}' to keep its number {taken[each.name]}, "
+                        f"name: expected '{each.name}' to keep its number {holder.number}, "
                         f"got {each.number}"
                     )
-            _write(connection, before, wanted)
-            _write_datasets(connection, wanted)
+                classes.put(each)
+            classes.require_one_holder(wanted)
             if attributes is not None:
-                write_attributes(connection, attributes)
-            return _entries(connection)
+                write_attributes(classes.connection, attributes)
+            return classes.shown()
 
+    def merge(self, number: int, others: Sequence[int]) -> None:
+        """Make the labels of other categories labels of this one, and remove those.
 
-def _entries(connection: Connection) -> list[Category]:
-    columns = categories.c
-    query = select(categories).order_by(columns.number)
-    datasets: dict[int, dict[str, int]] = {}
-    known = dataset_numbers.c
-    for dataset, category, number in connection.execute(
-        select(known.dataset, known.category, known.number).order_by(known.dataset)
-    ):
-        datasets.setdefault(int(category), {})[str(dataset)] = int(number)
-    return [
-        Category(
-            row.number,
-            row.name,
-            row.color,
-            datasets.get(row.number, {}),
-            _size(row.size),
-            _size(row.spread),
-        )
-        for row in connection.execute(query)
-    ]
+        It gets their numbers in datasets in which it has none.
+        Raises NotFoundError, BadInputError where one comes twice or is the category itself.
+        """
+        if not others or number in others or len(set(others)) < len(others):
+            raise BadInputError(
+                f"categories: expected others than {number}, each once, got {list(others)[:20]}"
+            )
+        with self._changing() as classes:
+            for other in others:
+                classes.merge(classes.require(number), classes.require(other))
 
+    def remove(self, number: int) -> None:
+        """Remove a category that no label has; only a class of the same name gets its number.
 
-def _size(told: str | None) -> Size | None:
-    if told is None:
-        return None
-    length, width, height = json.loads(told)
-    return length, width, height
-
-
-def _sizes(each: Category) -> dict[str, str]:
-    """Return the columns of the sizes that are given."""
-    given = {"size": each.size, "spread": each.spread}
-    return {name: json.dumps(size) for name, size in given.items() if size is not None}
-
-
-def _write_datasets(connection: Connection, wanted: Sequence[Category]) -> None:
-    columns = dataset_numbers.c
-    for each in wanted:
-        for dataset, number in each.datasets.items():
-            here = columns.dataset == dataset
-            holder = connection.execute(
-                select(columns.category).where(here, columns.number == number)
-            ).scalar()
-            if holder not in (None, each.number):
+        Raises NotFoundError, ConflictError while labels have it, also in deleted recordings.
+        """
+        with self._changing() as classes:
+            entry = classes.require(number)
+            if used := classes.labels_of(entry):
+                named = ", ".join(sorted(used)[:TOLD]) + (", …" if len(used) > TOLD else "")
                 raise ConflictError(
-                    f"{dataset}: expected number {number} to be that of one category, category "
-                    f"{holder} has it, got '{each.name}'"
+                    f"category: expected one that no label has, '{entry.name}' has "
+                    f"{sum(used.values())} labels (recordings: {named}); merge it into another one"
                 )
-            connection.execute(delete(dataset_numbers).where(here, columns.category == each.number))
-            row = {"dataset": dataset, "category": each.number, "number": number}
-            connection.execute(insert(dataset_numbers), row)
+            classes.change(replace(entry, merged=DELETED))
 
+    def _given(self, give: Callable[[Classes], T]) -> T:
+        """Return what ``give`` finds, and keep the numbers that it gives, where that can be."""
+        with self._database.read() as connection:
+            classes = Classes(connection)
+            given = give(classes)
+        if classes.changed:
+            with suppress(ReadOnlyError), self._changing() as classes:
+                given = give(classes)
+        return given
 
-def _next(fresh: Sequence[str], known: dict[str, int]) -> dict[str, int]:
-    given: dict[str, int] = {}
-    highest = max(known.values(), default=0)
-    for name in fresh:
-        if name in known:
-            given[name] = known[name]
-            continue
-        highest += 1
-        if highest > GREATEST:
-            raise ConflictError(f"categories: expected at most {GREATEST}, got one more")
-        given[name] = highest
-    return given
+    @contextmanager
+    def _changing(self) -> Iterator[Classes]:
+        """The categories, for changes that nobody else makes meanwhile; raises ReadOnlyError."""
+        with self._database.write() as connection:
+            if not self._database.sqlite:  # whose writers are one at a time
+                connection.execute(text("LOCK TABLE categories IN SHARE ROW EXCLUSIVE MODE"))
+            classes = Classes(connection)
+            yield classes
+            if renamed := classes.write():
+                self._sessions.watcher.announce(driver_of(connection))
+        if renamed:
+            self._sessions.classes_renamed()
 
 
 def _check(wanted: Sequence[Category]) -> None:
@@ -286,32 +242,3 @@ def _check(wanted: Sequence[Category]) -> None:
                 )
     if len(set(numbers)) != len(numbers) or len(set(names)) != len(names):
         raise BadInputError("categories: expected each number and each name once")
-
-
-def _write(connection: Connection, before: dict[int, Category], wanted: Sequence[Category]) -> None:
-    known = [each for each in wanted if each.number in before]
-    # Names may change places: all of them go out of the way first.
-    for each in known:
-        where = categories.c.number == each.number
-        connection.execute(update(categories).where(where).values(name=f"\n{each.number}"))
-    for each in known:
-        where = categories.c.number == each.number
-        values = {"name": each.name, "color": each.color, **_sizes(each)}
-        connection.execute(update(categories).where(where).values(**values))
-    _insert(connection, [each for each in wanted if each.number not in before])
-
-
-def _insert(connection: Connection, fresh: Sequence[Category]) -> None:
-    if fresh:
-        rows = [
-            {
-                "number": each.number,
-                "name": each.name,
-                "color": each.color,
-                "size": None,
-                "spread": None,
-                **_sizes(each),
-            }
-            for each in fresh
-        ]
-        connection.execute(insert(categories), rows)

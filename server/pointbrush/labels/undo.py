@@ -153,8 +153,8 @@ def _palette(draft: Draft, edit: Row[Any]) -> None:
     label_ids = json.loads(edit.labels)
     if not label_ids:
         return
-    now = draft.state.palette
-    for label_id, label in fold(draft.connection, draft.state.number, label_ids).items():
+    state, now = draft.state, draft.state.palette
+    for label_id, label in fold(draft.connection, state.number, label_ids, state.classes).items():
         if label is None:
             draft.doubtful.add(label_id)
         if label != now.get(label_id):
@@ -175,13 +175,16 @@ def keep_used_labels(draft: Draft, effect: Effect, kind: str) -> bool:
     counts = {**draft.state.counts_of(missing), **effect.counts}
     used = {label for (_, label), count in counts.items() if count[2]}
     used |= box_journal.labels_used(draft, missing)
-    before = draft.state.palette if kind == "undo" else {}
+    state = draft.state
+    before = state.palette if kind == "undo" else {}
     for label_id in sorted(missing & used):
-        label = before.get(label_id) or as_last_made(draft.connection, draft.state.number, label_id)
+        label = before.get(label_id) or as_last_made(
+            draft.connection, state.number, label_id, state.classes
+        )
         if label is not None:  # else somebody deleted it, and that stands
             draft.label_fields[label_id] = fields_of(label)
             draft.labels[label_id] = label
-            if label == draft.state.palette.get(label_id):
+            if label == state.palette.get(label_id):
                 del draft.labels[label_id]
     return bool(draft.label_fields)
 

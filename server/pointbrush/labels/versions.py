@@ -17,6 +17,7 @@ from sqlalchemy import ColumnElement, Connection, and_, delete, insert, select
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.box_journal import as_at, read_boxes
 from pointbrush.labels.boxes import BoxList
+from pointbrush.labels.class_names import read_names
 from pointbrush.labels.database import Database
 from pointbrush.labels.lost_answers import write_once
 from pointbrush.labels.packing import (
@@ -143,17 +144,16 @@ class Versions:
         )
         with self._database.read() as connection:
             row = connection.execute(chosen).first()
-        if row is None:
-            raise NotFoundError(f"snapshot: expected one with {sequence!r} in it, got {version!r}")
-        palette = in_order(Label(**entry) for entry in json.loads(row.palette))
-        return Moment(row.sequence, row.revision, {label.id: label for label in palette})
+            if row is None:
+                expected = f"expected one with {sequence!r} in it"
+                raise NotFoundError(f"snapshot: {expected}, got {version!r}")
+            return _moment(connection, row.sequence, row.revision, json.loads(row.palette))
 
     def now(self, sequence: str) -> Moment:
         """Return a recording as it is; raises NotFoundError."""
         with self._database.read() as connection:
-            for number, revision, palette in _moments(connection, sequences.c.id == sequence):
-                labels = in_order(Label(**entry) for entry in palette)
-                return Moment(number, revision, {label.id: label for label in labels})
+            for found in _moments(connection, sequences.c.id == sequence):
+                return _moment(connection, *found)
         raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
 
 
@@ -303,6 +303,14 @@ def _moments(
         if values[0] is not None:
             palette.append(dict(zip(_FIELDS, values, strict=True)))
     return [(number, revision, palette) for (number, revision), palette in palettes.items()]
+
+
+def _moment(
+    connection: Connection, number: int, revision: int, palette: list[dict[str, Any]]
+) -> Moment:
+    classes = read_names(connection)
+    ordered = in_order(Label(**classes.read(entry)) for entry in palette)
+    return Moment(number, revision, {label.id: label for label in ordered})
 
 
 def _find(connection: Connection, version: str) -> Version | None:

@@ -22,7 +22,7 @@ from pointbrush.labels.journal import Entry
 from pointbrush.labels.lost_answers import once_it_is_back
 from pointbrush.labels.packing import States
 from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.state import LOCK, SequenceState, cell_of
+from pointbrush.labels.state import LOCK, SequenceState, cell_of, found_in
 from pointbrush.labels.statements import begin, commit, driver_of, together
 from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
@@ -187,8 +187,7 @@ class Writer:
             begin(driver)
             locked = LOCK.run(driver, {"sequence_id": state.id})
             found = [journal.look_for(driver, number, request.edit_id) for request in batch]
-        row = LOCK.one(locked)
-        self._sessions.refresh(connection, state, row and (row.number, row.revision))
+        self._sessions.refresh(connection, state, found_in(LOCK.one(locked)))
         if state.number != number:
             with together(driver):
                 found = [journal.look_for(driver, state.number, one.edit_id) for one in batch]

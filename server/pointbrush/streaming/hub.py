@@ -25,7 +25,14 @@ from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.system import shortages_in_words
-from pointbrush.work.events import Event, Prepared, Provisional, Retracted, SequencesChanged
+from pointbrush.work.events import (
+    ClassesRenamed,
+    Event,
+    Prepared,
+    Provisional,
+    Retracted,
+    SequencesChanged,
+)
 from pointbrush.workspace import Workspace
 
 logger = logging.getLogger(__name__)
@@ -221,13 +228,17 @@ class Hub:
     async def _dispatch(self, event: Event) -> None:
         if isinstance(event, Job):
             await self._tell_all(event)
-            return
-        if isinstance(event, SequencesChanged):
+        elif isinstance(event, SequencesChanged):
             await self._sequence_changed(event.sequence)
-            return
-        room = self.rooms.get(event.sequence)
-        if room is None:
-            return
+        elif isinstance(event, ClassesRenamed):
+            for each in self.rooms.values():
+                each.classes_renamed()
+        elif (room := self.rooms.get(event.sequence)) is not None:
+            await self._tell_room(room, event)
+
+    async def _tell_room(
+        self, room: Room, event: Commit | Prepared | Provisional | Retracted
+    ) -> None:
         if isinstance(event, Commit):
             await room.committed(event)
         elif isinstance(event, Prepared):
@@ -236,7 +247,7 @@ class Hub:
                 viewer.outbox.reply(message)
         elif isinstance(event, Provisional):
             room.provisional(event)
-        elif isinstance(event, Retracted):
+        else:
             for viewer in room.viewers:
                 viewer.stale(event.frames)
 

@@ -204,6 +204,13 @@ class Room:
             viewer.boxes_changed(commit.boxes)
         self._gathered()
 
+    def classes_renamed(self) -> None:
+        """Send every viewer the palette again."""
+        self.board.classes_renamed()
+        for viewer in self.viewers:
+            viewer.cells_changed(set(), everything=False)
+        self._gathered()
+
     def _gathered(self) -> None:
         """Wake the viewers for what waits for them: at once after a pause, else with the tick.
 

@@ -127,6 +127,8 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/classifiers/file"): "manager",
     ("DELETE", "/classifiers/{id}"): "manager",
     ("PUT", "/taxonomy"): "manager",
+    ("POST", "/taxonomy/{number}/merge"): "manager",
+    ("DELETE", "/taxonomy/{number}"): "manager",
     ("POST", "/projects"): "manager",
     ("PATCH", "/projects/{p}"): "manager",
     ("DELETE", "/projects/{p}"): "manager",

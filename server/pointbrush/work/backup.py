@@ -176,7 +176,7 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
         with library.store.staging() as partial:
             shutil.copytree(folder, partial)
             identity = rename_sequence(partial, target).identity
-            restore_sequence(
+            numbers = restore_sequence(
                 source / DATABASE,
                 store.database,
                 sequence,
@@ -186,6 +186,8 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
             )
     finally:
         store.guards.end(guard)
+    for dataset, classes in numbers.items():
+        store.taxonomy.learn(dataset, classes, strict=False)
     return target
 
 

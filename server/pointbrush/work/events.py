@@ -53,7 +53,12 @@ class Prepared:
     frame: int
 
 
-Event = Commit | Job | Prepared | Provisional | Retracted | SequencesChanged
+@dataclass(frozen=True)
+class ClassesRenamed:
+    """Classes of labels have other names."""
+
+
+Event = ClassesRenamed | Commit | Job | Prepared | Provisional | Retracted | SequencesChanged
 
 
 class Listeners:

@@ -69,10 +69,10 @@ def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
     known = {(label.name, label.category) for label in palette.labels}
     ids, fresh = palette.free_ids(), []
     for each in wanted:
-        called = (each.name, each.category)
+        called = (each.name, palette.classes.meaning(each.category))
         if called not in known:
             known.add(called)
-            require_allowed(palette.allowed, each.category)
+            require_allowed(palette.allowed, called[1])
             number = ids.take(called)
             fresh.append(Label(number, *called, each.color or default_color(number)))
     return fresh
@@ -83,11 +83,14 @@ def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str
 
     Those that the recording's project has not selected are left out.
     """
-    admits = store.choosing(sequence).admits
-    classes = {number: one for number, one in dataset.classes.items() if admits(one.name)}
-    numbers = {each.name: number for number, each in classes.items()}
+    palette, listed = store.choosing(sequence), dataset.classes
+    words = {number: each.name for number, each in listed.items()}
+    classes = {number: palette.classes.meaning(word) for number, word in words.items()}
+    classes |= store.taxonomy.known_classes(dataset.name, words)
+    classes = {number: name for number, name in classes.items() if palette.admits(name)}
+    numbers = {name: number for number, name in classes.items()}
     store.taxonomy.learn(dataset.name, numbers, strict=False)
-    wanted = [NamedLabel(each.name, each.name, each.color) for each in classes.values()]
+    wanted = [NamedLabel(words[n], name, listed[n].color) for n, name in classes.items()]
     return add_labels(store, sequence, wanted, author)
 
 

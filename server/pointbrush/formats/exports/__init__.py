@@ -21,7 +21,6 @@ from pointbrush.formats.exports.labeled import (
     Palette,
     PaletteEntry,
     Split,
-    category_names,
     sizes_of,
 )
 from pointbrush.formats.exports.output import Output, folder_output, single_output, stream_output
@@ -249,7 +248,6 @@ __all__ = [
     "Palette",
     "PaletteEntry",
     "Split",
-    "category_names",
     "export",
     "sizes_of",
 ]

@@ -185,13 +185,9 @@ class DatasetNumbers:
     plain: NDArray[np.bool_]
 
 
-def _instance_of(entry: PaletteEntry, others: Collection[int]) -> int:
-    if entry.instance is not None:
-        return entry.instance
-    return entry.id if entry.id not in others else _greatest_free(others)
-
-
-def _greatest_free(taken: Collection[int]) -> int:
+def _free_instance(wish: int, taken: Collection[int]) -> int:
+    if wish not in taken:
+        return wish
     return next(number for number in range(65535, 0, -1) if number not in taken)
 
 
@@ -214,14 +210,14 @@ class Palette:
         self.categories: dict[str, int] = {}
         self._category = np.zeros(1 << 16, np.uint16)
         self._instance = np.zeros(1 << 16, np.uint16)
-        sizes: dict[str, int] = {}
+        sizes: dict[int, int] = {}
         for entry in self.entries:
             name = category_of(entry)
             given = len(self.categories) + 1 if numbers is None else numbers[name]
             number = self.categories.setdefault(name, given)
-            sizes[name] = sizes.get(name, 0) + 1
+            sizes[number] = sizes.get(number, 0) + 1
             self._category[entry.id] = number
-            self._instance[entry.id] = sizes[name]
+            self._instance[entry.id] = sizes[number]
 
     def category(self, label: NDArray[np.uint16]) -> NDArray[np.uint16]:
         """The category number of each label id; 0 for 0."""
@@ -241,20 +237,26 @@ class Palette:
 
         A category that the dataset does not know has a number by ``numbering_of``, 0 where none is
         free.  A label that came from nowhere has its id as instance, or where another one of its
-        class has that, the greatest that is free.
+        class has that, the greatest that is free; so does one of a class that was merged, whose
+        instance another label has.
         """
         mine = self.numbers_in(numbering_of(dataset))
         category, instance = np.zeros((2, 1 << 16), np.uint16)
-        used: dict[str, set[int]] = {}
+        used: dict[int, set[int]] = {}
         for entry in self.entries:
             if entry.instance is not None:
-                used.setdefault(category_of(entry), set()).add(entry.instance)
+                used.setdefault(int(self._category[entry.id]), set()).add(entry.instance)
+        given: dict[int, set[int]] = {}
         for entry in self.entries:
-            name = category_of(entry)
-            category[entry.id] = mine.get(name, 0)
-            others = used.setdefault(name, set())
-            instance[entry.id] = _instance_of(entry, others)
-            others.add(int(instance[entry.id]))
+            category[entry.id] = mine.get(category_of(entry), 0)
+            own = int(self._category[entry.id])
+            others, before = used.setdefault(own, set()), given.setdefault(own, set())
+            wish = entry.instance
+            if wish is None or (wish and wish in before):
+                wish = _free_instance(entry.id, others)
+            instance[entry.id] = wish
+            others.add(wish)
+            before.add(wish)
         plain = np.zeros(1 << 16, np.bool_)
         plain[[entry.id for entry in self.entries if entry.instance == 0]] = True
         return DatasetNumbers(category, instance, plain)
@@ -285,12 +287,6 @@ class Palette:
     def json(self) -> bytes:
         """``document`` as UTF-8 JSON."""
         return json.dumps(self.document(), indent=1, ensure_ascii=False).encode()
-
-
-def category_names(entries: Sequence[PaletteEntry]) -> list[str]:
-    """The categories of labels, each once, in the order of the labels' ids."""
-    ordered = sorted(entries, key=lambda entry: entry.id)
-    return list(dict.fromkeys(category_of(entry) for entry in ordered))
 
 
 def category_of(entry: PaletteEntry) -> str:

@@ -85,6 +85,10 @@ class Board:
         self._all_edited = self.revision + 1
         self._palette_stale = self._tracks_stale = True
 
+    def classes_renamed(self) -> None:
+        """Read the palette again, whose labels have categories of other names."""
+        self._palette_stale = True
+
     async def refresh(self) -> None:
         """Read palette and tracks again if a commit changed them."""
         # While one viewer's task reads, the others must wait: what is here is still the old.

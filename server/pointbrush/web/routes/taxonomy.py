@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
+from fastapi import Path
 from pydantic import BaseModel, Field
 
 from pointbrush.labels import BoxAttribute, Category
@@ -21,6 +22,8 @@ NAME = f"^[^{HIDDEN} ]{VISIBLE}*$"
 """No control characters, and no space in front."""
 
 
+CategoryNumber = Annotated[int, Field(ge=1, le=65535)]
+NumberPath = Annotated[int, Path(ge=1, le=65535, description="number of a category")]
 DatasetName = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 DatasetNumber = Annotated[int, Field(ge=0, le=65535)]
 
@@ -32,7 +35,7 @@ class CategoryBody(Body):
     null keeps the stored values.
     """
 
-    number: Annotated[int, Field(ge=1, le=65535)]
+    number: CategoryNumber
     name: Annotated[str, Field(min_length=1, max_length=256, pattern=NAME)]
     color: Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6})?$")] = ""
     datasets: Annotated[
@@ -109,9 +112,15 @@ class TaxonomyOut(BaseModel):
     def of(cls, taxonomy: Taxonomy) -> TaxonomyOut:
         """From the workspace's."""
         return cls(
-            categories=[CategoryOut.of(each) for each in taxonomy.entries()],
+            categories=[CategoryOut.of(each) for each in taxonomy.listed()],
             attributes=[AttributeOut.of(each) for each in taxonomy.attributes()],
         )
+
+
+class MergedBody(Body):
+    """Numbers of the categories that go."""
+
+    categories: Annotated[list[CategoryNumber], Field(min_length=1, max_length=65535)]
 
 
 @router.get("/taxonomy")
@@ -122,8 +131,24 @@ def get_taxonomy(workspace: Ws) -> TaxonomyOut:
 
 @router.put("/taxonomy", responses=responses(409, 413))
 def put_taxonomy(body: TaxonomyBody, workspace: Ws) -> TaxonomyOut:
-    """Add classes, or change their names, colours and sizes; other classes do not change."""
+    """Add classes, or change their names, colours and sizes; other classes do not change.
+
+    Renaming a class changes no number: its labels and exports show the new name.
+    """
     attributes = None if body.attributes is None else [a.attribute() for a in body.attributes]
     wanted = [each.category() for each in body.categories]
     workspace.labels.taxonomy.put(wanted, attributes)
     return TaxonomyOut.of(workspace.labels.taxonomy)
+
+
+@router.post("/taxonomy/{number}/merge", responses=responses(404, 409))
+def merge_categories(number: NumberPath, body: MergedBody, workspace: Ws) -> TaxonomyOut:
+    """Merge other classes into this one: their labels in all recordings become labels of it."""
+    workspace.labels.taxonomy.merge(number, body.categories)
+    return TaxonomyOut.of(workspace.labels.taxonomy)
+
+
+@router.delete("/taxonomy/{number}", status_code=204, responses=responses(404, 409))
+def delete_category(number: NumberPath, workspace: Ws) -> None:
+    """Delete a class that no label uses."""
+    workspace.labels.taxonomy.remove(number)

@@ -24,6 +24,7 @@ from pointbrush.classify.models import BUILT_IN, Model, Models
 from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import LabelStore
+from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.agreeing import agreed, voter_of
@@ -111,7 +112,8 @@ class Classifiers:
         self._frames = DescribedFrames(self.options)
         self._teacher = Teacher(store, self._frames, self.options)
         self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None
-        self._known: dict[str, Classifier] = {}
+        self._known: dict[str, tuple[ClassNames, Classifier]] = {}
+        """By id, with the names that their classes have."""
         self._locks: dict[str, threading.RLock] = {}
         self._lock = threading.Lock()
 
@@ -129,7 +131,7 @@ class Classifiers:
 
     def about(self, identifier: str) -> About:
         """Return one in words; raises NotFoundError."""
-        return _about(identifier, self._read(identifier))
+        return _about(identifier, self._read(identifier)[1])
 
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
@@ -156,7 +158,7 @@ class Classifiers:
         )
         with self._lock:
             identifier = self._files.free_id(name)
-            self._files.write(identifier, made)
+            self._write(identifier, made, self._store.class_names())
         return self.teach(identifier, recordings)
 
     def teach(self, identifier: str, recordings: Sequence[str] = ()) -> About:
@@ -165,9 +167,10 @@ class Classifiers:
         for each in recordings:
             self._checked(each)
         with self._guard(identifier):
-            taught = self._fresh(identifier, recordings).scored(self.options.forest)
-            self._known[identifier] = taught
-            self._files.write(identifier, taught)
+            names, fresh = self._fresh(identifier, recordings)
+            taught = fresh.scored(self.options.forest)
+            self._known[identifier] = names, taught
+            self._write(identifier, taught, names)
         return _about(identifier, taught)
 
     def delete(self, identifier: str) -> None:
@@ -181,17 +184,18 @@ class Classifiers:
 
     def file(self, identifier: str) -> bytes:
         """Return the bytes of a classifier's file, as it is now."""
-        return to_file(self._read(identifier))
+        return to_file(self._read(identifier)[1])
 
     def bring(self, data: bytes, name: str | None = None) -> About:
         """Take in a classifier's file; raises BadInputError for anything else."""
         self._require_writable()
-        given = from_file(data)
+        given, names = from_file(data), self._store.class_names()
+        given = given.called([names.meaning(word) for word in given.classes])
         if name is not None:
             given = replace(given, name=check_name(name))
         with self._lock:
             identifier = self._files.free_id(given.name)
-            self._files.write(identifier, given)
+            self._write(identifier, given, names)
         return _about(identifier, given)
 
     def forget_features(self, sequence: str) -> None:
@@ -203,7 +207,7 @@ class Classifiers:
     def current(self, identifier: str, also: Sequence[str] = ()) -> Classifier:
         """Return a classifier that knows all that is painted in the recordings that teach it."""
         with self._guard(identifier):
-            return self._fresh(identifier, also)
+            return self._fresh(identifier, also)[1]
 
     def predict(
         self, identifier: str, sequence: str, frame: int, *, labels: Sequence[int] | None = None,
@@ -347,16 +351,27 @@ class Classifiers:
         with self._lock:
             return self._locks.setdefault(identifier, threading.RLock())
 
-    def _read(self, identifier: str) -> Classifier:
-        """Return a classifier as last taught here, or its file."""
-        known = self._known.get(identifier)
-        if known is None or identifier not in self._files.ids():
-            known = self._known[identifier] = self._files.read(identifier)
+    def _read(self, identifier: str) -> tuple[ClassNames, Classifier]:
+        """Return a classifier as last taught here, or its file, with the names of its classes."""
+        names, known = self._store.class_names(), self._known.get(identifier)
+        if (
+            known is None
+            or known[0].revision != names.revision
+            or identifier not in self._files.ids()
+        ):
+            kept = self._files.read(identifier)
+            known = names, kept.called([names.name(key) for key in kept.classes])
+            self._known[identifier] = known
         return known
 
-    def _fresh(self, identifier: str, also: Sequence[str]) -> Classifier:
-        """Bring a classifier up to date; its guard must be held."""
-        known = self._read(identifier)
+    def _write(self, identifier: str, classifier: Classifier, names: ClassNames) -> None:
+        """Write a classifier, which keeps the keys of its classes."""
+        keys = [names.key(name) for name in classifier.classes]
+        self._files.write(identifier, classifier.called(keys))
+
+    def _fresh(self, identifier: str, also: Sequence[str]) -> tuple[ClassNames, Classifier]:
+        """Bring a classifier up to date, with the names of its classes; its guard must be held."""
+        classes, known = self._read(identifier)
         names = tuple(dict.fromkeys([*known.taught_by, *also]))
         recordings: dict[str, Recording] = {}
         for name in names:
@@ -366,11 +381,12 @@ class Classifiers:
                 continue
         fresh = self._teacher.fresh(known, recordings)
         if fresh.recordings != names:
-            fresh = self._known[identifier] = replace(fresh, recordings=names)
+            fresh = replace(fresh, recordings=names)
+            self._known[identifier] = classes, fresh
         if fresh is not known or (not fresh.ready and (fresh.examples or fresh.model)):
             fresh = fresh.learnt(self.options.forest, self._own(fresh))
-            self._known[identifier] = fresh
-        return fresh
+            self._known[identifier] = classes, fresh
+        return classes, fresh
 
 
 def _about(identifier: str, classifier: Classifier) -> About:

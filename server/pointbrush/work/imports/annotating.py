@@ -113,6 +113,7 @@ class LabelImports:
     ) -> tuple[Chosen, Commit | None]:
         """Make what was found an edit, unless it is a trial or nothing; return its labels too."""
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
+        naming = naming.in_workspace(self._store)
         chosen = Chosen.of(self._store.choosing(sequence), keys, naming)
         anything = boxes.tracks or any(len(frame.rows) for frame in found)
         if request.dry_run or not anything:

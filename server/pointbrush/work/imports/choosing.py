@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from pointbrush.formats.datasets import ClassName
 from pointbrush.labels import Label
+from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.palette import Called, Palette, default_color
 from pointbrush.work.imports.naming import Key, Naming
 
@@ -38,21 +39,21 @@ class Chosen:
     @classmethod
     def of(cls, palette: Palette, keys: Iterable[Key], naming: Naming) -> Chosen:
         """Choose a label for each key: one of its name and category, or a new one."""
-        categories = {key: _called(key, naming)[0][1] for key in keys}
+        meant = {key: _called(key, naming, palette.classes) for key in keys}
+        categories = {key: called[1] for key, (called, _, _) in meant.items()}
         left_out = {key for key, category in categories.items() if not palette.admits(category)}
         by_name: dict[Called, list[int]] = {}
         for label in palette.labels:
             by_name.setdefault((label.name, label.category), []).append(label.id)
-        reserved = {
-            i for i, own in naming.own.items() if i in by_name.get((own.name, own.category), ())
-        }
+        own_names = {i: _called((i, 0), naming, palette.classes)[0] for i in naming.own}
+        reserved = {i for i, called in own_names.items() if i in by_name.get(called, ())}
         free_ids = palette.free_ids()
         ids: dict[Key, int] = dict.fromkeys(left_out, 0)
         fresh: list[Label] = []
         unnamed: set[int] = set()
         classes: dict[str, int] = {}
         for key in sorted(categories.keys() - left_out):
-            called, color, wanted = _called(key, naming)
+            called, color, wanted = meant[key]
             own = naming.own.get(key[0])
             if key[0] not in naming.names and own is None:
                 unnamed.add(key[0])
@@ -83,14 +84,15 @@ class Chosen:
         return [f"labels of categories that the project has not selected are left out: {named}"]
 
 
-def _called(key: Key, naming: Naming) -> tuple[Called, str, int]:
+def _called(key: Key, naming: Naming, classes: ClassNames) -> tuple[Called, str, int]:
     """Name and category, colour and wished id of a key."""
     number, instance = key
     if number in naming.own:
         label = naming.own[number]
-        return (label.name, label.category), label.color, label.id
+        return (label.name, classes.meaning(label.category)), label.color, label.id
     given = naming.names.get(number, ClassName(f"class {number}"))
+    category = naming.classes.get(number) or classes.meaning(given.name)
     if instance == 0:
-        return (given.name, given.name), given.color, number
+        return (given.name, category), given.color, number
     # A class's colour is of all its instances: they are told apart by colours of their own.
-    return (f"{given.name} {instance}", given.name), "", 0
+    return (f"{given.name} {instance}", category), "", 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,19 @@ class Naming:
     """Meaning of the numbers of labels; picklable.
 
     ``names``: classes by number.  ``own``: labels by id, where the numbers are those of a palette
-    of ours.  ``dataset``: the one whose numbers they are, "" where it is not known.
+    of ours.  ``dataset``: the one whose numbers they are, "" where it is not known.  ``classes``:
+    names of the workspace's classes that have its numbers.
     """
 
     names: Mapping[int, ClassName] = field(default_factory=dict)
     own: Mapping[int, SourceLabel] = field(default_factory=dict)
     dataset: str = ""
+    classes: Mapping[int, str] = field(default_factory=dict)
+
+    def in_workspace(self, store: LabelStore) -> Naming:
+        """Return the same with the workspace's classes."""
+        words = {number: each.name for number, each in self.names.items()}
+        return replace(self, classes=store.taxonomy.known_classes(self.dataset, words))
 
 
 def keys_of(

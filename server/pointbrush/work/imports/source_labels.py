@@ -73,7 +73,8 @@ def import_source_labels(store: LabelStore, recording: Recording, author: str) -
 
     It is made where no point has one, too: it says that they came in.  Returns warnings.
     """
-    sequence, naming = recording.manifest.id, _naming_of(recording.manifest)
+    sequence = recording.manifest.id
+    naming = _naming_of(recording.manifest).in_workspace(store)
     found: set[Key] = set()
     frames: set[int] = set()
     for frame, _, keys, _ in _labelled_parts(recording, naming):

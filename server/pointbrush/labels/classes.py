@@ -1,0 +1,306 @@
+"""The workspace's classes as of a moment, and changes of them before they are written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from sqlalchemy import and_, delete, func, insert, or_, select, update
+from sqlalchemy.engine import Connection
+
+from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.formats.numbering import Numbering, official_numbers, plain
+from pointbrush.labels.class_names import AGAIN, DELETED, read_names
+from pointbrush.labels.schema import categories, dataset_numbers, labels, sequences
+
+GREATEST = 65535
+"""Greatest number of a category: SemanticKITTI keeps it in 16 bits."""
+
+Size = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Category:
+    """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
+
+    ``datasets`` are its numbers in the datasets that it is known from, ``stated`` those whose
+    number a person gave.  ``size``, length, width and height of its objects, and the standard
+    deviation ``spread``, metres; None: unknown.  ``key`` and ``merged``: as in the database.
+    """
+
+    number: int
+    name: str
+    color: str = ""
+    datasets: Mapping[str, int] = field(default_factory=dict)
+    size: Size | None = None
+    spread: Size | None = None
+    key: str = field(default="", compare=False)
+    merged: int | None = field(default=None, compare=False)
+    stated: Collection[str] = field(default=(), compare=False)
+
+    def numbered(self, numbers: Mapping[str, int], stated: Collection[str] = ()) -> Category:
+        """Return it with further numbers in datasets."""
+        kept = {*self.stated, *stated}
+        return replace(self, datasets={**self.datasets, **numbers}, stated=kept)
+
+    def without(self, names: Collection[str]) -> Category:
+        """Return it without its numbers in datasets of these names."""
+        return replace(self, datasets={d: n for d, n in self.datasets.items() if d not in names})
+
+    def is_called(self, word: str) -> bool:
+        """Return whether a word is its name, or its first one, in any spelling."""
+        return plain(word) in (plain(self.name), plain(self.key))
+
+
+class Classes:
+    """All categories, merged and deleted ones too; ``write`` makes changes of them lasting."""
+
+    def __init__(self, connection: Connection) -> None:
+        self.connection = connection
+        self.names = read_names(connection)
+        self._before = {entry.number: entry for entry in _read(connection)}
+        self._rows = dict(self._before)
+        self._keys = {entry.key: entry.number for entry in self._rows.values()}
+        self.changed: set[int] = set()
+        """Numbers of those that are not as they were read."""
+
+    def all(self) -> list[Category]:
+        """Return all, by number."""
+        return [self._rows[number] for number in sorted(self._rows)]
+
+    def shown(self) -> list[Category]:
+        """Return those that are neither merged nor deleted, by number."""
+        return [entry for entry in self.all() if entry.merged is None]
+
+    def require(self, number: int) -> Category:
+        """Return one that is shown; raises NotFoundError."""
+        entry = self._rows.get(number)
+        if entry is None or entry.merged is not None:
+            raise NotFoundError(f"category: expected a number of the taxonomy, got {number}")
+        return entry
+
+    def now(self, entry: Category) -> Category:
+        """Return the class that another one is now."""
+        return self._rows[entry.merged or entry.number]
+
+    def get(self, name: str, wish: int = 0) -> Category:
+        """Return the class of a name; a new one has the number ``wish`` where that is free."""
+        key = self.names.key(name)
+        if key in self._keys:
+            entry = self._rows[self._keys[key]]
+            return entry if entry.merged is None else self.change(replace(entry, merged=None))
+        free = 1 <= wish <= GREATEST and wish not in self._rows
+        number = wish if free else max(self._rows, default=0) + 1
+        if number > GREATEST:
+            raise ConflictError(f"categories: expected at most {GREATEST}, got one more")
+        return self.change(Category(number, name, key=key))
+
+    def change(self, entry: Category) -> Category:
+        """Put a row in place of that of its number, or add it."""
+        self._rows[entry.number] = entry
+        self._keys[entry.key] = entry.number
+        self.changed.add(entry.number)
+        return entry
+
+    # ── numbers in datasets ──────────────────────────────────────────────────────────────
+
+    def holders(self, dataset: str) -> dict[int, Category]:
+        """Return the rows that have the numbers of a dataset; merged classes keep theirs."""
+        return {e.datasets[dataset]: e for e in self.all() if dataset in e.datasets}
+
+    def complete(self, numbering: Numbering, wanted: Iterable[Category]) -> None:
+        """Give numbers in a numbering to those of ``wanted`` that have none."""
+        fresh = {e.name: e for e in wanted if numbering.name not in e.datasets}
+        own = {name: entry.number for name, entry in fresh.items()}
+        known = {entry.name: number for number, entry in self.holders(numbering.name).items()}
+        for name, number in numbering.completed(known, own).items():
+            if name in fresh:
+                self.change(fresh[name].numbered({numbering.name: number}))
+
+    def give(self, dataset: str, number: int, entry: Category) -> bool:
+        """Give a class the number that files have for it; False where another one keeps that."""
+        listed = official_numbers(dataset)
+        official = number in (listed.get(plain(entry.name)), listed.get(plain(entry.key)))
+        holder = self.holders(dataset).get(number)
+        if holder is not None and self.now(holder).number == entry.number:
+            return True
+        if holder is not None and (not official or dataset in holder.stated):
+            return False
+        if holder is not None:
+            self.change(holder.without([dataset]))
+        if dataset not in entry.datasets or (official and dataset not in entry.stated):
+            self.change(entry.numbered({dataset: number}))
+        return True
+
+    # ── names ────────────────────────────────────────────────────────────────────────────
+
+    def put(self, wanted: Category) -> None:
+        """Add a category, or change that of its number; raises ConflictError."""
+        known = self._rows.get(wanted.number)
+        if known is None:
+            known = Category(wanted.number, wanted.name, key=self._free_key(wanted.name))
+        elif known.merged:
+            raise ConflictError(
+                f"number: expected one of the taxonomy, {known.number} was merged into "
+                f"{known.merged}"
+            )
+        elif known.name != wanted.name:
+            self._make_way(wanted)
+        news = {d: n for d, n in wanted.datasets.items() if known.datasets.get(d) != n}
+        for holder in [self.holders(dataset).get(number) for dataset, number in news.items()]:
+            if holder is not None and holder.merged is not None:
+                self.change(holder.without(news))
+        entry = replace(
+            known,
+            name=wanted.name,
+            color=wanted.color,
+            size=wanted.size or known.size,
+            spread=wanted.spread or known.spread,
+            merged=None,
+        )
+        self.change(entry.numbered(news, news))
+
+    def merge(self, target: Category, other: Category) -> None:
+        """Make a class part of another one, which gets its numbers in datasets without any."""
+        news = {d: n for d, n in other.datasets.items() if d not in target.datasets}
+        self._point(other.without(news), target.number)
+        self.change(target.numbered(news, news.keys() & set(other.stated)))
+
+    def _point(self, other: Category, number: int) -> None:
+        """Make a class, and those that were merged into it, part of that of a number."""
+        for each in self.all():
+            if each.merged == other.number:
+                self.change(replace(each, merged=number))
+        self.change(replace(other, merged=number, name=f"\n{other.number}"))
+
+    def _make_way(self, wanted: Category) -> None:
+        """Make a class that was deleted part of the one that gets its name.
+
+        Raises ConflictError where labels have a category of this name that has no number yet.
+        """
+        for other in self.all():
+            if other.merged == DELETED and other.name == wanted.name:
+                self._point(other, wanted.number)
+        key = self.names.key(wanted.name)
+        if key not in self._keys and self._count(labels.c.category == key):
+            raise ConflictError(
+                f"name: expected one that labels of no other category have, got '{wanted.name}': "
+                "merge the two (GET /taxonomy gives both numbers)"
+            )
+
+    def _free_key(self, name: str) -> str:
+        while name in self._keys:
+            name += AGAIN
+        return name
+
+    def labels_of(self, entry: Category) -> dict[str, int]:
+        """Count the labels of a class by recording, deleted ones too."""
+        words = {entry.name, *(k for k, name in self.names.shown.items() if name == entry.name)}
+        called = {word for word in words if self.names.meaning(word) == entry.name}
+        alone = and_(labels.c.category == "", labels.c.name.in_(called))
+        return self._count(or_(labels.c.category.in_(words), alone))
+
+    def _count(self, which: Any) -> dict[str, int]:
+        query = (
+            select(sequences.c.id, func.count())
+            .join(labels, labels.c.sequence == sequences.c.number)
+            .where(which)
+            .group_by(sequences.c.id)
+        )
+        return {str(name): int(count) for name, count in self.connection.execute(query)}
+
+    # ── the database ─────────────────────────────────────────────────────────────────────
+
+    def require_one_holder(self, wanted: Iterable[Category]) -> None:
+        """Raise ConflictError where another class has a dataset's number of one of ``wanted``."""
+        for each in wanted:
+            for dataset, number in each.datasets.items():
+                for other in self.all():
+                    if other.number != each.number and other.datasets.get(dataset) == number:
+                        raise held(dataset, number, other, each.name)
+
+    def write(self) -> bool:
+        """Write the changes; return whether labels' classes have other names now."""
+        changed = [self._rows[number] for number in sorted(self.changed)]
+        known = [entry for entry in changed if entry.number in self._before]
+        renamed = [entry.number for entry in known if self._is_renamed(entry)]
+        for number in renamed:  # names may change places: all of them go out of the way first
+            self._update(number, name=f"\n{number}\n", renamed=self.names.revision + 1)
+        for entry in known:
+            self._update(entry.number, **_columns(entry))
+        if fresh := [entry for entry in changed if entry.number not in self._before]:
+            rows = [{"number": entry.number, **_columns(entry)} for entry in fresh]
+            self.connection.execute(insert(categories), rows)
+        numbers = dataset_numbers.c.category
+        for entry in known:
+            self.connection.execute(delete(dataset_numbers).where(numbers == entry.number))
+        if rows := [row for entry in changed for row in _number_rows(entry)]:
+            self.connection.execute(insert(dataset_numbers), rows)
+        return bool(renamed)
+
+    def _is_renamed(self, entry: Category) -> bool:
+        before = self._before[entry.number]
+        return (entry.name, entry.merged) != (before.name, before.merged)
+
+    def _update(self, number: int, **values: Any) -> None:
+        here = update(categories).where(categories.c.number == number)
+        self.connection.execute(here.values(**values))
+
+
+def held(dataset: str, number: int, holder: Category, name: str) -> ConflictError:
+    """Return the error for a number of a dataset that another class has."""
+    return ConflictError(
+        f"{dataset}: expected number {number} to be that of one category, category "
+        f"{holder.number} has it, got '{name}'"
+    )
+
+
+def _read(connection: Connection) -> Iterator[Category]:
+    numbers: dict[int, list[Any]] = {}
+    for row in connection.execute(select(dataset_numbers).order_by(dataset_numbers.c.dataset)):
+        numbers.setdefault(row.category, []).append(row)
+    for row in connection.execute(select(categories)):
+        known = numbers.get(row.number, [])
+        yield Category(
+            row.number,
+            row.name,
+            row.color,
+            {each.dataset: each.number for each in known},
+            _size(row.size),
+            _size(row.spread),
+            row.key,
+            row.merged,
+            {each.dataset for each in known if each.stated},
+        )
+
+
+def _size(told: str | None) -> Size | None:
+    if told is None:
+        return None
+    length, width, height = json.loads(told)
+    return length, width, height
+
+
+def _columns(entry: Category) -> dict[str, Any]:
+    return {
+        "name": entry.name,
+        "color": entry.color,
+        "size": entry.size and json.dumps(entry.size),
+        "spread": entry.spread and json.dumps(entry.spread),
+        "key": entry.key,
+        "merged": entry.merged,
+    }
+
+
+def _number_rows(entry: Category) -> list[dict[str, Any]]:
+    return [
+        {
+            "dataset": dataset,
+            "category": entry.number,
+            "number": number,
+            "stated": dataset in entry.stated,
+        }
+        for dataset, number in entry.datasets.items()
+    ]
