@@ -72,6 +72,13 @@ client.change_taxonomy(
     attributes=[BoxAttribute("door", "choice", "frame", ("open", "shut"))],
 )
 
+# Client.merge_categories
+client.change_taxonomy([Category(201, "streetcar"), Category(202, "trolley")])
+client.merge_categories(200, [201])
+
+# Client.delete_category
+client.delete_category(202)
+
 # Client.templates
 print(client.templates())
 

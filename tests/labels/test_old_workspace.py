@@ -10,10 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from sqlalchemy import text
 
+from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.numbering import KITTI_NUMBERS
+from pointbrush.labels import Category
+from pointbrush.labels.database import Database
+from pointbrush.sequences.manifest import VERSION
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.old_workspace import EXPECTED, make_older, old_workspace
+
+CATEGORY = "INSERT INTO categories (number, name, color) VALUES (:n, :name, :color)"
+NUMBER = (
+    "INSERT INTO dataset_numbers (dataset, category, number) VALUES ('semantickitti', :n, :there)"
+)
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
@@ -102,3 +113,54 @@ def test_a_workspace_of_the_version_before_opens_with_its_trash_and_tokens(
         tracked = EXPECTED["sequences"]["ball"]["annotation"]
         assert told(workspace, "ball")["annotation"] == tracked
         assert [workspace.listing.problems(name) for name in EXPECTED["sequences"]] == [[], []]
+
+
+def test_classes_of_before_keep_their_labels_and_free_official_numbers(settings: Settings) -> None:
+    """Classes that the version before renamed, and numbers that it gave to the wrong ones."""
+    words = ("car", "building", "scooter", "fence", "trunk", "Baum")
+    with closing(Workspace(settings)) as workspace:
+        store = workspace.labels
+        for word in words:
+            store.create_label("ball", "ann", name=f"a {word}", category=word)
+        store.update_label("ball", "ann", store.palette("ball")[-1].id, color="#010203")
+        store.create_label("ball", "ann", name="late", category="vehicle")
+    make_older(settings, "0020", VERSION, ())
+    rows = [
+        # Imported, then renamed; its labels were counted as a class of their own after that.
+        (10, "vehicle", "", 10), (65000, "car", "", 65000),
+        (50, "building", "", 50), (51, "scooter", "", 51), (52, "fence", "", 65535),
+        (70, "Baum", "#00ff00", 70), (71, "trunk", "", 71),
+    ]  # fmt: skip
+    with closing(Database(settings.database_url)) as database, database.write() as connection:
+        for number, name, color, there in rows:
+            values = {"n": number, "name": name, "color": color, "there": there}
+            connection.execute(text(CATEGORY), values)
+            connection.execute(text(NUMBER), values)
+    with closing(Workspace(settings)) as workspace:
+        store = workspace.labels
+        categories = {label.name: label.category for label in store.palette("ball")}
+        assert (categories["a car"], categories["late"]) == ("vehicle", "vehicle")
+        numbers = store.taxonomy.exported(store.palette("ball"), KITTI_NUMBERS)
+        there = numbers.datasets["semantickitti"]
+        assert (there["vehicle"], there["building"], there["trunk"]) == (10, 50, 71)
+        assert (there["fence"], there["Baum"]) == (65535, 70)  # given for ever
+        assert there["scooter"] not in SEMANTIC_KITTI.classes
+        assert numbers.own | {"scooter": 51, "vehicle": 10} == numbers.own
+        store.undo("ball", "ann")
+        store.undo("ball", "ann")
+        vehicle = numbers.own["vehicle"]
+        store.taxonomy.put([Category(vehicle, "Auto")])
+        store.redo("ball", "ann")
+        store.redo("ball", "ann")
+        categories = {label.name: label.category for label in store.palette("ball")}
+        assert (categories["a car"], categories["late"]) == ("Auto", "Auto")
+        assert workspace.listing.problems("ball") == []
+
+
+def test_a_class_of_the_first_version_is_renamed(old: Workspace) -> None:
+    number = old.labels.taxonomy.numbers(["toy"])["toy"]
+    old.labels.delete_label("ball", "ann", 1)
+    old.labels.taxonomy.put([Category(number, "plaything")])
+    old.labels.undo("ball", "ann")
+    assert [label.category for label in old.labels.palette("ball")] == ["plaything", ""]
+    assert old.labels.taxonomy.numbers(["plaything"]) == {"plaything": number}

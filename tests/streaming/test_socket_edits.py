@@ -8,6 +8,7 @@ import uuid
 import httpx
 import numpy as np
 
+from pointbrush.labels import Category
 from tests.serving import Served
 from tests.streaming.acting import paint, run, settled, stored_values
 from tests.streaming.client import Viewer, two_viewers, viewer
@@ -295,5 +296,22 @@ def test_tracking_shows_what_it_finds_and_undoes_in_one_step(served: Served) -> 
             undone = await client.until("stroke_result", final=True)
             await settled(client, 10, undone["revision"])
             assert not (stored_values(served, 10) == label).any()
+
+    run(scenario)
+
+
+def test_a_new_name_of_a_class_reaches_every_viewer(served: Served) -> None:
+    async def scenario() -> None:
+        async with two_viewers(served) as (anna, ben):
+            for client in (anna, ben):
+                await client.open("wall", frame=1)
+                await client.until("labels")
+            taxonomy = served.workspace.labels.taxonomy
+            served.workspace.labels.update_label("wall", "ann", 1, category="pin")
+            number = taxonomy.numbers(["pin"])["pin"]
+            taxonomy.put([Category(number, "needle")])
+            for client in (anna, ben):
+                while (await client.until("labels"))["labels"][0]["category"] != "needle":
+                    pass
 
     run(scenario)

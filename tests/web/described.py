@@ -39,6 +39,7 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/export",
     "POST /api/v1/sequences/{seq}/annotations",
     "PUT /api/v1/taxonomy",
+    "POST /api/v1/taxonomy/{number}/merge",
     "POST /api/v1/classifiers",
     "POST /api/v1/classifiers/file",
     "POST /api/v1/projects/{p}/webhooks",

@@ -12,7 +12,7 @@ import httpx
 import pytest
 
 from pointbrush.client import BoxAttribute, BoxPose, Category, Client
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from tests.serving import Served, add_sequence, serving, settings_in
 
 
@@ -138,3 +138,23 @@ def test_attributes_that_cannot_be_are_refused(served: Served, attribute: dict[s
     url = f"{served.url}/api/v1/taxonomy"
     answer = httpx.put(url, json={"attributes": [attribute]}, headers=served.headers)
     assert answer.status_code in (400, 422), answer.text
+
+
+def test_classes_are_merged_and_deleted_by_their_numbers(served: Served) -> None:
+    with Client(served.url, served.token) as client:
+        one = client["one"]
+        for name in ("car", "auto", "tree"):
+            one.create_label(f"a {name}", category=name)
+        known = {each.name: each.number for each in client.taxonomy()}
+        client.merge_categories(known["car"], [known["auto"]])
+        client.change_taxonomy([Category(known["car"], "vehicle")])
+        assert [label.category for label in one.labels()] == ["vehicle", "vehicle", "tree"]
+        with pytest.raises(ConflictError, match="'tree' has 1 labels"):
+            client.delete_category(known["tree"])
+        one.update_label(3, category="vehicle")
+        client.delete_category(known["tree"])
+        with pytest.raises(NotFoundError):
+            client.delete_category(known["tree"])
+        assert [(each.number, each.name) for each in client.taxonomy()] == [
+            (known["car"], "vehicle")
+        ]

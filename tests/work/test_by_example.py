@@ -20,7 +20,7 @@ from pointbrush.classify.features import Described
 from pointbrush.classify.models import Question
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import PointFrame
-from pointbrush.labels import Write
+from pointbrush.labels import Category, Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
 from pointbrush.sequences import import_frames
 from pointbrush.work.classifiers.agreeing import agreed, voter_of
@@ -324,3 +324,35 @@ def test_large_frames_are_taught_and_asked_in_parts(workspace: Workspace, tmp_pa
         assert found.numbers is not None
         label[found.numbers] = found.kind.values()
     assert ((recording[1].to_source(label) == WALL) == IS_WALL).mean() > 0.95
+
+
+def test_classes_of_a_classifier_are_renamed_and_merged_with_the_workspaces(
+    workspace: Workspace,
+) -> None:
+    store = workspace.labels
+    for label, name in ((FLOOR, "ground"), (WALL, "house")):
+        store.update_label("room", "me", label, category=name)
+    store.create_label("room", "me", name="door", category="house part")
+    paint(workspace, 0, np.r_[FLAT + 900 : FLAT + 1000], 3)
+    made = workspace.classifiers.create("rooms", ["room"])
+    assert made.classes == ("ground", "house", "house part")
+    numbers = store.taxonomy.numbers(made.classes)
+    elsewhere = workspace.classifiers.file(made.id)
+    store.taxonomy.put([Category(numbers["house"], "building")])
+    store.taxonomy.merge(numbers["house"], [numbers["house part"]])
+    brought = workspace.classifiers.bring(elsewhere, "brought").id
+    again = Classifiers(
+        store, workspace._classifier_folder, workspace.recording, workspace.library.ids
+    )
+    for service, identifier in (
+        (workspace.classifiers, made.id), (workspace.classifiers, brought), (again, made.id),
+    ):  # fmt: skip
+        about = service.about(identifier)
+        assert about.classes == ("ground", "building")
+        assert sum(about.examples.values()) == sum(made.examples.values())
+        found = service.predict(identifier, "room", 0)
+        stored = workspace.recording("room")[0]
+        right = (stored.to_source(found.label) == WALL) == IS_WALL
+        assert right.mean() > 0.97
+    apply(workspace, classifier=made.id, frames="1")
+    assert {label.category for label in store.palette("room")} == {"ground", "building"}

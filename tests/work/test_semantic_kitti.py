@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from pointbrush.formats.class_maps import parse_map
+from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.labels import Category
 from pointbrush.settings import Settings
+from pointbrush.work.palettes import add_template
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
 
@@ -185,3 +187,28 @@ def test_a_category_of_another_place_does_not_take_a_number_of_the_dataset(tmp_p
         workspace.export(sequence, "semantickitti", tmp_path / "out")
     (kind,) = set((packed(tmp_path / "out", 0)[:5] & 0xFFFF).tolist())
     assert kind not in set((packed(source / "labels", 0) & 0xFFFF).tolist())
+
+
+def test_what_comes_in_after_a_class_was_renamed_is_of_that_class(tmp_path: Path) -> None:
+    source = drive(tmp_path / "kitti", 1)
+    with closing(opened(tmp_path)) as workspace:
+        first = import_path(workspace, source)
+        workspace.export(first, "ply", tmp_path / "own")
+        car = workspace.labels.taxonomy.numbers(["car"])["car"]
+        workspace.labels.taxonomy.put([Category(car, "vehicle")])
+        for labels in (tmp_path / "own", source / "labels"):
+            if labels.name == "labels":  # whose numbers count, though the old name is another's now
+                workspace.labels.taxonomy.put([Category(900, "car")])
+            job = workspace.runner.wait(
+                workspace.imports.begin_labels(first, labels, "ann").id, PATIENCE
+            )
+            assert job.state == "done", job.error
+            assert job.result["new_labels"] == []
+        workspace.labels.taxonomy.put([Category(900, "truck")])
+        workspace.labels.taxonomy.put([Category(car, "Auto")])
+        second = import_path(workspace, source)
+        add_template(workspace.labels, second, SEMANTIC_KITTI, "ann")
+        palette = {label.name: label.category for label in workspace.labels.palette(second)}
+        assert (palette["car 3"], palette["car"], palette["truck"]) == ("Auto", "Auto", "truck")
+        workspace.export(second, "semantickitti", tmp_path / "out")
+    np.testing.assert_array_equal(packed(tmp_path / "out", 0), packed(source / "labels", 0))

@@ -197,10 +197,10 @@ class Classes:
 
     def labels_of(self, entry: Category) -> dict[str, int]:
         """Count the labels of a class by recording, deleted ones too."""
-        words = {entry.name, *(k for k, name in self.names.shown.items() if name == entry.name)}
-        called = {word for word in words if self.names.meaning(word) == entry.name}
-        alone = and_(labels.c.category == "", labels.c.name.in_(called))
-        return self._count(or_(labels.c.category.in_(words), alone))
+        keys = {key for key, name in self.names.shown.items() if name == entry.name}
+        words = {word for word in {*keys, entry.name} if self.names.meaning(word) == entry.name}
+        alone = and_(labels.c.category == "", labels.c.name.in_(words))
+        return self._count(or_(labels.c.category.in_(keys), alone))
 
     def _count(self, which: Any) -> dict[str, int]:
         query = (
