@@ -130,7 +130,7 @@ class Workspace:
         self.imports.complete(self.library.manifests())
         self.labels.seal()
         self.labels.watch_sequences(self._changed_elsewhere)
-        self.labels.watch_classes(lambda: publish(ClassesRenamed()))
+        self.labels.watch_classes(lambda sequence: publish(ClassesRenamed(sequence)))
 
     def _require_labels(self) -> None:
         settings, recordings = self.settings, len(self.library.store.ids())

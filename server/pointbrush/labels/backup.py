@@ -15,7 +15,7 @@ from sqlalchemy import Connection, Select, Table, delete, func, insert, select, 
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.formats.datasets import DATASETS
-from pointbrush.labels.class_names import read_names
+from pointbrush.labels.class_names import read_names, with_category
 from pointbrush.labels.database import Database
 from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY
 from pointbrush.labels.project_tables import metadata, projects
@@ -121,17 +121,14 @@ def restore_sequence(
         theirs, ours = read_names(reader), read_names(writer)
         used: dict[str, str] = {}
 
-        def keyed(fields: Mapping[str, Any]) -> dict[str, Any]:
-            if there := fields.get("category"):
-                named = ours.key(ours.meaning(theirs.name(there)))
-                used[there] = there if there in ours.shown else named
-                return {**fields, "category": used[there]}
-            return dict(fields)
+        def key_of(there: str) -> str:
+            named = ours.key(ours.meaning(theirs.name(there)))
+            return used.setdefault(there, there if there in ours.shown else named)
 
         def moved(row: Mapping[str, Any]) -> dict[str, Any]:
-            here = {**keyed(row), "sequence": key[0]}
+            here = {**with_category(row, key_of), "sequence": key[0]}
             if "fields" in row:
-                here["fields"] = json.dumps(keyed(json.loads(row["fields"])))
+                here["fields"] = json.dumps(with_category(json.loads(row["fields"]), key_of))
             return here
 
         for table in reversed(PER_SEQUENCE):

@@ -6,7 +6,7 @@ and all that was written before follows: palettes, the journal, versions, backup
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -53,15 +53,17 @@ class ClassNames:
 
     def stored(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Return fields of a label with the key of its category in place of the name."""
-        if not fields.get("category"):
-            return dict(fields)
-        return {**fields, "category": self.key(fields["category"])}
+        return with_category(fields, self.key)
 
     def read(self, fields: Mapping[str, Any]) -> dict[str, Any]:
         """Return fields of a label as ``stored`` keeps them, with the name of its category."""
-        if not fields.get("category"):
-            return dict(fields)
-        return {**fields, "category": self.name(fields["category"])}
+        return with_category(fields, self.name)
+
+
+def with_category(fields: Mapping[str, Any], made: Callable[[str], str]) -> dict[str, Any]:
+    """Return fields of a label with what is ``made`` of their category, if they have one."""
+    category = fields.get("category")
+    return {**fields, "category": made(category)} if category else dict(fields)
 
 
 def read_names(connection: Connection) -> ClassNames:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from sqlalchemy import and_, delete, func, insert, or_, select, update
+from sqlalchemy import and_, bindparam, delete, func, insert, or_, select
 from sqlalchemy.engine import Connection
 
 from pointbrush.errors import ConflictError, NotFoundError
@@ -27,7 +27,7 @@ class Category:
 
     ``datasets`` are its numbers in the datasets that it is known from, ``stated`` those whose
     number a person gave.  ``size``, length, width and height of its objects, and the standard
-    deviation ``spread``, metres; None: unknown.  ``key`` and ``merged``: as in the database.
+    deviation ``spread``, metres; None: unknown.  The rest is as in the schema.
     """
 
     number: int
@@ -38,6 +38,7 @@ class Category:
     spread: Size | None = None
     key: str = field(default="", compare=False)
     merged: int | None = field(default=None, compare=False)
+    renamed: int = field(default=0, compare=False)
     stated: Collection[str] = field(default=(), compare=False)
 
     def numbered(self, numbers: Mapping[str, int], stated: Collection[str] = ()) -> Category:
@@ -223,30 +224,24 @@ class Classes:
 
     def write(self) -> bool:
         """Write the changes; return whether labels' classes have other names now."""
-        changed = [self._rows[number] for number in sorted(self.changed)]
-        known = [entry for entry in changed if entry.number in self._before]
-        renamed = [entry.number for entry in known if self._is_renamed(entry)]
-        for number in renamed:  # names may change places: all of them go out of the way first
-            self._update(number, name=f"\n{number}\n", renamed=self.names.revision + 1)
-        for entry in known:
-            self._update(entry.number, **_columns(entry))
-        if fresh := [entry for entry in changed if entry.number not in self._before]:
-            rows = [{"number": entry.number, **_columns(entry)} for entry in fresh]
-            self.connection.execute(insert(categories), rows)
-        numbers = dataset_numbers.c.category
-        for entry in known:
-            self.connection.execute(delete(dataset_numbers).where(numbers == entry.number))
-        if rows := [row for entry in changed for row in _number_rows(entry)]:
-            self.connection.execute(insert(dataset_numbers), rows)
-        return bool(renamed)
-
-    def _is_renamed(self, entry: Category) -> bool:
-        before = self._before[entry.number]
-        return (entry.name, entry.merged) != (before.name, before.merged)
-
-    def _update(self, number: int, **values: Any) -> None:
-        here = update(categories).where(categories.c.number == number)
-        self.connection.execute(here.values(**values))
+        if not self.changed:
+            return False
+        news = {n: self._rows[n] for n in sorted(self.changed)}
+        for number, entry in news.items():
+            before = self._before.get(number, entry)
+            if (entry.name, entry.merged) != (before.name, before.merged):
+                news[number] = replace(entry, renamed=self.names.revision + 1)
+        numbers = [{"changed": number} for number in news]
+        for column in (dataset_numbers.c.category, categories.c.number):
+            gone = delete(column.table).where(column == bindparam("changed"))
+            self.connection.execute(gone, numbers)
+        for table, rows in (
+            (categories, [_row(entry) for entry in news.values()]),
+            (dataset_numbers, [row for entry in news.values() for row in _number_rows(entry)]),
+        ):
+            if rows:
+                self.connection.execute(insert(table), rows)
+        return any(entry.renamed > self.names.revision for entry in news.values())
 
 
 def held(dataset: str, number: int, holder: Category, name: str) -> ConflictError:
@@ -261,18 +256,12 @@ def _read(connection: Connection) -> Iterator[Category]:
     numbers: dict[int, list[Any]] = {}
     for row in connection.execute(select(dataset_numbers).order_by(dataset_numbers.c.dataset)):
         numbers.setdefault(row.category, []).append(row)
-    for row in connection.execute(select(categories)):
-        known = numbers.get(row.number, [])
+    for entry in connection.execute(select(categories)).mappings():
+        known = numbers.get(entry["number"], [])
         yield Category(
-            row.number,
-            row.name,
-            row.color,
-            {each.dataset: each.number for each in known},
-            _size(row.size),
-            _size(row.spread),
-            row.key,
-            row.merged,
-            {each.dataset for each in known if each.stated},
+            **{**entry, "size": _size(entry["size"]), "spread": _size(entry["spread"])},
+            datasets={each.dataset: each.number for each in known},
+            stated={each.dataset for each in known if each.stated},
         )
 
 
@@ -283,24 +272,13 @@ def _size(told: str | None) -> Size | None:
     return length, width, height
 
 
-def _columns(entry: Category) -> dict[str, Any]:
-    return {
-        "name": entry.name,
-        "color": entry.color,
-        "size": entry.size and json.dumps(entry.size),
-        "spread": entry.spread and json.dumps(entry.spread),
-        "key": entry.key,
-        "merged": entry.merged,
-    }
+def _row(entry: Category) -> dict[str, Any]:
+    row = {column.name: getattr(entry, column.name) for column in categories.c}
+    return row | {side: row[side] and json.dumps(row[side]) for side in ("size", "spread")}
 
 
 def _number_rows(entry: Category) -> list[dict[str, Any]]:
     return [
-        {
-            "dataset": dataset,
-            "category": entry.number,
-            "number": number,
-            "stated": dataset in entry.stated,
-        }
-        for dataset, number in entry.datasets.items()
+        {"category": entry.number, "dataset": name, "number": n, "stated": name in entry.stated}
+        for name, n in entry.datasets.items()
     ]

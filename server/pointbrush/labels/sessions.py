@@ -19,7 +19,6 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.effect import deltas_of, labels_in
 from pointbrush.labels.notify import Outbox, Watcher
 from pointbrush.labels.state import (
-    CLASSES,
     LOOK,
     LOOK_FOR,
     Found,
@@ -54,12 +53,11 @@ class Sessions:
         self._listing = threading.Lock()
         self._live = self._read_live()
         # By number: another sequence of the same id has revisions of its own.
-        self._seen = dict(self._live.values())
+        self._seen = {number: revision for number, revision, _ in self._live.values()}
         self.came_or_went: Callable[[str], None] = lambda _: None
         """Called with the id of a sequence that another process added, deleted or replaced."""
-        self.classes_renamed: Callable[[], None] = lambda: None
-        """Called when classes have other names, in whatever process they got them."""
-        self._classes = -1
+        self.classes_renamed: Callable[[str], None] = lambda _: None
+        """Called with the id of an open sequence when classes have got other names."""
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)
@@ -83,8 +81,7 @@ class Sessions:
             with state.lock:
                 if look or state.stale:
                     found = found_in(self._database.look(LOOK, {"sequence_id": state.id}))
-                    known = state.number, state.revision, state.classes.revision
-                    if state.stale or found != known:
+                    if state.stale or found != state.known:
                         with self._database.read() as connection:
                             self.refresh(connection, state, find_revision(connection, state.id))
                 yield state
@@ -154,21 +151,15 @@ class Sessions:
             with self._listing:
                 self._live = before
             raise
-        self._look_at_classes()
-        for sequence, (number, revision) in newest.items():
+        for sequence, found in newest.items():
+            number, revision, _ = found
             state = self._states.get(sequence)
             if state is None:
                 behind = self.outbox.wanted and revision > self._seen.get(number, 0)
             else:
-                behind = (number, revision) != (state.number, state.revision)
+                behind = found != state.known
             if behind:
                 self._look_into(sequence)
-
-    def _look_at_classes(self) -> None:
-        """Tell of new names of classes."""
-        before, self._classes = self._classes, self._database.look(CLASSES, {}).classes
-        if before not in (-1, self._classes):
-            self.classes_renamed()
 
     def _look_into(self, sequence: str) -> None:
         """Bring a sequence up to date; a fault of its own keeps no other from it."""
@@ -190,7 +181,7 @@ class Sessions:
             with contextlib.suppress(UnavailableError):  # then it is told of a second time
                 self._live = self._read_live()
 
-    def _read_live(self) -> dict[str, tuple[int, int]]:
+    def _read_live(self) -> dict[str, Found]:
         with self._database.read() as connection:
             return revisions(connection)
 
@@ -224,6 +215,7 @@ class Sessions:
             self.forget(state.id)
             raise NotFoundError(f"sequence: {state.id!r} was deleted")
         number, revision, classes = found
+        renamed = classes != state.classes.revision
         if number != state.number or revision < state.revision or state.stale:
             # Another process made it anew, or put a backup in its place; or a commit failed here.
             row, before = find_sequence(connection, state.id), (state.number, state.revision)
@@ -236,8 +228,9 @@ class Sessions:
                         self.outbox.put(commit)
         elif revision > state.revision:
             self._take_in(connection, state, revision)
-        if classes != state.classes.revision:
+        if renamed:
             state.reload_palette(connection)
+            self.classes_renamed(state.id)
 
     def _take_in(self, connection: Connection, state: SequenceState, revision: int) -> None:
         """Catch up to ``revision``; if it fails on the way, it starts again from where it was."""
@@ -304,5 +297,5 @@ class Sessions:
         )
 
 
-def _number(of: Mapping[str, tuple[int, int]], sequence: str) -> int | None:
+def _number(of: Mapping[str, Found], sequence: str) -> int | None:
     return of[sequence][0] if sequence in of else None

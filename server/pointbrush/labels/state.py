@@ -83,6 +83,11 @@ class SequenceState:
         self.reload_changed(connection, 0)
         self.stale = False
 
+    @property
+    def known(self) -> Found:
+        """What it is as of."""
+        return self.number, self.revision, self.classes.revision
+
     def undone(self, connection: Connection) -> set[int]:
         """Revisions of the edits that are out of force."""
         if self._undone is None:
@@ -266,7 +271,6 @@ _LOOK = select(sequences.c.number, sequences.c.revision, REVISION.label("classes
 _LOCK = _LOOK.with_for_update()
 LOOK, LOCK = Statement(_LOOK), Statement(_LOCK)
 """``Found`` of a sequence; locked: no other process commits to it meanwhile."""
-CLASSES = Statement(select(REVISION.label("classes")))
 LOOK_FOR = Statement(
     _LOOK.add_columns(edits.c.revision.label("edit")).join(
         edits,
@@ -294,10 +298,10 @@ def found_in(row: Any) -> Found | None:
     return None if row is None else (row.number, row.revision, row.classes)
 
 
-def revisions(connection: Connection) -> dict[str, tuple[int, int]]:
-    """Number and revision of every sequence that is not deleted."""
-    query = select(sequences.c.id, sequences.c.number, sequences.c.revision).where(LIVE)
-    return {row.id: (row.number, row.revision) for row in connection.execute(query)}
+def revisions(connection: Connection) -> dict[str, Found]:
+    """Return ``Found`` of every sequence that is not deleted."""
+    query = select(sequences.c.id, sequences.c.number, sequences.c.revision, REVISION).where(LIVE)
+    return {name: tuple(found) for name, *found in connection.execute(query)}
 
 
 def _only_unlabeled() -> NDArray[np.bool_]:

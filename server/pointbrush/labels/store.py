@@ -101,8 +101,8 @@ class LabelStore:
         """
         self._sessions.came_or_went = listener
 
-    def watch_classes(self, listener: Callable[[], None]) -> None:
-        """Call ``listener`` when labels' classes have other names, as ``watch_sequences`` does."""
+    def watch_classes(self, listener: Callable[[str], None]) -> None:
+        """Call ``listener`` with the id of an open sequence when classes have got other names."""
         self._sessions.classes_renamed = listener
 
     # ── sequences ────────────────────────────────────────────────────────────────────────
@@ -375,7 +375,7 @@ class LabelStore:
     def sequences(self) -> dict[str, int]:
         """Every sequence that is known, and its revision."""
         with self.database.read() as connection:
-            return {name: revision for name, (_, revision) in revisions(connection).items()}
+            return {name: revision for name, (_, revision, _) in revisions(connection).items()}
 
     def progress(self, wanted: Collection[str] | None = None) -> dict[str, Progress]:
         """Count what is labelled of ``wanted`` sequences at least, None: of all with labels."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 
-from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, literal, or_, select
+from sqlalchemy import ColumnElement, Connection, and_, case, exists, func, or_, select
 
-from pointbrush.labels.class_names import AGAIN, read_names
+from pointbrush.labels.class_names import read_names
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST, tasks
 from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, labels, sequences
@@ -16,8 +16,6 @@ from pointbrush.labels.tasks import TaskState
 
 _CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
 """The key of a label's class; one without a category is a class of its own."""
-_CALLED: ColumnElement[str] = func.lower(func.rtrim(_CLASS, AGAIN))
-"""The name of a class that has no other one than its first, in lower case."""
 _OF_LABEL = and_(
     counts.c.sequence == labels.c.sequence, counts.c.label == labels.c.id, counts.c.points > 0
 )
@@ -143,7 +141,7 @@ class Summaries:
             sequences.c.id, sequences.c.revision, PROJECT_OF, original.scalar_subquery()
         ).where(LIVE)
         with self._database.read() as connection:
-            chosen = chosen.where(*_conditions(search, read_names(connection).shown))
+            chosen = chosen.where(*_conditions(connection, search))
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
     def figures(self, project: str, effort: Effort) -> Figures:
@@ -160,14 +158,14 @@ class Summaries:
         return Figures(number, count, classes, people)
 
 
-def _conditions(search: Search, names: Mapping[str, str]) -> list[ColumnElement[bool]]:
+def _conditions(connection: Connection, search: Search) -> list[ColumnElement[bool]]:
     own = sequences.c.number
     found: list[ColumnElement[bool]] = []
     if search.project is not None:
         found.append(search.project == PROJECT_OF)
     called = []
     if search.category is not None:
-        called.append(_of_class(search.category.lower(), names))
+        called.append(_of_class(connection, search.category.lower()))
     if search.label is not None:
         called.append(func.lower(labels.c.name) == search.label.lower())
     shown = select(labels.c.id).where(labels.c.sequence == own)
@@ -184,13 +182,13 @@ def _conditions(search: Search, names: Mapping[str, str]) -> list[ColumnElement[
     return found
 
 
-def _of_class(wanted: str, names: Mapping[str, str]) -> ColumnElement[bool]:
-    """Choose labels of a class by its name in lower case; ``names`` of classes by key."""
-    renamed = {key: name.lower() for key, name in names.items() if key != name}
-    return or_(
-        and_(literal(wanted) == _CALLED, labels.c.category.not_in(renamed)),
-        labels.c.category.in_([key for key, name in renamed.items() if name == wanted]),
-    )
+def _of_class(connection: Connection, wanted: str) -> ColumnElement[bool]:
+    """Choose labels of a class by its name in lower case."""
+    names = read_names(connection)
+    used = connection.execute(select(labels.c.category).distinct()).scalars()
+    keys = [key for key in used if key and names.name(key).lower() == wanted]
+    own = and_(labels.c.category == "", func.lower(labels.c.name) == wanted)
+    return or_(labels.c.category.in_(keys), own)
 
 
 def _people(

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 
 from sqlalchemy import select, text
 
-from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError
+from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError, UnavailableError
 from pointbrush.formats.datasets import DATASETS
 from pointbrush.formats.numbering import Numbering, official_numbers, plain
 from pointbrush.labels.box_attributes import BoxAttribute, read_attributes, write_attributes
@@ -194,7 +194,7 @@ class Taxonomy:
             classes.change(replace(entry, merged=DELETED))
 
     def _given(self, give: Callable[[Classes], T]) -> T:
-        """Return what ``give`` finds, and keep the numbers that it gives, where that can be."""
+        """Return the numbers that ``give`` gives, and keep them where anything can be written."""
         with self._database.read() as connection:
             classes = Classes(connection)
             given = give(classes)
@@ -214,7 +214,8 @@ class Taxonomy:
             if renamed := classes.write():
                 self._sessions.watcher.announce(driver_of(connection))
         if renamed:
-            self._sessions.classes_renamed()
+            with suppress(UnavailableError):  # then it is heard of later
+                self._sessions.catch_up()
 
 
 def _check(wanted: Sequence[Category]) -> None:

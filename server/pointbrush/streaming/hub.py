@@ -228,17 +228,13 @@ class Hub:
     async def _dispatch(self, event: Event) -> None:
         if isinstance(event, Job):
             await self._tell_all(event)
-        elif isinstance(event, SequencesChanged):
+            return
+        if isinstance(event, SequencesChanged):
             await self._sequence_changed(event.sequence)
-        elif isinstance(event, ClassesRenamed):
-            for each in self.rooms.values():
-                each.classes_renamed()
-        elif (room := self.rooms.get(event.sequence)) is not None:
-            await self._tell_room(room, event)
-
-    async def _tell_room(
-        self, room: Room, event: Commit | Prepared | Provisional | Retracted
-    ) -> None:
+            return
+        room = self.rooms.get(event.sequence)
+        if room is None:
+            return
         if isinstance(event, Commit):
             await room.committed(event)
         elif isinstance(event, Prepared):
@@ -247,9 +243,10 @@ class Hub:
                 viewer.outbox.reply(message)
         elif isinstance(event, Provisional):
             room.provisional(event)
-        else:
-            for viewer in room.viewers:
-                viewer.stale(event.frames)
+        elif isinstance(event, ClassesRenamed):
+            room.classes_renamed()
+        elif isinstance(event, Retracted):
+            room.retracted(event.frames)
 
     async def _tell_all(self, job: Job) -> None:
         """Tell all viewers of a job, later when the database is away."""

@@ -204,6 +204,11 @@ class Room:
             viewer.boxes_changed(commit.boxes)
         self._gathered()
 
+    def retracted(self, frames: Iterable[int]) -> None:
+        """Send values of frames whole: what was found for the time being is void."""
+        for viewer in self.viewers:
+            viewer.stale(frames)
+
     def classes_renamed(self) -> None:
         """Send every viewer the palette again."""
         self.board.classes_renamed()

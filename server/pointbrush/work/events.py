@@ -55,7 +55,9 @@ class Prepared:
 
 @dataclass(frozen=True)
 class ClassesRenamed:
-    """Classes of labels have other names."""
+    """Classes have got other names, which labels of a sequence may show."""
+
+    sequence: str
 
 
 Event = ClassesRenamed | Commit | Job | Prepared | Provisional | Retracted | SequencesChanged
