@@ -27,16 +27,19 @@ class Numbering:
     def completed(self, known: Mapping[str, int], wanted: Mapping[str, int]) -> dict[str, int]:
         """Add numbers for the classes of ``wanted`` that have none; those are their own ones."""
         numbers = dict(known)
-        taken, listed = set(known.values()), official_numbers(self.name)
+        listed = official_numbers(self.name)
+        taken = set(known.values())
+        barred = {*taken, *listed.values()}
         for name, own in wanted.items():
             if name in numbers:
                 continue
             number = listed.get(plain(name))
             if number is None or number in taken:
-                number = self._free({*taken, *listed.values()}, own)
+                number = self._free(barred, own)
             if number is not None:
                 numbers[name] = number
                 taken.add(number)
+                barred.add(number)
         return numbers
 
     def _free(self, taken: Collection[int], own: int) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 from sqlalchemy import and_, bindparam, delete, func, insert, or_, select
@@ -62,10 +63,14 @@ class Classes:
         self.connection = connection
         self.names = read_names(connection)
         self._before = {entry.number: entry for entry in _read(connection)}
-        self._rows = dict(self._before)
-        self._keys = {entry.key: entry.number for entry in self._rows.values()}
+        self._rows: dict[int, Category] = {}
+        self._keys: dict[str, int] = {}
+        self._held: dict[tuple[str, int], int] = {}
         self.changed: set[int] = set()
         """Numbers of those that are not as they were read."""
+        for entry in self._before.values():
+            self.change(entry)
+        self.changed.clear()
 
     def all(self) -> list[Category]:
         """Return all, by number."""
@@ -100,6 +105,10 @@ class Classes:
 
     def change(self, entry: Category) -> Category:
         """Put a row in place of that of its number, or add it."""
+        before = self._rows.get(entry.number, entry)
+        for there in before.datasets.items() - entry.datasets.items():
+            del self._held[there]
+        self._held |= dict.fromkeys(entry.datasets.items(), entry.number)
         self._rows[entry.number] = entry
         self._keys[entry.key] = entry.number
         self.changed.add(entry.number)
@@ -107,29 +116,32 @@ class Classes:
 
     # ── numbers in datasets ──────────────────────────────────────────────────────────────
 
-    def holders(self, dataset: str) -> dict[int, Category]:
-        """Return the rows that have the numbers of a dataset; merged classes keep theirs."""
-        return {e.datasets[dataset]: e for e in self.all() if dataset in e.datasets}
+    def holder(self, dataset: str, number: int) -> Category | None:
+        """Return the row that has a number of a dataset; a merged class may keep its own."""
+        return self._rows.get(self._held.get((dataset, number), 0))
+
+    def numbers_in(self, dataset: str) -> dict[str, int]:
+        """Return all numbers of a dataset that rows have, by their names."""
+        return {e.name: e.datasets[dataset] for e in self.all() if dataset in e.datasets}
 
     def complete(self, numbering: Numbering, wanted: Iterable[Category]) -> None:
         """Give numbers in a numbering to those of ``wanted`` that have none."""
         fresh = {e.name: e for e in wanted if numbering.name not in e.datasets}
         own = {name: entry.number for name, entry in fresh.items()}
-        known = {entry.name: number for number, entry in self.holders(numbering.name).items()}
-        for name, number in numbering.completed(known, own).items():
-            if name in fresh:
-                self.change(fresh[name].numbered({numbering.name: number}))
+        found = numbering.completed(self.numbers_in(numbering.name), own)
+        for name in fresh.keys() & found.keys():
+            self.change(fresh[name].numbered({numbering.name: found[name]}))
 
     def give(self, dataset: str, number: int, entry: Category) -> bool:
         """Give a class the number that files have for it; False where another one keeps that."""
         listed = official_numbers(dataset)
         official = number in (listed.get(plain(entry.name)), listed.get(plain(entry.key)))
-        holder = self.holders(dataset).get(number)
-        if holder is not None and self.now(holder).number == entry.number:
-            return True
-        if holder is not None and (not official or dataset in holder.stated):
-            return False
+        holder = self.holder(dataset, number)
         if holder is not None:
+            if self.now(holder).number == entry.number:
+                return True
+            if not official or dataset in holder.stated:
+                return False
             self.change(holder.without([dataset]))
         if dataset not in entry.datasets or (official and dataset not in entry.stated):
             self.change(entry.numbered({dataset: number}))
@@ -150,9 +162,12 @@ class Classes:
         elif known.name != wanted.name:
             self._make_way(wanted)
         news = {d: n for d, n in wanted.datasets.items() if known.datasets.get(d) != n}
-        for holder in [self.holders(dataset).get(number) for dataset, number in news.items()]:
-            if holder is not None and holder.merged is not None:
-                self.change(holder.without(news))
+        for dataset, number in news.items():
+            holder = self.holder(dataset, number)
+            if holder is not None and holder.merged is None:
+                raise held(dataset, number, holder, wanted.name)
+            if holder is not None:
+                self.change(holder.without([dataset]))
         entry = replace(
             known,
             name=wanted.name,
@@ -181,11 +196,11 @@ class Classes:
 
         Raises ConflictError where labels have a category of this name that has no number yet.
         """
-        for other in self.all():
-            if other.merged == DELETED and other.name == wanted.name:
-                self._point(other, wanted.number)
         key = self.names.key(wanted.name)
-        if key not in self._keys and self._count(labels.c.category == key):
+        there = self._rows.get(self._keys.get(key, 0))
+        if there is not None and there.merged == DELETED:
+            self._point(there, wanted.number)
+        if there is None and key in self.used:
             raise ConflictError(
                 f"name: expected one that labels of no other category have, got '{wanted.name}': "
                 "merge the two (GET /taxonomy gives both numbers)"
@@ -196,31 +211,26 @@ class Classes:
             name += AGAIN
         return name
 
+    @cached_property
+    def used(self) -> set[str]:
+        """Keys of the categories of labels."""
+        keys = self.connection.execute(select(labels.c.category).distinct()).scalars()
+        return set(keys) - {""}
+
     def labels_of(self, entry: Category) -> dict[str, int]:
         """Count the labels of a class by recording, deleted ones too."""
         keys = {key for key, name in self.names.shown.items() if name == entry.name}
         words = {word for word in {*keys, entry.name} if self.names.meaning(word) == entry.name}
         alone = and_(labels.c.category == "", labels.c.name.in_(words))
-        return self._count(or_(labels.c.category.in_(keys), alone))
-
-    def _count(self, which: Any) -> dict[str, int]:
         query = (
             select(sequences.c.id, func.count())
             .join(labels, labels.c.sequence == sequences.c.number)
-            .where(which)
+            .where(or_(labels.c.category.in_(keys), alone))
             .group_by(sequences.c.id)
         )
         return {str(name): int(count) for name, count in self.connection.execute(query)}
 
     # ── the database ─────────────────────────────────────────────────────────────────────
-
-    def require_one_holder(self, wanted: Iterable[Category]) -> None:
-        """Raise ConflictError where another class has a dataset's number of one of ``wanted``."""
-        for each in wanted:
-            for dataset, number in each.datasets.items():
-                for other in self.all():
-                    if other.number != each.number and other.datasets.get(dataset) == number:
-                        raise held(dataset, number, other, each.name)
 
     def write(self) -> bool:
         """Write the changes; return whether labels' classes have other names now."""
@@ -244,11 +254,11 @@ class Classes:
         return any(entry.renamed > self.names.revision for entry in news.values())
 
 
-def held(dataset: str, number: int, holder: Category, name: str) -> ConflictError:
+def held(dataset: str, number: int, holder: Category | None, name: str) -> ConflictError:
     """Return the error for a number of a dataset that another class has."""
     return ConflictError(
         f"{dataset}: expected number {number} to be that of one category, category "
-        f"{holder.number} has it, got '{name}'"
+        f"{holder and holder.number} has it, got '{name}'"
     )
 
 

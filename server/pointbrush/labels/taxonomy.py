@@ -8,17 +8,16 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from typing import NamedTuple, TypeVar
 
-from sqlalchemy import select, text
+from sqlalchemy import text
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError, UnavailableError
 from pointbrush.formats.datasets import DATASETS
 from pointbrush.formats.numbering import Numbering, official_numbers, plain
 from pointbrush.labels.box_attributes import BoxAttribute, read_attributes, write_attributes
 from pointbrush.labels.box_maps import LONGEST_SIDE
-from pointbrush.labels.class_names import DELETED, read_names
+from pointbrush.labels.class_names import DELETED
 from pointbrush.labels.classes import GREATEST, Category, Classes, held
 from pointbrush.labels.database import Database
-from pointbrush.labels.schema import labels
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label
@@ -53,8 +52,8 @@ class Taxonomy:
     def listed(self) -> list[Category]:
         """Return all categories; those of labels that have no number yet get one."""
         with self._database.read() as connection:
-            used = connection.execute(select(labels.c.category).distinct()).scalars()
-            names = sorted(map(read_names(connection).name, filter(None, used)))
+            classes = Classes(connection)
+            names = sorted(map(classes.names.name, classes.used))
         self.numbers(names)
         return self.entries()
 
@@ -90,9 +89,9 @@ class Taxonomy:
             own = {word: entry.number for word, entry in meant.items()}
             datasets = {}
             for dataset in {*DATASETS, *((numbering.name,) if numbering else ())}:
-                known = {e.number: (n, e.name) for n, e in classes.holders(dataset).items()}
-                datasets[dataset] = {name: number for number, name in known.values()}
-                datasets[dataset] |= {w: known[n][0] for w, n in own.items() if n in known}
+                known = classes.numbers_in(dataset)
+                called = {word: known.get(entry.name) for word, entry in meant.items()}
+                datasets[dataset] = known | {w: n for w, n in called.items() if n is not None}
             return Numbers(own, datasets)
 
         return self._given(give)
@@ -106,13 +105,13 @@ class Taxonomy:
         listed = official_numbers(dataset)
         with self._database.read() as connection:
             classes = Classes(connection)
-        holders = classes.holders(dataset)
+        holders = {number: classes.holder(dataset, number) for number in words}
         return {
-            number: classes.now(holders[number]).name
-            for number, word in words.items()
-            if number in holders
-            and listed.get(plain(word)) == number
-            and (dataset in holders[number].stated or holders[number].is_called(word))
+            number: classes.now(holder).name
+            for number, holder in holders.items()
+            if holder is not None
+            and listed.get(plain(words[number])) == number
+            and (dataset in holder.stated or holder.is_called(words[number]))
         }
 
     def learn(self, dataset: str, numbers: Mapping[str, int], *, strict: bool = True) -> None:
@@ -132,7 +131,7 @@ class Taxonomy:
             _check([classes.get(name, meant[name]) for name in fresh])
             for name, number in meant.items():
                 if not classes.give(dataset, number, classes.get(name)) and strict:
-                    raise held(dataset, number, classes.holders(dataset)[number], name)
+                    raise held(dataset, number, classes.holder(dataset, number), name)
 
     def put(
         self, wanted: Sequence[Category], attributes: Sequence[BoxAttribute] | None = None
@@ -159,7 +158,6 @@ class Taxonomy:
                         f"got {each.number}"
                     )
                 classes.put(each)
-            classes.require_one_holder(wanted)
             if attributes is not None:
                 write_attributes(classes.connection, attributes)
             return classes.shown()
