@@ -119,9 +119,9 @@ class Classifier:
         return features[kept], classes[kept], place[kept]
 
     def called(self, names: Sequence[str]) -> Classifier:
-        """Return the same with other names of its classes.
+        """Return a copy with other names of the classes.
 
-        Those of one name become one class; then its examples are to be learnt anew.
+        Classes with the same name become one; the examples must be learnt again then.
         """
         classes = tuple(dict.fromkeys(names))
         if len(classes) == len(self.classes):

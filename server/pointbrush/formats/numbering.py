@@ -13,10 +13,10 @@ from pointbrush.formats.datasets import DATASETS, LAS, SCANNET, SEMANTIC_KITTI
 class Numbering:
     """Numbers of classes in a kind of files.
 
-    A class that a data set of this ``name`` lists has its official number, which no other class is
-    given.  Other classes have numbers from ``first`` to ``last``.  ``dense``: they are counted in
-    the order in which classes get them; else a class has its own number of the workspace where that
-    is free, or the greatest that is.
+    If the data set ``name`` is known, a class with an official name gets its official number, and
+    no other class gets an official number.  Other classes have numbers from ``first`` to ``last``.
+    ``dense``: they are counted in the order in which classes get them; else a class has its own
+    number of the workspace where that is free, or the greatest that is.
     """
 
     name: str
@@ -59,7 +59,7 @@ TRAINING_NUMBERS = Numbering("training", 0, 32_767, dense=True)
 GREATEST = 65_535
 """Greatest number of a class in the files of other data sets."""
 SCANNET_NUMBERS = Numbering(SCANNET.name, 41, GREATEST)
-"""NYU has 40 classes, of which ScanNet lists 20."""
+"""NYU40 numbers its classes 1 to 40; ScanNet-20 lists 20 of them."""
 KNOWN_NUMBERINGS = (KITTI_NUMBERS, LAS_NUMBERS, TRAINING_NUMBERS, SCANNET_NUMBERS)
 
 
@@ -76,5 +76,5 @@ def official_numbers(dataset: str) -> dict[str, int]:
 
 
 def plain(name: str) -> str:
-    """Return a name of a class without what spellings differ in: case, and what joins words."""
+    """Return the name of a class in lower case, with a space between words."""
     return re.sub(r"[\s_-]+", " ", name).strip().casefold()

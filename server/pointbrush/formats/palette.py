@@ -122,7 +122,7 @@ def _parse(text: bytes) -> list[SourceLabel] | None:
 
 def _label(entry: dict[str, Any]) -> SourceLabel:
     number, name, category, color = (entry[key] for key in ("id", "name", "category", "color"))
-    texts = all(isinstance(text, str) and len(text) <= 200 for text in (name, category, color))
+    texts = all(isinstance(text, str) and len(text) <= 256 for text in (name, category, color))
     if not isinstance(number, int) or not 1 <= number <= 65534 or not texts or not name:
         raise ValueError(entry)
     if not re.fullmatch(r"#[0-9a-fA-F]{6}", color):

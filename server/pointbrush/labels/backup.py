@@ -101,8 +101,8 @@ def restore_sequence(
 ) -> dict[str, dict[str, int]]:
     """Bring one sequence of a backup back as ``target``, an import of its own, with its history.
 
-    A class of its labels is the one of the same key here, or else of the same name.  Returns the
-    numbers that its classes have in known datasets there, by the names here.
+    Its labels get the classes with the same key here, or else with the same name.  Returns the
+    numbers that the backup has for these classes in known datasets, by their names here.
     ``put`` runs before the commit: what it raises leaves the database as it was.  Raises
     BadInputError when ``source`` is no backup, NotFoundError when it does not know the sequence.
     """
@@ -139,7 +139,7 @@ def restore_sequence(
 
 
 def _numbers_of(reader: Connection, names: dict[str, str]) -> dict[str, dict[str, int]]:
-    """Read the numbers of classes in known datasets; ``names``: what they are called, by key."""
+    """Read the numbers of classes in known datasets; ``names``: by key."""
     found: dict[str, dict[str, int]] = {}
     rows = select(categories.c.key, dataset_numbers.c.dataset, dataset_numbers.c.number).join(
         dataset_numbers, dataset_numbers.c.category == categories.c.number
@@ -230,7 +230,7 @@ def _copy_table(
     wanted: Select[Any],
     changed: Callable[[Any], dict[str, Any]],
 ) -> None:
-    """Copy the rows that are ``wanted``, each as ``changed`` makes it."""
+    """Copy the rows that are ``wanted``, with ``changed`` applied to each."""
     rows = reader.execution_options(yield_per=ROWS).execute(wanted)
     for part in rows.mappings().partitions(ROWS):
         writer.execute(insert(table), list(map(changed, part)))

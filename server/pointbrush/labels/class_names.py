@@ -1,7 +1,7 @@
-"""Names of classes: labels keep the key of a class, which never changes; people see its name.
+"""Names of classes: the database keeps the key of a class, which never changes; users see its name.
 
-The key of a class is the first name that it had.  So a new name changes one row of ``categories``,
-and all that was written before follows: palettes, the journal, versions, backups, classifiers.
+The key of a class is its first name.  Renaming a class changes one row of ``categories``; palettes,
+the journal, versions, backups and classifiers hold the key and follow.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from sqlalchemy import Connection, func, select
 from pointbrush.labels.schema import categories
 
 AGAIN = "\n"
-"""Ends the key of a class whose name was the first one of another class; no name holds it."""
+"""End of the key of a class whose name is the first name of another class; not valid in names."""
 DELETED = 0
-"""In place of the number of the class that a class was merged into."""
+"""Value of ``merged`` of a deleted class; other values are the number of the target class."""
 REVISION: Any = select(func.coalesce(func.max(categories.c.renamed), 0)).scalar_subquery()
-"""Number of the last change of names and merges."""
+"""Number of the last rename, merge or deletion."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClassNames:
     """Names of all classes as of change ``revision``.
 
-    ``shown``: the name by key, for a merged class that of its target.  ``keys``: the key by name.
-    A class that has no number yet has its name as key.
+    ``shown``: name by key; a merged class has the name of its target.  ``keys``: key by name.
+    The key of a class without a number is its name.
     """
 
     revision: int = 0
@@ -39,7 +39,7 @@ class ClassNames:
         return self.shown.get(key, key.rstrip(AGAIN))
 
     def key(self, name: str) -> str:
-        """Return the key of the class of this name, a new one where no class has it."""
+        """Return the key of the class with this name, or a free key if there is none."""
         if name in self.keys:
             return self.keys[name]
         key = name
@@ -48,7 +48,7 @@ class ClassNames:
         return key
 
     def meaning(self, word: str) -> str:
-        """Return the name of the class that a file means by a word: its name, or its first name."""
+        """Return the name of the class for a word in a file: its name now, or its first name."""
         return word if word in self.keys else self.name(word)
 
     def stored(self, fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -56,14 +56,14 @@ class ClassNames:
         return with_category(fields, self.key)
 
     def read(self, fields: Mapping[str, Any]) -> dict[str, Any]:
-        """Return fields of a label as ``stored`` keeps them, with the name of its category."""
+        """Return stored fields of a label with the name of the category in place of the key."""
         return with_category(fields, self.name)
 
 
-def with_category(fields: Mapping[str, Any], made: Callable[[str], str]) -> dict[str, Any]:
-    """Return fields of a label with what is ``made`` of their category, if they have one."""
+def with_category(fields: Mapping[str, Any], convert: Callable[[str], str]) -> dict[str, Any]:
+    """Return fields of a label with ``convert`` applied to the category, if there is one."""
     category = fields.get("category")
-    return {**fields, "category": made(category)} if category else dict(fields)
+    return {**fields, "category": convert(category)} if category else dict(fields)
 
 
 def read_names(connection: Connection) -> ClassNames:

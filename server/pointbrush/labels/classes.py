@@ -1,4 +1,4 @@
-"""The workspace's classes as of a moment, and changes of them before they are written."""
+"""The classes of a workspace, read at once, changed in memory and written together."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ Size = tuple[float, float, float]
 class Category:
     """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
 
-    ``datasets`` are its numbers in the datasets that it is known from, ``stated`` those whose
-    number a person gave.  ``size``, length, width and height of its objects, and the standard
+    ``datasets`` are its numbers in the datasets that it is known from, ``stated`` the datasets
+    whose number a person set.  ``size``, length, width and height of its objects, and the standard
     deviation ``spread``, metres; None: unknown.  The rest is as in the schema.
     """
 
@@ -43,21 +43,21 @@ class Category:
     stated: Collection[str] = field(default=(), compare=False)
 
     def numbered(self, numbers: Mapping[str, int], stated: Collection[str] = ()) -> Category:
-        """Return it with further numbers in datasets."""
+        """Return a copy with further numbers in datasets."""
         kept = {*self.stated, *stated}
         return replace(self, datasets={**self.datasets, **numbers}, stated=kept)
 
     def without(self, names: Collection[str]) -> Category:
-        """Return it without its numbers in datasets of these names."""
+        """Return a copy without numbers in the datasets of these names."""
         return replace(self, datasets={d: n for d, n in self.datasets.items() if d not in names})
 
     def is_called(self, word: str) -> bool:
-        """Return whether a word is its name, or its first one, in any spelling."""
+        """Return whether a word is the name or the first name, in any spelling."""
         return plain(word) in (plain(self.name), plain(self.key))
 
 
 class Classes:
-    """All categories, merged and deleted ones too; ``write`` makes changes of them lasting."""
+    """All categories, including merged and deleted ones; ``write`` saves the changes."""
 
     def __init__(self, connection: Connection) -> None:
         self.connection = connection
@@ -67,32 +67,32 @@ class Classes:
         self._keys: dict[str, int] = {}
         self._held: dict[tuple[str, int], int] = {}
         self.changed: set[int] = set()
-        """Numbers of those that are not as they were read."""
+        """Numbers of the changed categories."""
         for entry in self._before.values():
             self.change(entry)
         self.changed.clear()
 
     def all(self) -> list[Category]:
-        """Return all, by number."""
+        """Return all categories, by number."""
         return [self._rows[number] for number in sorted(self._rows)]
 
     def shown(self) -> list[Category]:
-        """Return those that are neither merged nor deleted, by number."""
+        """Return the categories that are neither merged nor deleted, by number."""
         return [entry for entry in self.all() if entry.merged is None]
 
     def require(self, number: int) -> Category:
-        """Return one that is shown; raises NotFoundError."""
+        """Return a shown category; raises NotFoundError."""
         entry = self._rows.get(number)
         if entry is None or entry.merged is not None:
             raise NotFoundError(f"category: expected a number of the taxonomy, got {number}")
         return entry
 
     def now(self, entry: Category) -> Category:
-        """Return the class that another one is now."""
+        """Return the target of a merged category, or else the category itself."""
         return self._rows[entry.merged or entry.number]
 
     def get(self, name: str, wish: int = 0) -> Category:
-        """Return the class of a name; a new one has the number ``wish`` where that is free."""
+        """Return the category of a name; a new one gets the number ``wish`` if that is free."""
         key = self.names.key(name)
         if key in self._keys:
             entry = self._rows[self._keys[key]]
@@ -104,7 +104,7 @@ class Classes:
         return self.change(Category(number, name, key=key))
 
     def change(self, entry: Category) -> Category:
-        """Put a row in place of that of its number, or add it."""
+        """Replace the category with this number, or add one."""
         before = self._rows.get(entry.number, entry)
         for there in before.datasets.items() - entry.datasets.items():
             del self._held[there]
@@ -117,15 +117,15 @@ class Classes:
     # ── numbers in datasets ──────────────────────────────────────────────────────────────
 
     def holder(self, dataset: str, number: int) -> Category | None:
-        """Return the row that has a number of a dataset; a merged class may keep its own."""
+        """Return the category with a number in a dataset; it may be a merged one."""
         return self._rows.get(self._held.get((dataset, number), 0))
 
     def numbers_in(self, dataset: str) -> dict[str, int]:
-        """Return all numbers of a dataset that rows have, by their names."""
+        """Return all numbers in a dataset by name, including those of merged categories."""
         return {e.name: e.datasets[dataset] for e in self.all() if dataset in e.datasets}
 
     def complete(self, numbering: Numbering, wanted: Iterable[Category]) -> None:
-        """Give numbers in a numbering to those of ``wanted`` that have none."""
+        """Assign numbers in a numbering to the categories of ``wanted`` without one."""
         fresh = {e.name: e for e in wanted if numbering.name not in e.datasets}
         own = {name: entry.number for name, entry in fresh.items()}
         found = numbering.completed(self.numbers_in(numbering.name), own)
@@ -133,7 +133,7 @@ class Classes:
             self.change(fresh[name].numbered({numbering.name: found[name]}))
 
     def give(self, dataset: str, number: int, entry: Category) -> bool:
-        """Give a class the number that files have for it; False where another one keeps that."""
+        """Set a class's number in a dataset's files; return False if another class keeps it."""
         listed = official_numbers(dataset)
         official = number in (listed.get(plain(entry.name)), listed.get(plain(entry.key)))
         holder = self.holder(dataset, number)
@@ -179,22 +179,22 @@ class Classes:
         self.change(entry.numbered(news, news))
 
     def merge(self, target: Category, other: Category) -> None:
-        """Make a class part of another one, which gets its numbers in datasets without any."""
+        """Merge a class into a target, which inherits numbers in datasets where it has none."""
         news = {d: n for d, n in other.datasets.items() if d not in target.datasets}
         self._point(other.without(news), target.number)
         self.change(target.numbered(news, news.keys() & set(other.stated)))
 
     def _point(self, other: Category, number: int) -> None:
-        """Make a class, and those that were merged into it, part of that of a number."""
+        """Mark a class, and all classes merged into it, as merged into the one with ``number``."""
         for each in self.all():
             if each.merged == other.number:
                 self.change(replace(each, merged=number))
         self.change(replace(other, merged=number, name=f"\n{other.number}"))
 
     def _make_way(self, wanted: Category) -> None:
-        """Make a class that was deleted part of the one that gets its name.
+        """Merge the deleted class with the new name of a class into this class.
 
-        Raises ConflictError where labels have a category of this name that has no number yet.
+        Raises ConflictError if labels use a category of this name that has no number yet.
         """
         key = self.names.key(wanted.name)
         there = self._rows.get(self._keys.get(key, 0))
@@ -213,12 +213,12 @@ class Classes:
 
     @cached_property
     def used(self) -> set[str]:
-        """Keys of the categories of labels."""
+        """Keys of all categories that labels use."""
         keys = self.connection.execute(select(labels.c.category).distinct()).scalars()
         return set(keys) - {""}
 
     def labels_of(self, entry: Category) -> dict[str, int]:
-        """Count the labels of a class by recording, deleted ones too."""
+        """Count the labels of a class by recording, including deleted recordings."""
         keys = {key for key, name in self.names.shown.items() if name == entry.name}
         words = {word for word in {*keys, entry.name} if self.names.meaning(word) == entry.name}
         alone = and_(labels.c.category == "", labels.c.name.in_(words))
@@ -233,7 +233,7 @@ class Classes:
     # ── the database ─────────────────────────────────────────────────────────────────────
 
     def write(self) -> bool:
-        """Write the changes; return whether labels' classes have other names now."""
+        """Write the changes; return whether names of existing classes changed."""
         if not self.changed:
             return False
         news = {n: self._rows[n] for n in sorted(self.changed)}
@@ -255,7 +255,7 @@ class Classes:
 
 
 def held(dataset: str, number: int, holder: Category | None, name: str) -> ConflictError:
-    """Return the error for a number of a dataset that another class has."""
+    """Return the error for a number of a dataset that another category holds."""
     return ConflictError(
         f"{dataset}: expected number {number} to be that of one category, category "
         f"{holder and holder.number} has it, got '{name}'"

@@ -21,6 +21,8 @@ from pointbrush.names import require_visible
 HIGHEST = 65_534
 """The greatest label id; 65535 means *deleted* on the wire."""
 NAME_LIMIT = 200
+CATEGORY_LIMIT = 256
+"""Characters of the name of a class, which a label may get by a rename."""
 MOST_INSTANCE = 65_535
 """The greatest number of an instance: SemanticKITTI keeps it in 16 bits."""
 FIELDS: dict[str, type] = {
@@ -134,10 +136,9 @@ def _check_kind(name: str, value: object) -> None:
         raise BadInputError(f"label: expected fields {', '.join(FIELDS)}, got {name!r}")
     if not isinstance(value, kind):
         raise BadInputError(f"label {name}: expected {kind.__name__}, got {type(value).__name__}")
-    if isinstance(value, str) and len(value) > NAME_LIMIT:
-        raise BadInputError(
-            f"label {name}: expected at most {NAME_LIMIT} characters, got {len(value)}"
-        )
+    limit = CATEGORY_LIMIT if name == "category" else NAME_LIMIT
+    if isinstance(value, str) and len(value) > limit:
+        raise BadInputError(f"label {name}: expected at most {limit} characters, got {len(value)}")
     if isinstance(value, str) and name in ("name", "category"):
         require_visible(f"label {name}", value)
 

@@ -57,7 +57,7 @@ class Sessions:
         self.came_or_went: Callable[[str], None] = lambda _: None
         """Called with the id of a sequence that another process added, deleted or replaced."""
         self.classes_renamed: Callable[[str], None] = lambda _: None
-        """Called with the id of an open sequence when classes have got other names."""
+        """Called with the id of an open sequence after classes were renamed."""
         self.outbox = Outbox()
         self.upkeep = Upkeep(database)
         self.watcher = Watcher(database, self.catch_up)

@@ -85,7 +85,7 @@ class SequenceState:
 
     @property
     def known(self) -> Found:
-        """What it is as of."""
+        """Number, revision and class names that memory has."""
         return self.number, self.revision, self.classes.revision
 
     def undone(self, connection: Connection) -> set[int]:

@@ -102,7 +102,7 @@ class LabelStore:
         self._sessions.came_or_went = listener
 
     def watch_classes(self, listener: Callable[[str], None]) -> None:
-        """Call ``listener`` with the id of an open sequence when classes have got other names."""
+        """Call ``listener`` with the id of each open sequence after classes were renamed."""
         self._sessions.classes_renamed = listener
 
     # ── sequences ────────────────────────────────────────────────────────────────────────

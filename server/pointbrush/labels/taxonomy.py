@@ -32,7 +32,7 @@ T = TypeVar("T")
 
 
 class Numbers(NamedTuple):
-    """Numbers of classes by their words: those of the workspace, and those of each dataset."""
+    """Numbers of classes by name: ``own`` in the workspace, ``datasets`` in each dataset."""
 
     own: dict[str, int]
     datasets: dict[str, dict[str, int]]
@@ -50,7 +50,7 @@ class Taxonomy:
             return Classes(connection).shown()
 
     def listed(self) -> list[Category]:
-        """Return all categories; those of labels that have no number yet get one."""
+        """Return all categories; categories of labels get a number if they have none."""
         with self._database.read() as connection:
             classes = Classes(connection)
             names = sorted(map(classes.names.name, classes.used))
@@ -71,11 +71,11 @@ class Taxonomy:
         return self._given(lambda classes: {name: classes.get(name).number for name in wanted})
 
     def exported(self, palette: Iterable[Label], numbering: Numbering | None) -> Numbers:
-        """Return the numbers of the classes of labels, each of which is given once, for ever.
+        """Return the permanent numbers of the classes of labels, assigning missing ones.
 
-        They are those of the workspace, those known of datasets, and those in ``numbering``, where
-        a class for which none is free has none.  A label without a category is of the class that
-        has its name, or had it first.  Where nothing can be written they are as of ``numbers``.
+        They are the numbers in the workspace, in known datasets, and in ``numbering``; a class has
+        no number there if none is free.  A label without a category belongs to the class with the
+        label's name as its name or first name.  A read-only database is treated as in ``numbers``.
         """
         words: dict[str, str] = {}
         for label in sorted(palette, key=lambda each: each.id):
@@ -97,10 +97,10 @@ class Taxonomy:
         return self._given(give)
 
     def known_classes(self, dataset: str, words: Mapping[int, str]) -> dict[int, str]:
-        """Return the names of the classes that have numbers of a dataset here.
+        """Return the names of the workspace's classes for numbers of a dataset.
 
-        ``words``: what files call each number.  One that is not the official name counts itself,
-        and so does each where a class only came in with the number by another name.
+        ``words``: the name of each number in the files.  A number is left out if this is not its
+        official name, or if a class has the number only by files with another name for it.
         """
         listed = official_numbers(dataset)
         with self._database.read() as connection:
@@ -118,8 +118,8 @@ class Taxonomy:
         """Keep the number that each named category has in a dataset; a known one stays.
 
         New categories get numbers of the workspace, those of the dataset where they are free.
-        The class of an official name gets the official number, also from another class, unless a
-        person gave it to that.
+        A class with an official name takes its official number over from another class, unless a
+        person set the number of that class.
         Raises ConflictError for a number of the dataset that another category has; or, not
         ``strict``, leaves that out.
         """
@@ -151,7 +151,7 @@ class Taxonomy:
             before = {entry.number for entry in known}
             for each in wanted:
                 holder = taken.get(each.name)
-                # The name of a deleted class is free for another one, not for another number.
+                # An existing class may take the name of a deleted class, a new number may not.
                 if holder is not None and (holder.merged is None or each.number not in before):
                     raise ConflictError(
                         f"name: expected '{each.name}' to keep its number {holder.number}, "
@@ -163,10 +163,10 @@ class Taxonomy:
             return classes.shown()
 
     def merge(self, number: int, others: Sequence[int]) -> None:
-        """Make the labels of other categories labels of this one, and remove those.
+        """Merge other categories into this one: their labels become labels of this category.
 
-        It gets their numbers in datasets in which it has none.
-        Raises NotFoundError, BadInputError where one comes twice or is the category itself.
+        It inherits numbers in datasets where it has none.  Raises NotFoundError, and BadInputError
+        if a number is repeated or is the category itself.
         """
         if not others or number in others or len(set(others)) < len(others):
             raise BadInputError(
@@ -177,22 +177,22 @@ class Taxonomy:
                 classes.merge(classes.require(number), classes.require(other))
 
     def remove(self, number: int) -> None:
-        """Remove a category that no label has; only a class of the same name gets its number.
+        """Delete an unused category; its number is used again only for the same name.
 
-        Raises NotFoundError, ConflictError while labels have it, also in deleted recordings.
+        Raises NotFoundError, ConflictError if labels use it, also in deleted recordings.
         """
         with self._changing() as classes:
             entry = classes.require(number)
             if used := classes.labels_of(entry):
                 named = ", ".join(sorted(used)[:TOLD]) + (", …" if len(used) > TOLD else "")
                 raise ConflictError(
-                    f"category: expected one that no label has, '{entry.name}' has "
+                    f"category: expected one that no label uses, '{entry.name}' has "
                     f"{sum(used.values())} labels (recordings: {named}); merge it into another one"
                 )
             classes.change(replace(entry, merged=DELETED))
 
     def _given(self, give: Callable[[Classes], T]) -> T:
-        """Return the numbers that ``give`` gives, and keep them where anything can be written."""
+        """Return the numbers that ``give`` assigns; keep them unless the database is read-only."""
         with self._database.read() as connection:
             classes = Classes(connection)
             given = give(classes)
@@ -203,7 +203,10 @@ class Taxonomy:
 
     @contextmanager
     def _changing(self) -> Iterator[Classes]:
-        """The categories, for changes that nobody else makes meanwhile; raises ReadOnlyError."""
+        """Yield the categories, locked against other writers, and write the changes at the end.
+
+        Raises ReadOnlyError.
+        """
         with self._database.write() as connection:
             if not self._database.sqlite:  # whose writers are one at a time
                 connection.execute(text("LOCK TABLE categories IN SHARE ROW EXCLUSIVE MODE"))

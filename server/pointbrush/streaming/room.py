@@ -205,7 +205,7 @@ class Room:
         self._gathered()
 
     def retracted(self, frames: Iterable[int]) -> None:
-        """Send values of frames whole: what was found for the time being is void."""
+        """Send values of frames whole: a run's provisional findings are void."""
         for viewer in self.viewers:
             viewer.stale(frames)
 

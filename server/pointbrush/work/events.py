@@ -55,7 +55,7 @@ class Prepared:
 
 @dataclass(frozen=True)
 class ClassesRenamed:
-    """Classes have got other names, which labels of a sequence may show."""
+    """Classes were renamed: labels of a sequence may show other categories."""
 
     sequence: str
 

@@ -237,8 +237,8 @@ class Palette:
 
         A category that the dataset does not know has a number by ``numbering_of``, 0 where none is
         free.  A label that came from nowhere has its id as instance, or where another one of its
-        class has that, the greatest that is free; so does one of a class that was merged, whose
-        instance another label has.
+        class has that, the greatest that is free.  The same applies to a source instance that
+        another label has, after a merge of classes.
         """
         mine = self.numbers_in(numbering_of(dataset))
         category, instance = np.zeros((2, 1 << 16), np.uint16)

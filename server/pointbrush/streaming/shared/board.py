@@ -86,7 +86,7 @@ class Board:
         self._palette_stale = self._tracks_stale = True
 
     def classes_renamed(self) -> None:
-        """Read the palette again, whose labels have categories of other names."""
+        """Read the palette again: its categories may have other names."""
         self._palette_stale = True
 
     async def refresh(self) -> None:

@@ -222,7 +222,7 @@ class _Pending:
         ids, added, new = palette.free_ids(), [], np.zeros(len(self.model.classes) + 1, np.uint16)
         taught = self.model.counts > 0
         for number, name in enumerate(self.model.classes, 1):
-            name = palette.classes.meaning(name)  # which it may have got since
+            name = palette.classes.meaning(name)  # the class may have been renamed
             label = label_of(name, palette.labels)
             if label is None and taught[number - 1]:
                 label = Label(ids.take((name, name)), name, name)

@@ -113,7 +113,7 @@ class Classifiers:
         self._teacher = Teacher(store, self._frames, self.options)
         self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None
         self._known: dict[str, tuple[ClassNames, Classifier]] = {}
-        """By id, with the names that their classes have."""
+        """Classifiers by id, each with the class names of the moment when it was read."""
         self._locks: dict[str, threading.RLock] = {}
         self._lock = threading.Lock()
 
@@ -352,7 +352,7 @@ class Classifiers:
             return self._locks.setdefault(identifier, threading.RLock())
 
     def _read(self, identifier: str) -> tuple[ClassNames, Classifier]:
-        """Return a classifier as last taught here, or its file, with the names of its classes."""
+        """Return a classifier as last taught here, or from its file, and the class names."""
         names, known = self._store.class_names(), self._known.get(identifier)
         if (
             known is None
@@ -365,12 +365,12 @@ class Classifiers:
         return known
 
     def _write(self, identifier: str, classifier: Classifier, names: ClassNames) -> None:
-        """Write a classifier, which keeps the keys of its classes."""
+        """Write a classifier with the keys of its classes."""
         keys = [names.key(name) for name in classifier.classes]
         self._files.write(identifier, classifier.called(keys))
 
     def _fresh(self, identifier: str, also: Sequence[str]) -> tuple[ClassNames, Classifier]:
-        """Bring a classifier up to date, with the names of its classes; its guard must be held."""
+        """Bring a classifier up to date and return it with the class names; hold its guard."""
         classes, known = self._read(identifier)
         names = tuple(dict.fromkeys([*known.taught_by, *also]))
         recordings: dict[str, Recording] = {}

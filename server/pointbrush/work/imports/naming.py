@@ -22,7 +22,7 @@ class Naming:
 
     ``names``: classes by number.  ``own``: labels by id, where the numbers are those of a palette
     of ours.  ``dataset``: the one whose numbers they are, "" where it is not known.  ``classes``:
-    names of the workspace's classes that have its numbers.
+    names of the workspace's classes by the dataset's numbers.
     """
 
     names: Mapping[int, ClassName] = field(default_factory=dict)
@@ -31,7 +31,7 @@ class Naming:
     classes: Mapping[int, str] = field(default_factory=dict)
 
     def in_workspace(self, store: LabelStore) -> Naming:
-        """Return the same with the workspace's classes."""
+        """Return a copy with the names of the workspace's classes."""
         words = {number: each.name for number, each in self.names.items()}
         return replace(self, classes=store.taxonomy.known_classes(self.dataset, words))
 
