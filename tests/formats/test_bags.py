@@ -56,9 +56,12 @@ class Writer:
         self.text(frame_id)
 
 
-def message(value: float, *, cdr: bool, big: bool = False, height: int = 2, width: int = 10):
+def message(
+    value: float, *, cdr: bool, big: bool = False, height: int = 2, width: int = 10,
+    at: float | None = None,
+) -> bytes:  # fmt: skip
     writer = Writer(cdr, big)
-    writer.header(100.5 + int(value), "lidar")
+    writer.header(100.5 + int(value) if at is None else at, "lidar")
     writer.number("I", height)
     writer.number("I", width)
     writer.number("I", len(FIELDS))

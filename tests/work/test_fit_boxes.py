@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -23,10 +24,14 @@ CAR = 7
 @pytest.fixture(scope="module")
 def street(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A workspace with a drive past a parked car, labelled in three frames of four."""
-    folder = tmp_path_factory.mktemp("street")
+    return drive(tmp_path_factory.mktemp("street"), [0, 0.1, 0.2, 0.3])
+
+
+def drive(folder: Path, times: Sequence[float]) -> Path:
+    """A workspace with a drive past a parked car at ``times``, labelled in three frames of four."""
     files = folder / "files"
     files.mkdir()
-    for frame in range(4):
+    for frame, time in enumerate(times):
         car = seen("rtb", 0.0, (9.0 - frame, 4.0), frame)
         xyz = np.concatenate([car.xyz, car.others])
         label = np.where(np.arange(len(xyz)) < len(car.xyz), CAR * (frame < 3), 0)
@@ -34,7 +39,7 @@ def street(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pose[0, 3] = frame
         np.savez(
             files / f"{frame:04}.npz", xyz=xyz.astype(np.float32), pose=pose,
-            viewpoint=car.sensor, label=label.astype(np.uint16), timestamp=frame / 10,
+            viewpoint=car.sensor, label=label.astype(np.uint16), timestamp=time,
         )  # fmt: skip
     command = ["import", str(files), "--name", "street", "--workspace", str(folder / "workspace")]
     assert main([*command, "--up", "z"]) == 0
@@ -71,6 +76,17 @@ def test_a_fit_is_one_edit_and_leaves_what_somebody_drew(street: Path) -> None:
         workspace.labels.undo("street", "me")
         assert ended(workspace, redraw=True).state == "done"
         assert boxes.get("street", box.id).poses[1].provenance == "fitted"
+
+
+def test_frames_of_equal_times_fit_the_same_box(tmp_path: Path) -> None:
+    workspace = drive(tmp_path, [5.0, 5.0, 5.1, 5.1])
+    assert main(["fit-boxes", "street", "--labels", str(CAR), "--workspace", str(workspace)]) == 0
+    with closing(Workspace(Settings(workspace=workspace))) as opened:
+        (box,) = opened.labels.boxes.listing("street").boxes
+    assert box.size[:2] == pytest.approx(SIZE[:2], abs=0.3)
+    assert [box.poses[frame].centre[0] + frame for frame in range(3)] == pytest.approx(
+        [9.0] * 3, abs=0.2
+    )
 
 
 def _edit(box: OrientedBox):  # type: ignore[no-untyped-def]

@@ -1,4 +1,4 @@
-"""Bags of any kind: their files and chunks, and their point clouds in the order of their stamps."""
+"""Bags of any kind: their files and chunks, and their point clouds in the order of time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import bz2
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from pointbrush.formats.ros_message import (
     head_of_message,
     kind_of,
 )
+from pointbrush.formats.time_order import order_by_time
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
@@ -30,6 +31,7 @@ SENSOR = "#"
 """Between a topic and the frame id of a sensor on it; no topic has it in its name."""
 NAMED = 8
 """Topics that an error lists."""
+STAMPS, RECORDED = "the stamps of the messages", "the times of recording"
 MAX_CHUNK = 1 << 31
 
 
@@ -128,15 +130,18 @@ class Bag:
 class Clouds:
     """The point clouds of a bag that make a recording.
 
-    ``order`` numbers the messages of ``topic`` that are its frames, by stamp; ``stamps`` are theirs
-    in that order, seconds.  ``sensor`` is their frame id; ``sensors`` counts the
-    messages of each frame id on the topic.
+    ``order`` numbers the messages of ``topic`` that are its frames, in the order of time, which
+    ``order_from`` says in words; ``stamps`` are theirs in that order and ``recorded`` the times of
+    their recording, seconds.  ``sensor`` is their frame id; ``sensors`` counts the messages of
+    each frame id on the topic.
     """
 
     topic: str
     topics: tuple[Topic, ...]
     order: NDArray[np.int64]
+    order_from: str
     stamps: NDArray[np.float64]
+    recorded: NDArray[np.float64]
     sensor: str
     sensors: dict[str, int]
 
@@ -144,22 +149,23 @@ class Clouds:
 def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
     """Choose the topic ``wanted`` ("topic" or "topic#frame_id"), else the one with most clouds.
 
-    Of several sensors on a topic, the one with most messages is taken, and the others are named
-    in a warning.  Raises BadInputError naming topics and types when there is no such one.
+    Warnings name the other topics with clouds, and of several sensors on a topic those with fewer
+    messages.  Raises BadInputError naming topics and types when there is no such one.
     """
     topics = bag.topics(path)
     name, _, sensor = (wanted or "").partition(SENSOR)
     topic = _choose(path.name, topics, name)
     heads = [
-        head_of_message(f"{path.name} {topic}", message, "PointCloud2")
+        (*head_of_message(f"{path.name} {topic}", message, "PointCloud2"), message.time)
         for message in bag.messages(path, topic)
     ]
-    sensors = Counter(frame_id for _, frame_id in heads)
+    sensors = Counter(frame_id for _, frame_id, _ in heads)
     if sensor and sensor not in sensors:
         raise BadInputError(
             f"{path.name}: expected a sensor of {topic}: {', '.join(sorted(sensors))}, got "
             f"{sensor!r}"
         )
+    _warn_of_others(path.name, topics, topic, name)
     if not sensor and sensors:
         sensor = min(sensors, key=lambda each: (-sensors[each], each))
         others = [f"{topic}{SENSOR}{each}" for each in sorted(sensors) if each != sensor]
@@ -169,9 +175,29 @@ def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
                 path.name, topic, sensor, ", ".join(others),
             )  # fmt: skip
     taken = np.array([i for i, head in enumerate(heads) if head[1] == sensor], np.int64)
-    stamps = np.array([heads[i][0] for i in taken.tolist()], np.float64)
-    order = np.argsort(stamps, kind="stable")
-    return Clouds(topic, tuple(topics), taken[order], stamps[order], sensor, dict(sensors))
+    stamps, recorded = (np.array([heads[i][k] for i in taken], np.float64) for k in (0, 2))
+    order, source = _order(f"{path.name} {topic}", stamps, recorded)
+    return Clouds(
+        topic, tuple(topics), taken[order], source, stamps[order], recorded[order], sensor,
+        dict(sensors),
+    )  # fmt: skip
+
+
+def _order(
+    where: str, stamps: NDArray[np.float64], recorded: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], str]:
+    """Order messages by their stamps if these are plausible, else by the times of recording.
+
+    A host whose clock is set back changes both; the messages are then in the order of the file.
+    """
+    given = "in the order of recording"
+    found = order_by_time(stamps.tolist(), STAMPS, given, where=where)
+    constant = len(stamps) > 1 and not np.ptp(stamps)
+    if constant or not found.is_by_time:
+        reason = f" ({STAMPS} are equal)" if constant else found.source.removeprefix(given)
+        found = order_by_time(recorded.tolist(), RECORDED, given, where=where)
+        found = replace(found, source=found.source + reason)
+    return np.array(found.places, np.int64), found.source
 
 
 def read_clouds(bag: Bag, found: Clouds, path: Path, options: ReadOptions) -> Iterator[PointFrame]:
@@ -211,6 +237,18 @@ def _choose(name: str, topics: Sequence[Topic], wanted: str) -> str:
         seen = ", ".join(listed[:NAMED]) or "no messages"
         raise BadInputError(f"{name}: expected messages of type PointCloud2, got {seen}")
     return min(clouds, key=lambda topic: (-topic.count, topic.name)).name
+
+
+def _warn_of_others(name: str, topics: Sequence[Topic], topic: str, wanted: str) -> None:
+    """Name the other topics with clouds, if no person chose one."""
+    clouds = [each for each in topics if each.has_clouds and each.count and each.name != topic]
+    others = [f"{each.name} ({each.count})" for each in clouds]
+    if others and not wanted:
+        log.warning(
+            "%s: of the topics with clouds, %s is read; left out, by their number of clouds: %s; "
+            "to read another one, name its topic (--topic)",
+            name, topic, ", ".join(others[:NAMED]),
+        )  # fmt: skip
 
 
 def _what(kind: str) -> str:

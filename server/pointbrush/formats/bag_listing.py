@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pointbrush.formats.bag import Bag, Clouds, find_clouds, read_clouds
+from pointbrush.formats.bag import RECORDED, STAMPS, Bag, Clouds, find_clouds, read_clouds
 from pointbrush.formats.bag_pictures import bag_pictures
 from pointbrush.formats.interpolation import Pose
 from pointbrush.formats.listing import FrameFile, Listing
@@ -32,7 +32,9 @@ def list_bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptio
         found.append(find_clouds(bag, path, wanted))
         wanted = wanted or found[0].topic
     stamps = np.concatenate([clouds.stamps for clouds in found]).tolist()
-    fps, named = rate_of(stamps), named_file(options)
+    by_stamps, named = rate_of(stamps), named_file(options)
+    recorded = np.concatenate([clouds.recorded for clouds in found]).tolist()
+    fps, clock = (by_stamps, STAMPS) if by_stamps else (rate_of(recorded), RECORDED)
     names = [f"message {number}" for number in range(len(stamps))]
     poses = None if named is None else read_poses(named, names, stamps)
     left = iter([None] * len(stamps) if poses is None else poses.matrices)
@@ -48,8 +50,8 @@ def list_bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptio
         None,
         fps,
         len(stamps),
-        order="by the stamps of the messages",
-        rate_from="the stamps of the messages" if fps else "",
+        order="; ".join(dict.fromkeys(clouds.order_from for clouds in found)),
+        rate_from=clock if fps else "",
         poses_from=poses.source if poses else "",
         topics=found[0].topics,
         topic=found[0].topic,

@@ -23,9 +23,9 @@ from pointbrush.formats.rgbd import list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
     assumed_rate,
-    find_time_file,
     in_order,
     natural_key,
+    order_of,
     rate_of,
     stated_rate,
     times_of,
@@ -203,9 +203,10 @@ def list_files(
     if all(empty):
         empty = [False] * len(files)
     times = times_of(files, folder) if whole else None
-    order = sorted(range(len(files)), key=times.__getitem__) if times else range(len(files))
+    order = order_of(files, folder, times)
+    ordered = [files[i] for i in order.places]
     if entry.bag is not None:
-        return list_bags(entry, entry.bag, [files[i] for i in order], options)
+        return list_bags(entry, entry.bag, ordered, options)
     tables = find_tables(entry, folder) if whole else None
     told = whole or options.chosen.poses_file is not None
     poses = poses_beside(entry, files, folder, times, options, tables) if told else None
@@ -218,13 +219,10 @@ def list_files(
                 pose=poses.matrices[i] if poses else None,
             ),
         )
-        for i in order
+        for i in order.places
     ]
-    ordered = [files[i] for i in order]
     pictures = pictures_beside(entry, ordered, folder, options, tables) if whole else None
-    by_time = find_time_file(folder) if times else None
-    said = by_time.name if by_time else "the times in the file names" if times else ""
-    times = sorted(times) if times else None
+    times = [times[i] for i in order.places] if times else None
     rate, stated = rate_of(times), stated_rate(folder)
     return Listing(
         entry.name,
@@ -232,8 +230,8 @@ def list_files(
         times,
         rate or stated,
         len(files),
-        order=f"by {said}" if said else "by number in the file names",
-        rate_from=said if rate else "meta.json" if stated else "",
+        order=order.source,
+        rate_from=order.times if rate else "meta.json" if stated else "",
         assumed_fps=assumed_rate(entry.name, folder),
         poses_from=poses.source if poses else "",
         pictures=pictures,

@@ -13,7 +13,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import NEAR
-from pointbrush.formats.timing import time_in_name
+from pointbrush.formats.timing import seconds_in_names, time_in_name
 
 POINT_ENDINGS = frozenset(
     {".pcd", ".ply", ".bin", ".las", ".laz", ".copc", ".npy", ".npz", ".txt", ".csv", ".xyz"}
@@ -50,20 +50,24 @@ class FrameName:
         return stem_of(self.file)
 
     @property
-    def seconds(self) -> float | None:
-        """The time that is known, else that in the name."""
-        return _seconds(self.stem) if self.time is None else self.time
-
-    @property
     def is_time(self) -> bool:
         """Whether nothing but a time tells it from others."""
         if not self.file:
             return self.time is not None
-        return _NUMBER.fullmatch(self.stem) is not None and _seconds(self.stem) is not None
+        if _NUMBER.fullmatch(self.stem) is None:
+            return False
+        return _DECIMAL.fullmatch(self.stem) is not None or time_in_name(self.stem) is not None
 
 
-def _seconds(stem: str) -> float | None:
-    return float(stem) if _DECIMAL.fullmatch(stem) else time_in_name(stem)
+def _seconds(names: Sequence[FrameName]) -> list[float | None]:
+    """Return the times that are known, else those in the names."""
+    found = [name.time for name in names]
+    for place, time in enumerate(seconds_in_names([name.stem for name in names])):
+        if found[place] is None:
+            stem = names[place].stem
+            decimal = time is None and _DECIMAL.fullmatch(stem)
+            found[place] = float(stem) if decimal else time
+    return found
 
 
 Rule = Callable[[Sequence[FrameName], Sequence[FrameName]], list[int | None]]
@@ -118,11 +122,13 @@ def matched(
 
     The first rule that fits any file is the rule for all: equal names, names that contain those of
     frames, times at most ``near`` seconds apart, numbers in the names.  Names that are times are
-    compared as such first, and never as numbers.
+    compared as such first unless all are equal, and never as numbers.
     """
     by_time: Rule = partial(_by_time, near=near)
     rules: tuple[Rule, ...] = (_by_name, _by_part, by_time, _by_number)
     if all(file.is_time for file in files) or all(f.file and f.is_time for f in frames):
+        if None not in (found := _by_name(files, frames)):
+            return found
         rules = (by_time, _by_name)
     for rule in rules:
         found = rule(files, frames)
@@ -235,8 +241,8 @@ def _by_time(
     files: Sequence[FrameName], frames: Sequence[FrameName], near: float
 ) -> list[int | None]:
     """Match files to the frames nearest in time, at most ``near`` seconds away."""
-    known = [(index, time) for index, f in enumerate(frames) if (time := f.seconds) is not None]
-    asked = [(place, time) for place, f in enumerate(files) if (time := f.seconds) is not None]
+    known = [(index, time) for index, time in enumerate(_seconds(frames)) if time is not None]
+    asked = [(place, time) for place, time in enumerate(_seconds(files)) if time is not None]
     found: list[int | None] = [None] * len(files)
     if not known or not asked:
         return found

@@ -21,7 +21,7 @@ COUNTS = """
 MESSAGES = """
     SELECT messages.timestamp, messages.data
     FROM messages JOIN topics ON messages.topic_id = topics.id
-    WHERE topics.name = ? ORDER BY messages.timestamp, messages.id
+    WHERE topics.name = ? ORDER BY messages.id
 """
 
 
@@ -41,7 +41,7 @@ def topics_of(path: Path) -> list[Topic]:
 
 
 def messages_of(path: Path, topic: str) -> Iterator[BagMessage]:
-    """Messages by the time they were recorded; raises BadInputError for a damaged file."""
+    """Messages in the order of recording; raises BadInputError for a damaged file."""
     with _opened(path) as database:
         for time, message in database.execute(MESSAGES, (topic,)):
             if not isinstance(time, int) or not isinstance(message, bytes):

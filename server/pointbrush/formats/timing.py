@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.time_order import TimeOrder, order_by_time, read_fractions
 
 TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", "times.csv")
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
@@ -33,7 +34,10 @@ _CLOCK = re.compile(
 _DECIMAL = re.compile(
     r"(?P<before>.*?)(?P<sign>(?<![0-9a-zA-Z])-)?(?P<whole>\d+)(?P<fraction>\.\d+)?", re.ASCII
 )
-_EPOCH = re.compile(r"(?<!\d)(\d{10})(?:[._](\d{1,9}))?(?!\d)|(?<!\d)(\d{13,19})(?!\d)")
+_EPOCH = re.compile(
+    r"(?<!\d)(\d{10})(?:[._](\d{1,9})|-(\d{3,9}))?(?!\d)|(?<!\d)(\d{13,19})(?!\d)", re.ASCII
+)
+BY_NUMBER = "by number in the file names"
 
 
 def natural_key(path: Path) -> tuple[tuple[int, str | int], ...]:
@@ -59,10 +63,11 @@ def in_order(paths: Sequence[Path]) -> list[Path]:
         return natural
     if len({match["before"] for match in matched}) != 1:
         return natural
-    values = [
-        Decimal((match["sign"] or "") + match["whole"] + (match["fraction"] or ""))
-        for match in matched
-    ]
+    if any(match["sign"] for match in matched):
+        values = [Decimal(f"{m['sign'] or ''}{m['whole']}{m['fraction'] or ''}") for m in matched]
+    else:
+        fractions = [(match["fraction"] or "")[1:] for match in matched]
+        values = read_fractions([match["whole"] for match in matched], fractions)
     return [natural[i] for i in sorted(range(len(natural)), key=values.__getitem__)]
 
 
@@ -83,19 +88,38 @@ def time_in_name(name: str) -> float | None:
     if len(name) in NANOSECONDS and name.isascii() and name.isdigit():
         return int(name) / 1e9  # of a clock of any beginning
     if match := _EPOCH.search(name):
-        whole, fraction, long = match.groups()
-        seconds = (
-            float(f"{whole}.{fraction or 0}") if whole else int(long) / 10.0 ** (len(long) - 10)
-        )
+        seconds = float(".".join(_parts(match)))
         return seconds if EARLIEST < seconds < LATEST else None
     return None
 
 
+def _parts(match: re.Match[str]) -> tuple[str, str]:
+    """Return whole seconds and their fraction, "0" without one, of an epoch in a name."""
+    whole, fraction, counted, long = match.groups()
+    return (whole, fraction or counted or "0") if whole else (long[:10], long[10:])
+
+
+def seconds_in_names(names: Sequence[str]) -> list[float | None]:
+    """Return the time in each name as ``time_in_name`` does, fractions as ``read_fractions``."""
+    times = [time_in_name(name) for name in names]
+    found = [None if _DATE.search(name) or _CLOCK.search(name) else name for name in names]
+    parts = {
+        place: _parts(match)
+        for place, name in enumerate(found)
+        if name is not None and (match := _EPOCH.search(name)) is not None
+    }
+    if len({len(part) for _, part in parts.values()}) > 1:
+        wholes, fractions = zip(*parts.values(), strict=True)
+        for place, value in zip(parts, read_fractions(wholes, fractions), strict=True):
+            times[place] = float(value) if EARLIEST < value < LATEST else None
+    return times
+
+
 def times_in_names(paths: Sequence[Path]) -> list[float] | None:
-    """The time in each file's name; None unless every name has one, and another one."""
-    times = [time_in_name(path.stem) for path in paths]
+    """The time in each file's name; None unless every name has one, and most another one."""
+    times = seconds_in_names([path.stem for path in paths])
     known = [time for time in times if time is not None]
-    return known if len(set(known)) == len(times) else None
+    return known if len(known) == len(times) < 2 * len(set(known)) else None
 
 
 def find_time_file(folder: Path) -> Path | None:
@@ -116,6 +140,16 @@ def times_of(files: Sequence[Path], folder: Path) -> list[float] | None:
     if time_file is not None:
         return read_times(time_file, [path.name for path in files])
     return times_in_names(files)
+
+
+def order_of(files: Sequence[Path], folder: Path, times: Sequence[float] | None) -> TimeOrder:
+    """Return the order of files of a folder by their ``times``, as ``order_by_time``."""
+    if times is None:
+        return TimeOrder(range(len(files)), BY_NUMBER)
+    time_file = find_time_file(folder)
+    source = time_file.name if time_file else "the times in the file names"
+    words = {re.sub(r"\d+", "", path.stem) for path in files}
+    return order_by_time(times, source, BY_NUMBER, numbered=len(words) == 1)
 
 
 def read_times(path: Path, names: Sequence[str]) -> list[float]:
@@ -197,18 +231,20 @@ def _iso(text: str) -> float | None:
 
 
 def rate_of(times: Sequence[float] | None) -> float | None:
-    """Frames per second of increasing times; None where it is not clear.
+    """Frames per second of times in the order of the frames; None where it is not clear.
 
-    The mean of steps that are much alike, else the median: a pause is not a rate.
+    The mean of steps that are much alike, else the median: a pause is not a rate.  Equal times and
+    a clock that is set back are no steps, and half of them at most may be so.
     """
     if times is None or len(times) < 2:
         return None
     steps = np.diff(np.asarray(times, np.float64))
-    if (steps <= 0).any():
+    forward = steps[steps > 0]
+    if not 0 < len(steps) <= 2 * len(forward):
         return None
-    step = float(np.median(steps))
-    if float(steps.max()) < 1.5 * step:
-        step = float(steps.mean())
+    step = float(np.median(forward))
+    if float(forward.max()) < 1.5 * step:
+        step = float(forward.mean())
     if not 0.001 <= step <= 100:
         return None
     rate = 1 / step

@@ -29,6 +29,10 @@ def observed(
     if all(recording[frame].viewpoint is None for frame in frames[:1]):
         place = sensor_of(recording).place
     view = store.view(manifest.id)
+    times = np.array([np.nan if t is None else t for t in manifest.timestamps], np.float64)
+    # Equal times, and those of a clock that was set back, tell no motion: the rate does.
+    if not (np.diff(times) > 0).all() or np.isnan(times).any():
+        times = np.arange(manifest.frames) / manifest.fps
     for index in frames:
         frame = recording[index]
         values = view.values(index, 0, None)
@@ -37,7 +41,6 @@ def observed(
         living = xyz[~values.deleted]
         kept = label[~values.deleted]
         sensor = _sensor(frame, place, manifest.shift)
-        time = index / manifest.fps if frame.timestamp is None else frame.timestamp
         found = {}
         for number in labels:
             own = kept == number
@@ -46,7 +49,7 @@ def observed(
             others = near_rays(living[own], living[~own], sensor, up, REACH)
             others = others[:: -(-len(others) // options.most_rays) or 1]
             found[number] = Observation(
-                index, living[own], up, float(time), sensor, frame.pose, others
+                index, living[own], up, float(times[index]), sensor, frame.pose, others
             )
         yield index, found
 

@@ -1,0 +1,120 @@
+"""Order of frames by their times, if these fit; else the order that the files or records have."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+
+import numpy as np
+
+log = logging.getLogger(__name__)
+SET_BACK = 3
+"""Irregular steps that a step back in time counts for: a clock is seldom set back."""
+RENUMBERED = 3
+"""Irregular steps that sorting against a numbered order counts for."""
+FEW = 3
+"""Frames that are too few for a comparison of two orders."""
+LEAST_STEP = 1e-4
+"""Seconds; least plausible step of frames whose names have counts of nanoseconds."""
+
+MILLI, MICRO, NANO = 3, 6, 9
+"""Digits of the parts of a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class TimeOrder:
+    """Places of frames in the order of the recording.
+
+    ``source`` says in words what decided the order, ``times`` what the times are from, "" for none.
+    """
+
+    places: Sequence[int]
+    source: str
+    times: str = ""
+    is_by_time: bool = False
+
+
+def order_by_time(
+    times: Sequence[float], source: str, given: str, *, where: str = "", numbered: bool = True
+) -> TimeOrder:
+    """Return the order by ``times`` (seconds) if its steps are plausible, else the given one.
+
+    ``source`` names the times, those of ``where``, and ``given`` the order that the frames come in,
+    which is evidence itself if it is ``numbered``.  Warnings name equal times, and times that go
+    back in an order that is evidence.
+    """
+    steps = np.diff(np.asarray(times, np.float64))
+    equal, back = int((steps == 0).sum()), np.flatnonzero(steps < 0)
+    named = f"{where}: {source}" if where else source
+    if equal:
+        log.warning(
+            "%s: %d of %d times are equal to the time before; frames of one time are ordered %s",
+            named, equal, len(times), given,
+        )  # fmt: skip
+    in_time = TimeOrder(range(len(times)), f"by {source}", source, True)
+    if not len(back):
+        return in_time
+    places = sorted(range(len(times)), key=times.__getitem__)
+    sorts = _is_plausible([times[place] for place in places], times, len(back), numbered)
+    if numbered or not sorts:
+        log.warning(
+            "%s: ordered %s, the times go back %d times, first by %.6g s before frame %d; the "
+            "frames are %s", named, given, len(back), -steps[back[0]], back[0] + 1,
+            "sorted by time" if sorts else "not sorted by time, as their steps would not be even",
+        )  # fmt: skip
+    if sorts:
+        return replace(in_time, places=places)
+    return TimeOrder(in_time.places, f"{given} (the times go back: {source})", source)
+
+
+def _is_plausible(
+    by_time: Sequence[float], times: Sequence[float], back: int, numbered: bool
+) -> bool:
+    """Return whether sorting explains the times better than a clock that was set ``back``."""
+    uneven = irregular_steps(by_time)
+    if len(times) <= FEW:
+        return uneven == 0
+    against = RENUMBERED if numbered else 0
+    return uneven + against < irregular_steps(times) + (SET_BACK - 1) * back
+
+
+def irregular_steps(times: Sequence[float]) -> int:
+    """Count the steps that are not half to one and a half times the usual step."""
+    steps = np.diff(np.asarray(times, np.float64))
+    forward = steps[steps > 0]
+    if not len(forward):
+        return len(steps)
+    usual = np.quantile(forward, 0.5, method="lower")
+    return int(((steps < usual / 2) | (steps > usual * 1.5)).sum())
+
+
+def read_fractions(wholes: Sequence[str], fractions: Sequence[str]) -> list[Decimal]:
+    """Return the values of numbers that are written with a whole part and a fraction.
+
+    A fraction is decimal, or a count of micro- or nanoseconds that its writer did not pad:
+    ``1600000000.5000000`` of ROS's ``pointcloud_to_pcd`` is 5 ms after the second.  It is a count
+    if the fractions have several lengths, none begins with 0, and the steps are more even so.
+    """
+    pairs = list(zip(wholes, fractions, strict=True))
+    decimals = [Decimal(f"{whole}.{fraction or 0}") for whole, fraction in pairs]
+    longest = max(map(len, fractions), default=0)
+    unpadded = all(part == "0" or (part and part[0] != "0") for part in fractions)
+    if not unpadded or not MILLI < longest <= NANO or len(set(map(len, fractions))) < 2:
+        return decimals
+    unit = 10 ** (NANO if longest > MICRO else MICRO)
+    counts = [int(whole) + Decimal(fraction) / unit for whole, fraction in pairs]
+    as_decimals, as_counts = (_since_first(values) for values in (decimals, counts))
+    if float(np.median(np.diff(as_counts))) < LEAST_STEP:
+        return decimals
+    # No writer of decimals of several lengths keeps zeros at their end.
+    sure = longest == NANO or any(len(part) > 1 and part[-1] == "0" for part in fractions)
+    fewer = irregular_steps(as_counts) - irregular_steps(as_decimals)
+    return counts if fewer < 0 or (fewer == 0 and sure) else decimals
+
+
+def _since_first(values: Sequence[Decimal]) -> list[float]:
+    """Return the values in their order, less the first: as floats they keep their differences."""
+    ordered = sorted(values)
+    return [float(value - ordered[0]) for value in ordered]
