@@ -78,7 +78,7 @@ def preview(found: Mapping[str, Any]) -> Answer:
             f"{topic['type']}"
             for topic in found["topics"]
         ),
-        "cameras": ", ".join(camera["name"] for camera in found["cameras"]),
+        "cameras": ", ".join(map(_camera, found["cameras"])),
         "poses": found["poses"]["source"] if found["poses"] else "none",
         "units": f"{found['units']['name']}, {wide}",
         "up": found["up"],
@@ -88,6 +88,15 @@ def preview(found: Mapping[str, Any]) -> Answer:
     lines += [f"warning    {warning}" for warning in found["warnings"]]
     lines.append("dry run: nothing was imported")
     return Answer(found, lines)
+
+
+def _camera(camera: Mapping[str, Any]) -> str:
+    if "color" not in camera:
+        return str(camera["name"])
+    unused = f"; unused: {', '.join(camera['unused'])}" if camera["unused"] else ""
+    return (
+        f"{camera['name']} (colour: {camera['color']}; intrinsics: {camera['intrinsics']}{unused})"
+    )
 
 
 def imported(result: Mapping[str, Any]) -> Answer:

@@ -279,3 +279,132 @@ def test_depth_at_twice_the_rate_of_colour_shares_its_images(tmp_path):
     for k in range(2):
         image(tmp_path / "color" / f"161643123{k}.104.png", np.full((6, 8, 3), k, np.uint8))
     assert shades(tmp_path) == ([0, 0, 1, 1], "")
+
+
+# ── pictures whose names do not say that they are colours ────────────────────────────────────
+
+
+def with_pictures(folder, depth_name, color_name, size=(8, 6), count=3):
+    """Depth images and pictures of the shades 20, 60, 100 …, seen by a known camera."""
+    for k in range(count):
+        image(folder / depth_name.format(k), depths(8, 6))
+        shade = np.full((size[1], size[0], 3), 20 + 40 * k, np.uint8)
+        image(folder / color_name.format(k), shade)
+    (folder / "camera.json").write_text(json.dumps(CAMERA))
+    return folder
+
+
+def facts(folder):
+    with open_source([folder]) as source:
+        return source.listings[0].depth
+
+
+@pytest.mark.parametrize(
+    ("depth_name", "color_name"),
+    [
+        ("{:06d}_d.png", "{:06d}_c.png"),
+        ("{:04d}.png", "{:04d}.jpg"),
+        ("frame_{:04d}_z.pgm", "frame_{:04d}_left.ppm"),
+        ("depth_{:04d}.png", "photo_{:04d}.jpg"),
+        ("d-129488636{}.208451-2996770081.pgm", "r-129488636{}.221238-3118787619.ppm"),
+        ("frame-{:06d}.depth.png", "frame-{:06d}.jpg"),
+        ("depth/{:06d}.png", "left/{:06d}.jpg"),
+        ("depth/{:06d}_d.png", "depth/{:06d}_c.png"),
+        ("depth/161643123{}.100000.png", "cam0/161643123{}.108000.png"),
+        ("depth/161643123{}500.png", "cam0/161643123{}511.png"),
+        ("depth_aligned/{:06d}.png", "camera/frame{:06d}.png"),
+        ("{:06d}_d.png", "left/{:06d}.png"),
+    ],
+)
+def test_pictures_that_look_like_colours_are(tmp_path, depth_name, color_name):
+    folder = with_pictures(tmp_path / "rec", depth_name, color_name)
+    assert shades(folder) == ([20, 60, 100], "")
+    found = facts(folder)
+    assert found.color.endswith(", 3 of 3 frames")
+    assert (found.intrinsics, found.unused) == ("camera.json", ())
+
+
+def test_labels_and_infrared_pictures_are_no_colours(tmp_path):
+    folder = with_pictures(tmp_path / "rec", "depth/{:03d}.png", "seg_vis/{:03d}.png")
+    for k in range(3):
+        image(folder / "ir" / f"{k:03d}.png", colors(8, 6))
+        image(folder / "left" / f"{k:03d}.png", np.full((6, 8), 7, np.uint8))
+    assert shades(folder) == ([None] * 3, "")
+    found = facts(folder)
+    assert found.color == "none"
+    assert found.unused == ("ir/000.png (3)", "left/000.png (3)", "seg_vis/000.png (3)")
+
+
+def test_of_several_pictures_those_of_most_frames_are_taken_and_the_others_named(tmp_path):
+    folder = with_pictures(tmp_path / "rec", "depth/{:03d}.png", "right/{:03d}.png")
+    image(folder / "left" / "001.png", colors(8, 6))
+    found, said = shades(folder)
+    assert found == [20, 60, 100]
+    assert "rec: pictures are left unused: left/001.png (1)" in said
+    # A folder that is named so is taken in any case.
+    image(folder / "rgb" / "002.png", np.full((6, 8, 3), 200, np.uint8))
+    found, said = shades(folder)
+    assert found == [None, None, 200]
+    assert "left/001.png (1), right/000.png (3)" in said
+
+
+def test_pictures_that_do_not_fit_are_named_with_the_reason(tmp_path):
+    folder = with_pictures(tmp_path / "rec", "depth/{:03d}.png", "left/{:03d}.png", (64, 6))
+    image(folder / "right" / "7.png", colors(8, 6))
+    image(folder / "thumbnail.jpg", colors(8, 6))
+    found, said = shades(folder)
+    assert found == [None] * 3
+    assert "left/000.png (3): the pictures of 64x6 have not the shape" in said
+    assert "intrinsic_color.txt" in said
+    assert "right/7.png (1): expected files with the names, times or numbers" in said
+    assert facts(folder).color == "none"
+    # By the matrix of the colour camera any shape is seen.
+    np.savetxt(folder / "intrinsic_color.txt", np.array([[8.0, 0, 32], [0, 8, 3], [0, 0, 1]]))
+    assert shades(folder)[0] == [20, 60, 100]
+
+
+def test_intrinsics_that_are_assumed_are_stated(tmp_path):
+    for k in range(2):
+        image(tmp_path / "depth" / f"{k}.png", depths())
+        image(tmp_path / "color" / f"{k}.png", colors())
+    with reported() as warnings:
+        found = facts(tmp_path)
+    assert (found.color, found.intrinsics) == (
+        "color, 2 of 2 frames", "assumed: those of a Kinect v2",
+    )  # fmt: skip
+    assert "the intrinsics are assumed, those of a Kinect v2, by the size 512x424" in next(
+        iter(warnings)
+    )
+
+
+def test_one_of_two_depth_cameras_is_chosen_by_its_folder(tmp_path):
+    rig = tmp_path / "rig"
+    for shift, side in enumerate(("front", "rear")):
+        with_pictures(rig, f"depth_{side}/{{:03d}}.png", f"color_{side}/{{:03d}}.png")
+        for k in range(3):
+            shade = np.full((6, 8, 3), 20 + 40 * k + shift, np.uint8)
+            image(rig / f"color_{side}" / f"{k:03d}.png", shade)
+    with pytest.raises(BadInputError, match=r"2 folders .*\(depth_front, depth_rear\)"):
+        open_source([rig])
+    assert shades(rig / "depth_rear") == ([21, 61, 101], "")
+    (rig / "depth_front").rename(rig / "depth")
+    _, said = shades(rig)
+    assert "rig: pictures are left unused: " in said
+    assert "depth_rear/000.png (3)" in said
+    assert "imported by its path" in said
+
+
+def test_times_of_a_list_that_are_set_back_keep_its_order(tmp_path):
+    tum(tmp_path)
+    for name in ("depth", "rgb"):
+        lines = (tmp_path / f"{name}.txt").read_text().splitlines()[1:]
+        times = [3599.9, 0.0, 0.1, 0.2]
+        rows = [f"{time} {lines[k % 3].split()[1]}" for k, time in enumerate(times)]
+        (tmp_path / f"{name}.txt").write_text("\n".join(rows))
+    (tmp_path / "groundtruth.txt").unlink()
+    with reported() as warnings, open_source([tmp_path]) as source:
+        assert [frame.timestamp for frame in source.frames] == [3599.9, 0.0, 0.1, 0.2]
+        assert source.fps == 10
+    assert "depth.txt: ordered by line in depth.txt, the times go back 1 times" in " ".join(
+        warnings
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from PIL import Image
 
 from pointbrush.cli import main
 from pointbrush.sequences import open_sequence
@@ -230,3 +232,29 @@ def test_poses_of_other_names_are_taken_by_order_when_a_person_says_so(
     pose = open_sequence(recording)[1].pose
     assert pose is not None
     assert pose[0, 3] == 1
+
+
+def test_a_preview_states_colours_intrinsics_and_unused_pictures(
+    served: Served, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = inbox(served) / "kinect"
+    for name, shape in (("depth", ()), ("left", (3,)), ("seg", (3,))):
+        (folder / name).mkdir(parents=True)
+        for k in range(2):
+            kind = np.uint8 if shape else np.uint16
+            pixels = np.full((424, 512, *shape), 150, kind)
+            Image.fromarray(pixels).save(folder / name / f"{k:04d}.png")
+    (camera,) = ask(served, {"path": str(folder)}).json()["cameras"]
+    assert camera == {
+        "name": "depth",
+        "projects": True,
+        "color": "left, 2 of 2 frames",
+        "intrinsics": "assumed: those of a Kinect v2",
+        "unused": ["seg/0000.png (2)"],
+    }
+    assert main(["import", str(folder), "--dry-run"]) == 0
+    said = capsys.readouterr().out
+    assert "depth (colour: left, 2 of 2 frames; intrinsics: assumed: those of a Kinect v2" in said
+    shutil.rmtree(folder / "left")
+    (camera,) = ask(served, {"path": str(folder)}).json()["cameras"]
+    assert camera["color"] == "none"

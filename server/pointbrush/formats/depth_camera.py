@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
 
+log = logging.getLogger(__name__)
 CAMERA_FILES = (
     *("camera.json", "intrinsics.json", "calibration.json", "camera_intrinsics.json"),
     *("camera.txt", "intrinsics.txt", "calibration.txt", "calib.txt", "camera-intrinsics.txt"),
@@ -32,12 +34,15 @@ class Intrinsics:
     """Depth values per metre, where it is stated."""
     source: str = ""
     """The file they come from, "" for those of a known camera."""
+    assumed: str = ""
+    """The known camera whose they are, where no file states any."""
 
 
 @dataclass(frozen=True, slots=True)
 class KnownCamera:
     """A camera whose intrinsics its makers publish."""
 
+    name: str
     width: int
     height: int
     intrinsics: Intrinsics
@@ -49,14 +54,14 @@ class KnownCamera:
 
 KNOWN = (
     # Calibrated colour cameras of the TUM RGB-D benchmark, which depth is registered to.
-    KnownCamera(640, 480, Intrinsics(517.3, 516.5, 318.6, 255.3), folder="freiburg1"),
-    KnownCamera(640, 480, Intrinsics(520.9, 521.0, 325.1, 249.7), folder="freiburg2"),
-    KnownCamera(640, 480, Intrinsics(535.4, 539.2, 320.1, 247.6), folder="freiburg3"),
+    KnownCamera("TUM RGB-D", 640, 480, Intrinsics(517.3, 516.5, 318.6, 255.3), folder="freiburg1"),
+    KnownCamera("TUM RGB-D", 640, 480, Intrinsics(520.9, 521.0, 325.1, 249.7), folder="freiburg2"),
+    KnownCamera("TUM RGB-D", 640, 480, Intrinsics(535.4, 539.2, 320.1, 247.6), folder="freiburg3"),
     # Of the depth camera, as the page of the 7-Scenes data set states them.
-    KnownCamera(640, 480, Intrinsics(585.0, 585.0, 320.0, 240.0), image=".depth.png"),
+    KnownCamera("7-Scenes", 640, 480, Intrinsics(585.0, 585.0, 320.0, 240.0), image=".depth.png"),
     # Factory values of the Kinect v2's depth camera, and the Kinect v1's (ROS default).
-    KnownCamera(512, 424, Intrinsics(365.456, 365.456, 254.878, 205.395)),
-    KnownCamera(640, 480, Intrinsics(525.0, 525.0, 319.5, 239.5)),
+    KnownCamera("a Kinect v2", 512, 424, Intrinsics(365.456, 365.456, 254.878, 205.395)),
+    KnownCamera("a Kinect v1", 640, 480, Intrinsics(525.0, 525.0, 319.5, 239.5)),
 )
 """The first whose size and names are those of the images is theirs."""
 
@@ -77,7 +82,12 @@ def find_intrinsics(image: Path, width: int, height: int) -> Intrinsics:
             not camera.folder or any(camera.folder in name for name in folders)
         )
         if (width, height) == (camera.width, camera.height) and named:
-            return camera.intrinsics
+            if not (camera.folder or camera.image):
+                log.warning(
+                    "the intrinsics are assumed, those of %s, by the size %dx%d: there is no "
+                    "camera.json with fx, fy, cx, cy", camera.name, width, height,
+                )  # fmt: skip
+            return replace(camera.intrinsics, assumed=f"those of {camera.name}")
     raise BadInputError(
         f"{image.parent.name}: expected a camera.json with fx, fy, cx, cy for depth images of "
         f"{width}x{height}, got none"

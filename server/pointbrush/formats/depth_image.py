@@ -39,6 +39,8 @@ LEAST_METRES = 0.01
 """Least plausible median of a frame's depths."""
 MOST_METRES = 1000.0
 """Greatest plausible median of a frame's depths."""
+DEPTH_MODES = ("I;16", "I;16B", "I;16L", "I", "F")
+"""Pillow's names of images of one channel with 16 bits or floats."""
 SAME_SHAPE = 0.01
 """Relative difference of aspect between a depth image and a colour image of the same view."""
 
@@ -108,6 +110,11 @@ def depth_frame(
     )
 
 
+def is_same_shape(size: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Return whether two images, width by height, have the same aspect."""
+    return abs(size[0] * other[1] / (size[1] * other[0]) - 1) <= SAME_SHAPE
+
+
 def _image(path: Path) -> Image.Image:
     data = read_bytes(path)
     try:
@@ -133,7 +140,7 @@ def _depth_image(path: Path) -> NDArray[Any]:
     """Depth values (height, width), 0 for pixels without depth."""
     image = _image(path)
     depth = np.asarray(image)
-    if depth.ndim != 2 or image.mode not in ("I;16", "I;16B", "I;16L", "I", "F"):
+    if depth.ndim != 2 or image.mode not in DEPTH_MODES:
         raise BadInputError(
             f"{path.name}: expected a depth image of one channel with 16 bits or floats, got mode "
             f"{image.mode}"
@@ -180,7 +187,7 @@ def _colors(
         colors = np.zeros((len(xyz), 3), np.uint8)
         colors[seen] = color[v[seen].astype(np.int64), u[seen].astype(np.int64)]
         return colors
-    if abs(image.width * height / (image.height * width) - 1) > SAME_SHAPE:
+    if not is_same_shape(image.size, cameras.size):
         raise BadInputError(
             f"{path.name}: expected a colour image of the depth image's shape {width}x{height} "
             f"(registered to it), or the colour camera's matrix in {COLOR_FILES[0]}, got "

@@ -25,13 +25,23 @@ class FrameFile:
 
 
 @dataclass(frozen=True, slots=True)
+class DepthFacts:
+    """Facts about depth images, in words: where their colours and intrinsics come from, and the
+    pictures beside them that are not used."""
+
+    color: str
+    intrinsics: str
+    unused: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Listing:
     """The frames of a folder; ``count`` is None where a file holds an unknown number.
 
     ``order`` and ``rate_from`` say in words what the order and ``fps`` come from; ``assumed_fps``
     is taken where ``fps`` is not known.  ``poses_from`` is the file of poses; ``topics`` are those
     of a bag; ``pictures`` those of cameras, by frame.  ``dataset`` is the one whose numbers the
-    labels beside the points are, "" where it is not known.
+    labels beside the points are, "" where it is not known; ``depth`` tells of depth images.
     """
 
     format: str
@@ -47,3 +57,4 @@ class Listing:
     topic: str = ""
     pictures: PictureSource | None = None
     dataset: str = ""
+    depth: DepthFacts | None = None

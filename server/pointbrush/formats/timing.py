@@ -66,8 +66,8 @@ def in_order(paths: Sequence[Path]) -> list[Path]:
     if any(match["sign"] for match in matched):
         values = [Decimal(f"{m['sign'] or ''}{m['whole']}{m['fraction'] or ''}") for m in matched]
     else:
-        fractions = [(match["fraction"] or "")[1:] for match in matched]
-        values = read_fractions([match["whole"] for match in matched], fractions)
+        parts = [(match["fraction"] or "")[1:] for match in matched]
+        values = read_fractions([match["whole"] for match in matched], parts)
     return [natural[i] for i in sorted(range(len(natural)), key=values.__getitem__)]
 
 

@@ -262,7 +262,12 @@ export interface ImportPreview {
     readonly clouds: boolean;
     readonly read: boolean;
   }[];
-  readonly cameras: readonly { readonly name: string }[];
+  readonly cameras: readonly {
+    readonly name: string;
+    /** Sources of the colours and intrinsics of depth images. */
+    readonly color?: string;
+    readonly intrinsics?: string;
+  }[];
   readonly poses: { readonly source: string; readonly agree: boolean | null } | null;
   readonly units: {
     readonly name: string;

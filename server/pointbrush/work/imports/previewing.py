@@ -124,7 +124,7 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
             points=[{"points": len(f), "left_out": f.dropped} for f in frames],
             columns=[{"name": n, "meaning": meaning} for n, meaning in columns.items()],
             topics=_topics(listing),
-            cameras=_cameras(source.pictures),
+            cameras=_cameras(listing, source.pictures),
             poses=poses,
             units={"name": units.name, "scale": units.scale, "extent": list(units.extent)},
             up=chosen.up or _up(first),
@@ -177,7 +177,10 @@ def _topics(listing: Listing) -> list[dict[str, Any]]:
     ]
 
 
-def _cameras(pictures: PictureSource | None) -> list[dict[str, Any]]:
+def _cameras(listing: Listing, pictures: PictureSource | None) -> list[dict[str, Any]]:
+    """List the cameras: that of depth images, with the facts about these, and those of pictures."""
+    if listing.depth is not None:
+        return [{"name": "depth", "projects": True, **asdict(listing.depth)}]
     return [
         {"name": each.name, "projects": each.K is not None and each.T_camera_frame is not None}
         for each in (pictures.cameras if pictures is not None else ())

@@ -30,7 +30,7 @@ export function Facts({ found }: { found: ImportPreview }) {
     ['Points', `${first?.points.toLocaleString('en') ?? '0'} in the first frame`],
     ['Columns', found.columns.map(described).join(', ')],
     ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
-    ['Cameras', found.cameras.map(({ name }) => name).join(', ')],
+    ['Cameras', found.cameras.map(camera).join(', ')],
     ['Labels', found.labels ? 'come with the points' : ''],
   ];
   return (
@@ -107,6 +107,10 @@ function FactList({ rows }: { rows: readonly Fact[] }) {
 function described({ name, meaning }: ImportPreview['columns'][number]): string {
   if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
   return `${name} (${meaning || 'left out'})`;
+}
+
+function camera({ name, color, intrinsics }: ImportPreview['cameras'][number]): string {
+  return color === undefined ? name : `${name} (colour: ${color}; intrinsics: ${intrinsics})`;
 }
 
 export function Labels({ found }: { found: LabelsFound }) {
