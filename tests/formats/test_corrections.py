@@ -101,7 +101,7 @@ def test_poses_are_left_out_or_those_of_a_file(tmp_path: Path) -> None:
     assert shifts("auto") == [0, 1]
     assert shifts("none") == [None, None]
     assert shifts(str(tmp_path / "other.txt")) == [5, 6]
-    with pytest.raises(NotFoundError, match="poses: expected 'auto', 'none' or a file"):
+    with pytest.raises(NotFoundError, match="poses: expected auto, none, viewpoint or a file"):
         shifts(str(tmp_path / "absent.txt"))
 
 

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.matching import FrameName, match, matched, partners
+from pointbrush.formats import reported
+from pointbrush.formats.matching import FrameName, frames_of_numbers, match, matched, partners
 
 WORDS = st.text("abcxyz", min_size=1, max_size=6)
 
@@ -105,3 +106,38 @@ def test_a_picture_of_one_name_costs_no_other_its_time() -> None:
     depths = frames("100.500.png", "101.500.png", "102.500.png")
     colors = frames("100.500.jpg", "101.508.jpg", "102.493.jpg")
     assert partners(depths, colors) == [0, 1, 2]
+
+
+@given(
+    first=st.integers(0, 40),
+    count=st.integers(1, 20),
+    step=st.sampled_from([1, 2, 5]),
+    random=st.randoms(use_true_random=False),
+)
+def test_numbers_of_a_drive_go_to_the_files_of_these_numbers(
+    first: int, count: int, step: int, random: object
+) -> None:
+    numbers = range(first, first + count * step, step)
+    files = frames(*(f"{number:06d}.bin" for number in numbers))
+    whole = range(first + count * step + 7)
+    assert frames_of_numbers(whole, files) == {
+        number: numbers.index(number) if number in numbers else None for number in whole
+    }
+    some = random.sample(numbers, random.randint(1, count))  # type: ignore[attr-defined]
+    assert frames_of_numbers(some, files) == {number: numbers.index(number) for number in some}
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (["000002.bin", "000003.bin", "000004.bin"], "by position: the files are numbered 2 to 4"),
+        (["a.bin", "b.bin", "c.bin"], ""),
+        (["drive_7.bag"] * 3, ""),
+        (["000000.bin", "000001.bin", "000002.bin"], ""),
+    ],
+)
+def test_numbers_that_no_name_fits_are_positions(names: list[str], said: str) -> None:
+    with reported() as warnings:
+        assert frames_of_numbers([0, 1, 2], frames(*names)) == {0: 0, 1: 1, 2: 2}
+    assert said in " ".join(warnings)
+    assert bool(said) == bool(warnings)

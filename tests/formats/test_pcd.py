@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import read
+from pointbrush.formats import open_source, read, reported
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.lzf import lzf_decompress
 from pointbrush.formats.pcd import write_pcd
 from pointbrush.formats.table import Table
@@ -233,3 +234,41 @@ def test_objects_of_hitachis_editor_are_instances_from_0(tmp_path: Path) -> None
     frame = one(tmp_path / "a.pcd")
     assert frame.label.tolist() == [4, 4, 1]
     assert frame.instance.tolist() == [1, 2, 0]
+
+
+TURNED = "1 2 3 0.7071067811865476 0 0 0.7071067811865476"
+"""A place, and a quarter turn about z, w first."""
+
+
+def placed(folder: Path, viewpoints: list[str]) -> Path:
+    for number, viewpoint in enumerate(viewpoints):
+        data = header("ascii", 2, VIEWPOINT=viewpoint) + b"1 0 0\n2 0 0\n"
+        (folder / f"{number}.pcd").write_bytes(data)
+    return folder
+
+
+@pytest.mark.parametrize("viewpoint", [TURNED, "0 0 2 1 0 0 0", "0 0 0 0 1 0 0"])
+def test_a_viewpoint_that_places_a_cloud_is_named_or_used(tmp_path, viewpoint):
+    folder = placed(tmp_path, ["0 0 0 1 0 0 0", viewpoint, viewpoint])
+    with reported() as warnings:
+        frames = list(read(folder))
+    assert all(frame.pose is None for frame in frames)
+    assert [frame.xyz.tolist() for frame in frames] == [[[1, 0, 0], [2, 0, 0]]] * 3
+    (said,) = warnings
+    assert "VIEWPOINT" in said
+    assert "moves no points; poses 'viewpoint' takes it as the pose" in said
+    with reported() as warnings, open_source([folder], chosen=Corrections(poses="viewpoint")) as s:
+        first, second, _ = s.frames
+    assert not warnings
+    assert first.pose.tolist() == np.eye(4).tolist()
+    assert second.pose[:3, 3].tolist() == [float(word) for word in viewpoint.split()[:3]]
+    assert second.viewpoint.tolist() == [0, 0, 0]
+    if viewpoint == TURNED:
+        assert (second.pose @ [1, 0, 0, 1]).tolist() == pytest.approx([1, 3, 3, 1])
+
+
+@pytest.mark.parametrize("viewpoint", ["0 0 0 1 0 0 0", "0 0 0 -1 0 0 0", "0 0 0 0 0 0 0"])
+def test_a_viewpoint_that_places_nothing_is_not_named(tmp_path, viewpoint):
+    with reported() as warnings:
+        list(read(placed(tmp_path, [viewpoint])))
+    assert not warnings

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -211,3 +211,70 @@ def test_boxes_of_points_in_millimetres_are_in_their_unit_or_in_metres(
         assert sorted(done.result["labels"].values()) == [100, 200]
         told = "the boxes are in the units of the recording's files: 0.001 m each"
         assert done.result["warnings"] == ([told] if unit < 1 else [])
+
+
+def drive_of(folder: Path, first: int, count: int) -> Workspace:
+    """A workspace with the recording "drive" of files that are numbered from ``first``."""
+    (folder / "drive").mkdir(parents=True)
+    for k in range(first, first + count):
+        np.save(folder / "drive" / f"{k:06d}.npy", scene(k))
+    workspace = Workspace(Settings(workspace=folder / "ws"))
+    job = workspace.imports.begin([folder / "drive"], name="drive")
+    assert workspace.runner.wait(job.id, PATIENCE).state == "done"
+    return workspace
+
+
+def tracking_of(folder: Path, rows: list[tuple[int, int, str]]) -> Path:
+    """KITTI's tracking text with the car as frame, track and class of each row."""
+    folder.mkdir()
+    kitti_tracking(folder)
+    car = (folder / "0000.txt").read_text().splitlines()[0].split()[3:]
+    lines = (f"{frame} {track} {name} {' '.join(car)}" for frame, track, name in rows)
+    (folder / "0000.txt").write_text("\n".join(lines))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("numbers", "expected", "said"),
+    [
+        (range(7), [0, 1, 2], "by the numbers in the file names: the files are numbered 2 to 4"),
+        ([3], [1], "by the numbers in the file names"),
+        ([0, 1, 2], [0, 1, 2], "by position"),
+    ],
+)
+def test_labels_of_a_drive_go_to_the_part_of_it_that_is_recorded(
+    tmp_path: Path, numbers: Sequence[int], expected: list[int], said: str
+) -> None:
+    place = tracking_of(tmp_path / "label_02", [(k, 7, "Car") for k in numbers])
+    with closing(drive_of(tmp_path, 2, 3)) as workspace:
+        job = workspace.imports.begin_labels("drive", place, "me")
+        result = workspace.runner.wait(job.id, PATIENCE).result or {}
+        (box,) = workspace.labels.boxes.listing("drive").boxes
+    assert sorted(box.poses) == expected
+    assert said in " ".join(result["warnings"])
+
+
+def test_a_track_of_two_classes_is_one_object(workspace: Workspace, tmp_path: Path) -> None:
+    place = tracking_of(tmp_path / "label_02", [(0, 7, "Van"), (1, 7, "Car"), (1, 9, "Car")])
+    lines = (place / "0000.txt").read_text()
+    (place / "0000.txt").write_text(lines + "\n" + lines.splitlines()[0].replace("0 7", "2 7"))
+    job = workspace.imports.begin_labels("drive", place / "0000.txt", "me")
+    result = workspace.runner.wait(job.id, PATIENCE).result or {}
+    boxes = workspace.labels.boxes.listing("drive").boxes
+    assert sorted(sorted(box.poses) for box in boxes) == [[0, 1], [1]]
+    names = {label.id: label.name for label in workspace.labels.palette("drive")}
+    assert sorted(names[box.label] for box in boxes) == ["Car 9", "Van 7"]
+    assert (
+        "object 7 has several classes and is read as one object: Van in 2 frames, Car"
+        in " ".join(result["warnings"])
+    )
+
+
+def test_numbers_that_each_class_counts_for_itself_stay_two_objects(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    place = tracking_of(tmp_path / "label_02", [(0, 1, "Van"), (0, 1, "Car"), (1, 1, "Car")])
+    job = workspace.imports.begin_labels("drive", place, "me")
+    assert workspace.runner.wait(job.id, PATIENCE).state == "done"
+    boxes = workspace.labels.boxes.listing("drive").boxes
+    assert sorted(sorted(box.poses) for box in boxes) == [[0], [0, 1]]

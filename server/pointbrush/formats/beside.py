@@ -10,6 +10,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.feather import argoverse_poses
 from pointbrush.formats.kitti_cameras import kitti_pictures
 from pointbrush.formats.listing import INNER
+from pointbrush.formats.names import VIEWPOINT
 from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pictures import FILE as CAMERAS_FILE
@@ -61,7 +62,7 @@ def poses_beside(
 ) -> Poses | None:
     """Poses beside the frames, or those that a person names; those of a KITTI layout and named
     ones must fit, others are told in a warning if not."""
-    if options.chosen.poses == "none":
+    if options.chosen.poses in ("none", VIEWPOINT):
         return None
     names = [path.name for path in files]
     named = named_file(options)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.names import AXES, DELIMITERS
+from pointbrush.formats.names import AXES, DELIMITERS, POSES
 from pointbrush.options import choice
 
 if TYPE_CHECKING:
@@ -49,7 +49,9 @@ class Corrections:
     """"--up -y" would be read as an option -y."""
     topic: str | None = choice(None, "topic of a bag; topic#frame_id if sensors share a topic")
     poses: str = choice(
-        "auto", "auto, none, or a file of poses with one line per frame (default: auto)"
+        "auto",
+        f"{', '.join(POSES)} (VIEWPOINT of PCD files), or a file of poses with one line per frame "
+        "(default: auto)",
     )
     by_order: bool = choice(
         False, "match poses with times, and colour images, to frames by their order"
@@ -91,7 +93,7 @@ class Corrections:
     @property
     def poses_file(self) -> Path | None:
         """The file of poses that was named, if any."""
-        return None if self.poses in ("auto", "none") else Path(self.poses)
+        return None if self.poses in POSES else Path(self.poses)
 
     def applied(self, frame: PointFrame) -> PointFrame:
         """Return a frame in metres, and without its pose where poses are left out."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import PurePath
@@ -15,6 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import NEAR
 from pointbrush.formats.timing import seconds_in_names, time_in_name
 
+log = logging.getLogger(__name__)
 POINT_ENDINGS = frozenset(
     {".pcd", ".ply", ".bin", ".las", ".laz", ".copc", ".npy", ".npz", ".txt", ".csv", ".xyz"}
 )
@@ -266,6 +268,29 @@ def _by_number(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[
     known = {number: index for index, number in enumerate(numbers)}
     wanted = _numbers([file.stem for file in files])
     return [None if number is None else known.get(number) for number in wanted]
+
+
+def frames_of_numbers(
+    numbers: Collection[int], frames: Sequence[FrameName]
+) -> Mapping[int, int | None]:
+    """Find the frame of each number in a list that counts the frames of a drive.
+
+    It is of the file with that number in its name if all numbers are, or if the files are a part
+    of the drive; else it is a position.  A warning says which, where that makes a difference.
+    """
+    positions = dict(enumerate(range(len(frames))))
+    named = {n: k for k, n in enumerate(_numbers([f.stem for f in frames])) if n is not None}
+    places = positions
+    if numbers and len(named) == len(frames) and named != positions:
+        is_part = min(numbers) <= min(named) and max(named) <= max(numbers)
+        places = named if is_part or set(numbers) <= named.keys() else positions
+        log.warning(
+            "the labels of frames %d to %d are matched %s: the files are numbered %d to %d",
+            min(numbers), max(numbers),
+            "by position" if places is positions else "by the numbers in the file names",
+            min(named), max(named),
+        )  # fmt: skip
+    return {number: places.get(number) for number in numbers}
 
 
 def _numbers(stems: Sequence[str]) -> list[int | None]:

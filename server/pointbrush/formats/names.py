@@ -7,6 +7,9 @@ from collections.abc import Mapping
 DELIMITERS: Mapping[str, str] = {
     "comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "pipe": "|",
 }  # fmt: skip
+VIEWPOINT = "viewpoint"
+POSES = ("auto", "none", VIEWPOINT)
+"""Choices of poses beside a file of them; ``VIEWPOINT`` is that of the headers of PCD files."""
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "labelcloud-points", "npy", "lines", "las"),

@@ -5,6 +5,7 @@ Points with a NaN coordinate are missing pixels of an organised cloud and are le
 
 from __future__ import annotations
 
+import logging
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,11 +17,14 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.columns import frame_from_columns, unpack_rgb
+from pointbrush.formats.names import VIEWPOINT
 from pointbrush.formats.numbers import parse_numbers
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
+from pointbrush.formats.poses import of_quaternion
 from pointbrush.formats.table import Table
 from pointbrush.frame import PointFrame
 
+log = logging.getLogger(__name__)
 Array = NDArray[Any]
 KEYS = (
     *("VERSION", "FIELDS", "COLUMNS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT"),
@@ -35,6 +39,8 @@ OBJECT = "object"
 """Instances of Hitachi's editor beside its ``label``: counted from 0, -1 for none."""
 # liblzf packs at most 264 bytes into 3.
 MAX_RATIO = 90
+SAME = 1e-6
+"""Difference of a pose from the identity that is none: metres, or of a matrix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,14 +96,29 @@ def read_pcd(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         columns[field] = unpack_rgb(values)
     if OBJECT in columns and "label" in columns:
         columns[OBJECT] = columns[OBJECT] + 1
-    yield frame_from_columns(name, columns, options, missing=True, extras=_extras(header))
+    yield frame_from_columns(name, columns, options, missing=True, extras=_extras(header, options))
 
 
-def _extras(header: Header) -> Extras:
-    position = np.array(header.viewpoint[:3], np.float64)
+def _extras(header: Header, options: ReadOptions) -> Extras:
+    """Return the place of the sensor, or the pose of the points where a person says so.
+
+    The programs differ.  To PCL's algorithms VIEWPOINT is where the sensor was in the frame of the
+    points (sensor_origin_); its viewer, and CloudCompare since 2.12, move the points by it.
+    """
+    values = np.array(header.viewpoint, np.float64)
+    if not np.isfinite(values).all():
+        return Extras()
+    position, (w, *turn) = values[:3], values[3:] if values[3:].any() else (1.0, 0.0, 0.0, 0.0)
+    pose = of_quaternion("VIEWPOINT", np.array([*position, *turn, w]))
+    if options.chosen.poses == VIEWPOINT:
+        return Extras(pose=pose, viewpoint=np.zeros(3))
+    if not np.allclose(pose, np.eye(4), atol=SAME):
+        log.warning(
+            "the VIEWPOINT of PCD files is another than 0 0 0 1 0 0 0: it is read as the place of "
+            "the sensor and moves no points; poses 'viewpoint' takes it as the pose of the points"
+        )
     # 0 0 0 is also what writers put that know nothing; of an organised cloud it is the camera.
-    known = header.height > 1 or bool(position.any())
-    return Extras(viewpoint=position if known and np.isfinite(position).all() else None)
+    return Extras(viewpoint=position if header.height > 1 or position.any() else None)
 
 
 def parse_header(name: str, data: bytes) -> Header:

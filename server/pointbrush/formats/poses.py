@@ -19,6 +19,7 @@ from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.interpolation import Pose, interpolated
 from pointbrush.formats.matching import FrameName, matched, partners
+from pointbrush.formats.names import POSES
 from pointbrush.formats.numbers import is_number
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.timing import lines_of, natural_key, read_times, seconds_of
@@ -45,7 +46,9 @@ def named_file(options: ReadOptions) -> Path | None:
     if path is not None and options.limits.roots:
         require_inside([path], options.limits.roots)
     if path is not None and not path.is_file():
-        raise NotFoundError(f"poses: expected 'auto', 'none' or a file, there is no {path.name}")
+        raise NotFoundError(
+            f"poses: expected {', '.join(POSES)} or a file, there is no {path.name}"
+        )
     return path
 
 

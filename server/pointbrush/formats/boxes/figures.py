@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -80,12 +81,14 @@ class FrameBoxes:
     """Boxes and marked points of a frame.
 
     ``frame`` is its index or its name; where it is None, ``time`` (seconds) tells it, or the name
-    of the file.
+    of the file.  ``numbered``: the index is a number in a whole drive, of which the recording may
+    be a part.
     """
 
     frame: int | str | None
     boxes: tuple[Figure, ...]
     time: float | None = None
+    numbered: bool = False
 
     def moved_back(self, T_boxes_points: Floats) -> FrameBoxes:
         """Move the boxes to the coordinates of the points."""
@@ -95,6 +98,42 @@ class FrameBoxes:
         """Change the boxes, and leave the marked points as they are."""
         changed = (change(each) if isinstance(each, FrameBox) else each for each in self.boxes)
         return replace(self, boxes=tuple(changed))
+
+
+def with_one_name(found: Sequence[Sequence[FrameBoxes]]) -> list[list[FrameBoxes]]:
+    """Give each object that has several names the most frequent of them, and warn of it.
+
+    A key tells its object whatever the class, in one file of many frames or in all files of one.
+    Keys that a frame has twice are numbered for each class, and keep their names.
+    """
+    joint = all(len(file) <= 1 for file in found)
+    names = [_frequent_names([part for file in found for part in file])] * len(found)
+    names = names if joint else list(map(_frequent_names, found))
+    return [
+        [
+            replace(part, boxes=tuple(
+                replace(figure, name=new.get(figure.key, figure.name)) for figure in part.boxes
+            ))
+            for part in file
+        ]
+        for file, new in zip(found, names, strict=True)
+    ]  # fmt: skip
+
+
+def _frequent_names(parts: Sequence[FrameBoxes]) -> dict[str, str]:
+    """Find the most frequent name of each object that has several."""
+    names: dict[str, Counter[str]] = defaultdict(Counter)
+    repeated = {""}
+    for part in parts:
+        keys = Counter(figure.key for figure in part.boxes)
+        repeated |= {key for key, count in keys.items() if count > 1}
+        for figure in part.boxes:
+            names[figure.key][figure.name] += 1
+    several = {k: n for k, n in names.items() if len(n) > 1 and k not in repeated}
+    for key, counts in several.items():
+        told = ", ".join(f"{name} in {count} frames" for name, count in counts.most_common())
+        log.warning("object %s has several classes and is read as one object: %s", key, told)
+    return {key: counts.most_common(1)[0][0] for key, counts in several.items()}
 
 
 def in_metres(

@@ -58,7 +58,7 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
         box = _box("kitti", words[2:], words[1] if int(words[1]) >= 0 else "")
         frames.setdefault(int(words[0]), []).append(box)
     for frame, boxes in sorted(frames.items()):
-        yield FrameBoxes(frame, tuple(boxes)).moved_back(T_cam_velo)
+        yield FrameBoxes(frame, tuple(boxes), numbered=True).moved_back(T_cam_velo)
 
 
 def _lines(path: Path, count: int) -> Iterator[list[str]]:
@@ -100,7 +100,7 @@ def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
             box = box_by(tool, _text(item, "objectType"), str(number), place, size, angles)
             frames.setdefault(first + step, []).append(box)
     for frame, boxes in sorted(frames.items()):
-        yield FrameBoxes(names.get(frame, frame), tuple(boxes))
+        yield FrameBoxes(names.get(frame, frame), tuple(boxes), numbered=True)
 
 
 def _tracklets(path: Path) -> ElementTree.Element:

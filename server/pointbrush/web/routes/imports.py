@@ -19,6 +19,7 @@ from starlette.exceptions import HTTPException
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
+from pointbrush.formats.names import POSES
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.web.auth import Caller, Gate, TheGate, resource
 from pointbrush.web.context import ProjectId, Ws
@@ -55,7 +56,7 @@ IMPORT_BODY = described(
         "scale": {"type": "string", "pattern": r"^[1-9](\.[0-9]{1,6})?$"},
         "format": {"type": "string", "enum": format_names()},
         "id": {"type": "string", "format": "uuid"},
-        "poses": {"type": "string", "enum": ["auto", "none"]},
+        "poses": {"type": "string", "enum": [*POSES]},
         "project": {"type": "string", "enum": [FIRST]},
         **{word: {"type": "string", "enum": ["true", "false"]} for word in WORDS},
         **{name: {"type": "string", "enum": [example]} for name, example in TEXTS.items()},
@@ -199,7 +200,7 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
     gate: Gate = request.app.state.gate
     roots = workspace.import_roots(own=gate.is_own(request, who))
     paths = await run_in_threadpool(allowed, body.path or "", roots)
-    if body.poses not in (None, "auto", "none"):
+    if body.poses not in (None, *POSES):
         (poses,) = await run_in_threadpool(allowed, body.poses, roots)
         body = body.model_copy(update={"poses": str(poses)})
     return Wanted(paths, body, roots)
@@ -207,14 +208,14 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
 
 def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
     """Options whose file of poses is one of the uploaded ones."""
-    if options.poses in (None, "auto", "none"):
+    if options.poses in (None, *POSES):
         return options
     path = upload.folder / relative_path(options.poses)
     inside = [path, *upload.folder.glob(f"*/{relative_path(options.poses)}")]
     found = next((each for each in inside if each.is_file()), None)
     if found is None:
         raise BadInputError(
-            f"poses: expected 'auto', 'none' or an uploaded file, got {options.poses[:80]!r}"
+            f"poses: expected {', '.join(POSES)} or an uploaded file, got {options.poses[:80]!r}"
         )
     return options.model_copy(update={"poses": str(found)})
 

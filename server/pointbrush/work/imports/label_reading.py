@@ -24,6 +24,7 @@ from pointbrush.formats.boxes.figures import (
     PointFigure,
     in_metres,
     instance_numbers,
+    with_one_name,
 )
 from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
 from pointbrush.formats.boxes.scene import BoxTrack, label_of, tracked
@@ -31,7 +32,7 @@ from pointbrush.formats.class_maps import ClassNumbers
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.matching import FrameName, match, matched
+from pointbrush.formats.matching import FrameName, frames_of_numbers, match, matched
 from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.palette import SourceLabel
@@ -186,6 +187,10 @@ class ReadLabelsWork:
             part: part.frame for _, part in parts if isinstance(part.frame, int)
         }
         known = frame_names(recording.manifest)
+        if files.export is None and not self.request.by_order:
+            counted = {part: number for part, number in frames.items() if part.numbered}
+            placed = frames_of_numbers({number or 0 for number in counted.values()}, known)
+            frames |= {part: placed[number or 0] for part, number in counted.items()}
         named = {part: part.frame for _, part in parts if isinstance(part.frame, str)}
         if named:
             frames |= zip(
@@ -214,6 +219,7 @@ class ReadLabelsWork:
         elif (manifest := recording.manifest).scale != 1:
             bounds = (np.add(end, manifest.shift) for end in (manifest.lo, manifest.hi))
             found = in_metres(found, manifest.scale, *bounds)
+        found = with_one_name(found)
         figures = [figure for file in found for part in file for figure in part.boxes]
         names = dict(enumerate(map(ClassName, sorted({each.name for each in figures})), start=1))
         number_of = {name.name: number for number, name in names.items()}
