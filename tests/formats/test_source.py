@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError, TooLargeError
-from pointbrush.formats import Limits, open_source, read, source_name
+from pointbrush.formats import Limits, open_source, read, reported, source_name
 
 
 def cloud(path: Path, value: float) -> Path:
@@ -122,6 +123,51 @@ def test_the_subfolder_with_the_points_is_found(tmp_path):
     assert open_source([tmp_path / "two" / "npz"]).name == "two"
     with pytest.raises(BadInputError, match=r"one recording, got 2 folders.*one, two"):
         open_source([tmp_path])
+
+
+@pytest.mark.parametrize(
+    ("taken", "other"),
+    [
+        ("velodyne_points/data/0.ply", "sick_points/data/0.ply"),
+        ("lidar/0.ply", "lidar_rear/0.pcd"),
+        ("0.ply", "rear/0.ply"),
+        ("velodyne/0.ply", "camera/depth/0.png"),
+    ],
+)
+def test_folders_of_other_sensors_are_named(tmp_path, taken, other):
+    cloud(tmp_path / "rig" / taken, 1)
+    if other.endswith(".png"):
+        (tmp_path / "rig" / other).parent.mkdir(parents=True)
+        Image.fromarray(np.full((480, 640), 900, np.uint16)).save(tmp_path / "rig" / other)
+    else:
+        cloud(tmp_path / "rig" / other, 2)
+    for harmless in ("labels/0.ply", "calib/0.txt", "raw_pictures/0.npy.md"):
+        (tmp_path / "rig" / harmless).parent.mkdir()
+        (tmp_path / "rig" / harmless).write_text("")
+    with reported() as warnings:
+        assert values(tmp_path / "rig") == [1]
+    (said,) = warnings
+    left_out = other.split("/")[0]
+    assert f"left out, as points of another sensor: {left_out}; import these by the path" in said
+    assert said.endswith(f"as rig/{left_out}")
+
+
+def test_points_beside_depth_images_are_named(tmp_path):
+    cloud(tmp_path / "rig" / "velodyne" / "0.ply", 1)
+    (tmp_path / "rig" / "depth").mkdir()
+    Image.fromarray(np.full((424, 512), 900, np.uint16)).save(tmp_path / "rig" / "depth" / "0.png")
+    with reported() as warnings, open_source([tmp_path / "rig"]) as source:
+        assert source.listings[0].format == "rgbd"
+    assert "left out, as points of another sensor: velodyne" in " ".join(warnings)
+    assert "rig/velodyne" in " ".join(warnings)
+
+
+def test_one_recording_in_two_formats_leaves_no_sensor_out(tmp_path):
+    cloud(tmp_path / "raw" / "0.ply", 1)
+    np.savez(cloud(tmp_path / "npz" / "0.npz", 0), xyz=np.full((1, 3), 1.0))
+    with reported() as warnings:
+        assert values(tmp_path) == [1]
+    assert not warnings
 
 
 @pytest.mark.parametrize(

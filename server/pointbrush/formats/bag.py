@@ -6,7 +6,7 @@ import bz2
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
@@ -176,28 +176,13 @@ def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
             )  # fmt: skip
     taken = np.array([i for i, head in enumerate(heads) if head[1] == sensor], np.int64)
     stamps, recorded = (np.array([heads[i][k] for i in taken], np.float64) for k in (0, 2))
-    order, source = _order(f"{path.name} {topic}", stamps, recorded)
+    where = f"{path.name} {topic}: "
+    found = order_by_time(stamps.tolist(), STAMPS, "in the order of recording", where=where)
+    order = np.array(found.places, np.int64)
     return Clouds(
-        topic, tuple(topics), taken[order], source, stamps[order], recorded[order], sensor,
+        topic, tuple(topics), taken[order], found.source, stamps[order], recorded[order], sensor,
         dict(sensors),
     )  # fmt: skip
-
-
-def _order(
-    where: str, stamps: NDArray[np.float64], recorded: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], str]:
-    """Order messages by their stamps if these are plausible, else by the times of recording.
-
-    A host whose clock is set back changes both; the messages are then in the order of the file.
-    """
-    given = "in the order of recording"
-    found = order_by_time(stamps.tolist(), STAMPS, given, where=where)
-    constant = len(stamps) > 1 and not np.ptp(stamps)
-    if constant or not found.is_by_time:
-        reason = f" ({STAMPS} are equal)" if constant else found.source.removeprefix(given)
-        found = order_by_time(recorded.tolist(), RECORDED, given, where=where)
-        found = replace(found, source=found.source + reason)
-    return np.array(found.places, np.int64), found.source
 
 
 def read_clouds(bag: Bag, found: Clouds, path: Path, options: ReadOptions) -> Iterator[PointFrame]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
@@ -15,16 +17,16 @@ from pointbrush.formats.bag_listing import list_bags
 from pointbrush.formats.beside import find_tables, pictures_beside, poses_beside
 from pointbrush.formats.datasets import SEMANTIC_KITTI
 from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
+from pointbrush.formats.image_pairs import folders_in
 from pointbrush.formats.kitti import find_label
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
-from pointbrush.formats.rgbd import list_rgbd
+from pointbrush.formats.rgbd import has_depth_images, list_rgbd
 from pointbrush.formats.timing import (
     TIME_FILES,
     assumed_rate,
     in_order,
-    natural_key,
     order_of,
     rate_of,
     stated_rate,
@@ -46,6 +48,8 @@ SIDECARS = {
 }
 
 
+NO_SENSOR = re.compile("^(raw|npz)$|label|annot|segm|mask|predict|result|truth")
+"""Names of folders of one recording in two formats, or of something else for each point."""
 ARGOVERSE_SCANS = "sensors/lidar"
 """Folder of the scans in a log of Argoverse 2, which has tables of other things beside."""
 
@@ -62,9 +66,11 @@ def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listi
     for weakly in (False, True):
         found = _directly(folder, format, options, weakly)
         if found is not None:
+            _warn_of_others(folder, None, format, options, images=found.depth is None)
             return found
         inside = _subfolder(folder, format, options, weakly)
         if inside is not None:
+            _warn_of_others(folder, inside, format, options)
             return list_folder(inside, format, options)
     files = _files(folder, options)
     seen = ", ".join(sorted({path.suffix or path.name for path in files})[:8]) or "no files"
@@ -84,7 +90,7 @@ def _directly(
     chosen = _point_files(folder, _files(folder, options), format, weakly, options)
     if chosen:
         return list_files(chosen, format, folder, options)
-    return _images(folder, format, options)
+    return list_rgbd(folder, options) if _reads_images(format) else None
 
 
 def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
@@ -96,9 +102,8 @@ def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
     ]
 
 
-def _images(folder: Path, format: str | None, options: ReadOptions) -> Listing | None:
-    wanted = format is None or format_named(format).name == "rgbd"
-    return list_rgbd(folder, options) if wanted else None
+def _reads_images(format: str | None) -> bool:
+    return format is None or format_named(format).name == "rgbd"
 
 
 def _files(folder: Path, options: ReadOptions) -> list[Path]:
@@ -139,12 +144,32 @@ def _point_files(
     return [path for path, _ in found]
 
 
+def _warn_of_others(
+    folder: Path,
+    taken: Path | None,
+    format: str | None,
+    options: ReadOptions,
+    *,
+    images: bool = True,
+) -> None:
+    """Name the folders with points, or depth images, beside what is read, as of another sensor."""
+    others = []
+    for place in folders_in(folder):
+        if place != taken and not NO_SENSOR.search(place.name.lower()):
+            with suppress(BadInputError):
+                others += [place.name] * _has_points(place, format, options, False, images)
+    if others:
+        log.warning(
+            "%s: %s read; left out, as points of another sensor: %s; import these by the path of "
+            "their folder, as %s/%s", folder.name,
+            "its own files are" if taken is None else f"the folder {taken.name} is",
+            ", ".join(others), folder.name, others[0],
+        )  # fmt: skip
+
+
 def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: bool) -> Path | None:
     """The subfolder to read in place of a folder without points of its own."""
-    inner = sorted(
-        (path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")),
-        key=natural_key,
-    )
+    inner = folders_in(folder)
     by_name = {path.name.lower(): path for path in inner}
     if "raw" in by_name and _reads_raw(by_name["raw"], format, options, weakly, "npz" in by_name):
         return by_name["raw"]
@@ -174,15 +199,20 @@ def _reads_raw(
 
 
 def _has_points(
-    folder: Path, format: str | None, options: ReadOptions, weakly: bool, depth: int = 4
+    folder: Path,
+    format: str | None,
+    options: ReadOptions,
+    weakly: bool,
+    images: bool = True,
+    depth: int = 4,
 ) -> bool:
     if _point_files(folder, _files(folder, options), format, weakly, options):
         return True
-    if _images(folder, format, options) is not None:
+    if images and _reads_images(format) and has_depth_images(folder):
         return True
     inner = (path for path in folder.iterdir() if path.is_dir() and not path.is_symlink())
     return depth > 0 and any(
-        _has_points(path, format, options, weakly, depth - 1) for path in inner
+        _has_points(path, format, options, weakly, images, depth - 1) for path in inner
     )
 
 

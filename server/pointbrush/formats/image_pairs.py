@@ -25,7 +25,7 @@ IMAGES = (".png", ".tif", ".tiff", ".pgm", ".jpg", ".jpeg", ".bmp", ".ppm")
 DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
 DEPTH_FOLDERS = ("depth", "depth_raw", "depths")
 COLOR_FOLDERS = ("rgb", "color", "colour", "colors", "registered", "image", "images")
-COLOR_MODES = ("RGB", "RGBA", "P")
+COLOR_MODES = ("RGB", "RGBA")
 MOST_STREAMS = 64
 """Streams in a folder beyond which its names differ in more than numbers."""
 _KINDS = re.compile(r"depth|rgb|colou?rs?|registered|images?|img|pose|raw")
@@ -94,9 +94,8 @@ def find_pairs(folder: Path, options: ReadOptions) -> FoundPairs | None:
     look so.  Colours are those named so, else the stream of colour pictures that pairs with most
     depth images.  None where there are no depth images.  Raises BadInputError as ``partners``.
     """
-    own, by_order = _streams(folder), options.chosen.by_order
-    beside = [stream for place in _folders(folder) for stream in _streams(place, inside=True)]
-    depths = _depths(folder, own, beside)
+    (own, beside), by_order = streams_in(folder), options.chosen.by_order
+    depths = find_depths(folder, own, beside)
     if not depths:
         return None
     place = depths[0].parent
@@ -118,7 +117,13 @@ def find_pairs(folder: Path, options: ReadOptions) -> FoundPairs | None:
     return FoundPairs(pairs, order, taken[0].parent.name if taken else "", tuple(map(str, unused)))
 
 
-def _depths(folder: Path, own: Sequence[Stream], beside: Sequence[Stream]) -> list[Path]:
+def streams_in(folder: Path) -> tuple[list[Stream], list[Stream]]:
+    """Return the streams of images of a folder, and those of the folders in it."""
+    beside = (stream for place in folders_in(folder) for stream in _streams(place, inside=True))
+    return _streams(folder), list(beside)
+
+
+def find_depths(folder: Path, own: Sequence[Stream], beside: Sequence[Stream]) -> list[Path]:
     """Return the depth images, in natural order; none where it is not clear which they are."""
     inner = {each.folder.name.lower(): each.folder for each in beside}
     named = next((inner[name] for name in DEPTH_FOLDERS if name in inner), None)
@@ -137,7 +142,8 @@ def _depths(folder: Path, own: Sequence[Stream], beside: Sequence[Stream]) -> li
     return list(streams[0].files) if len(streams) == 1 else []
 
 
-def _folders(folder: Path) -> list[Path]:
+def folders_in(folder: Path) -> list[Path]:
+    """Return the folders in a folder, in natural order, without hidden ones."""
     found = (p for p in folder.iterdir() if p.is_dir() and not p.name.startswith("."))
     return sorted(found, key=natural_key)
 
@@ -172,7 +178,7 @@ def _sisters(folder: Path, options: ReadOptions) -> list[Stream]:
     roots, name = options.limits.roots, _moment(folder.name)
     places = [
         place
-        for place in _folders(folder.absolute().parent)
+        for place in folders_in(folder.absolute().parent)
         if place.name != folder.name and _moment(place.name) == name
     ]
     allowed = [place for place in places if not roots or is_inside(place, roots)]
@@ -207,7 +213,7 @@ def _best(depths: Sequence[Path], streams: Sequence[Stream], by_order: bool) -> 
             )  # fmt: skip
             continue
         try:
-            places = partners(_moments(depths), _moments(each.files), by_order=by_order)
+            places = _partners(depths, each.files, by_order)
         except BadInputError as error:
             log.warning("%s: %s", each, error)
             continue
@@ -226,8 +232,9 @@ def _moment(name: str) -> str:
     return _KINDS.sub("", name.lower()).strip("._- ")
 
 
-def _moments(paths: Sequence[Path]) -> list[FrameName]:
-    return [moment_of(path) for path in paths]
+def _partners(depths: Sequence[Path], colors: Sequence[Path], by_order: bool) -> list[int | None]:
+    moments = ([moment_of(path) for path in paths] for paths in (depths, colors))
+    return partners(*moments, by_order=by_order)
 
 
 def _paired(
@@ -237,7 +244,7 @@ def _paired(
 
     Raises BadInputError as ``partners``.
     """
-    found = partners(_moments(depths), _moments(colors), by_order=by_order)
+    found = _partners(depths, colors, by_order)
     alone = [path.name for path, place in zip(depths, found, strict=True) if place is None]
     if alone:
         log.warning(

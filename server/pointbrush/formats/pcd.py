@@ -102,8 +102,8 @@ def read_pcd(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 def _extras(header: Header, options: ReadOptions) -> Extras:
     """Return the place of the sensor, or the pose of the points where a person says so.
 
-    The programs differ.  To PCL's algorithms VIEWPOINT is where the sensor was in the frame of the
-    points (sensor_origin_); its viewer, and CloudCompare since 2.12, move the points by it.
+    Programs differ: to PCL's algorithms VIEWPOINT is where the sensor was in the frame of the
+    points (sensor_origin_); PCLVisualizer and CloudCompare's PcdFilter move the points by it.
     """
     values = np.array(header.viewpoint, np.float64)
     if not np.isfinite(values).all():

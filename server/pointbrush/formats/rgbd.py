@@ -12,7 +12,14 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth_image import Cameras, cameras_of, depth_frame
-from pointbrush.formats.image_pairs import FoundPairs, Pair, find_pairs, moment_of
+from pointbrush.formats.image_pairs import (
+    FoundPairs,
+    Pair,
+    find_depths,
+    find_pairs,
+    moment_of,
+    streams_in,
+)
 from pointbrush.formats.interpolation import NEAR, Pose
 from pointbrush.formats.listing import DepthFacts, FrameFile, Listing
 from pointbrush.formats.matching import FrameName, listed, matched, partners
@@ -35,7 +42,7 @@ def list_rgbd(folder: Path, options: ReadOptions) -> Listing | None:
     a ``pose`` folder.
     Raises BadInputError when lists do not fit, or names of images do not tell pairs.
     """
-    tum = (folder / "depth.txt").is_file() and (folder / "rgb.txt").is_file()
+    tum = _has_lists(folder)
     found = _tum_pairs(folder) if tum else find_pairs(folder, options)
     if found is None:
         return None
@@ -68,6 +75,15 @@ def list_rgbd(folder: Path, options: ReadOptions) -> Listing | None:
             found.unused,
         ),
     )
+
+
+def has_depth_images(folder: Path) -> bool:
+    """Return whether a folder, or one of its folders, has the depth images of ``list_rgbd``."""
+    return _has_lists(folder) or bool(find_depths(folder, *streams_in(folder)))
+
+
+def _has_lists(folder: Path) -> bool:
+    return (folder / "depth.txt").is_file() and (folder / "rgb.txt").is_file()
 
 
 def _read(pair: Pair, cameras: Cameras, options: ReadOptions) -> Iterator[PointFrame]:

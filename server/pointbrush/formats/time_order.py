@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
@@ -33,49 +33,48 @@ class TimeOrder:
     places: Sequence[int]
     source: str
     times: str = ""
-    is_by_time: bool = False
 
 
 def order_by_time(
-    times: Sequence[float], source: str, given: str, *, where: str = "", numbered: bool = True
+    times: Sequence[float],
+    source: str,
+    given: str,
+    *,
+    where: str = "",
+    numbered: bool | None = True,
 ) -> TimeOrder:
     """Return the order by ``times`` (seconds) if its steps are plausible, else the given one.
 
-    ``source`` names the times, those of ``where``, and ``given`` the order that the frames come in,
-    which is evidence itself if it is ``numbered``.  Warnings name equal times, and times that go
-    back in an order that is evidence.
+    ``source`` names the times, of ``where``, and ``given`` the order that the frames come in, which
+    is evidence if it is ``numbered``; None if nothing but the times tells the order.  Warnings name
+    equal times, and times that go back in an order that is evidence.
     """
     steps = np.diff(np.asarray(times, np.float64))
     equal, back = int((steps == 0).sum()), np.flatnonzero(steps < 0)
-    named = f"{where}: {source}" if where else source
+    named = f"{where}{source}"
     if equal:
         log.warning(
             "%s: %d of %d times are equal to the time before; frames of one time are ordered %s",
             named, equal, len(times), given,
         )  # fmt: skip
-    in_time = TimeOrder(range(len(times)), f"by {source}", source, True)
-    if not len(back):
-        return in_time
     places = sorted(range(len(times)), key=times.__getitem__)
-    sorts = _is_plausible([times[place] for place in places], times, len(back), numbered)
-    if numbered or not sorts:
+    sorts = numbered is None or _is_plausible(places, times, len(back), numbered)
+    if len(back) and (numbered or not sorts):
         log.warning(
             "%s: ordered %s, the times go back %d times, first by %.6g s before frame %d; the "
             "frames are %s", named, given, len(back), -steps[back[0]], back[0] + 1,
             "sorted by time" if sorts else "not sorted by time, as their steps would not be even",
         )  # fmt: skip
     if sorts:
-        return replace(in_time, places=places)
-    return TimeOrder(in_time.places, f"{given} (the times go back: {source})", source)
+        return TimeOrder(places, f"by {source}", source)
+    return TimeOrder(range(len(times)), f"{given} (the times go back: {source})", source)
 
 
-def _is_plausible(
-    by_time: Sequence[float], times: Sequence[float], back: int, numbered: bool
-) -> bool:
+def _is_plausible(places: Sequence[int], times: Sequence[float], back: int, numbered: bool) -> bool:
     """Return whether sorting explains the times better than a clock that was set ``back``."""
-    uneven = irregular_steps(by_time)
-    if len(times) <= FEW:
-        return uneven == 0
+    uneven = irregular_steps([times[place] for place in places])
+    if not back or len(times) <= FEW:
+        return not back or uneven == 0
     against = RENUMBERED if numbered else 0
     return uneven + against < irregular_steps(times) + (SET_BACK - 1) * back
 

@@ -93,6 +93,10 @@ def time_in_name(name: str) -> float | None:
     return None
 
 
+def _time_match(name: str) -> re.Match[str] | None:
+    return _DATE.search(name) or _CLOCK.search(name) or _EPOCH.search(name)
+
+
 def _parts(match: re.Match[str]) -> tuple[str, str]:
     """Return whole seconds and their fraction, "0" without one, of an epoch in a name."""
     whole, fraction, counted, long = match.groups()
@@ -102,12 +106,8 @@ def _parts(match: re.Match[str]) -> tuple[str, str]:
 def seconds_in_names(names: Sequence[str]) -> list[float | None]:
     """Return the time in each name as ``time_in_name`` does, fractions as ``read_fractions``."""
     times = [time_in_name(name) for name in names]
-    found = [None if _DATE.search(name) or _CLOCK.search(name) else name for name in names]
-    parts = {
-        place: _parts(match)
-        for place, name in enumerate(found)
-        if name is not None and (match := _EPOCH.search(name)) is not None
-    }
+    matches = enumerate(map(_time_match, names))
+    parts = {place: _parts(match) for place, match in matches if match and match.re is _EPOCH}
     if len({len(part) for _, part in parts.values()}) > 1:
         wholes, fractions = zip(*parts.values(), strict=True)
         for place, value in zip(parts, read_fractions(wholes, fractions), strict=True):
@@ -148,8 +148,13 @@ def order_of(files: Sequence[Path], folder: Path, times: Sequence[float] | None)
         return TimeOrder(range(len(files)), BY_NUMBER)
     time_file = find_time_file(folder)
     source = time_file.name if time_file else "the times in the file names"
-    words = {re.sub(r"\d+", "", path.stem) for path in files}
-    return order_by_time(times, source, BY_NUMBER, numbered=len(words) == 1)
+    stems = [path.stem for path in files]
+    if not time_file:
+        found = map(_time_match, stems)
+        stems = [s.replace(m[0], "", 1) if m else s for s, m in zip(stems, found, strict=True)]
+    numbered = len({re.sub(r"\d+", "", stem) for stem in stems}) == 1
+    told = len(set(stems)) == len(stems)
+    return order_by_time(times, source, BY_NUMBER, numbered=numbered if told else None)
 
 
 def read_times(path: Path, names: Sequence[str]) -> list[float]:

@@ -103,37 +103,28 @@ class FrameBoxes:
 def with_one_name(found: Sequence[Sequence[FrameBoxes]]) -> list[list[FrameBoxes]]:
     """Give each object that has several names the most frequent of them, and warn of it.
 
-    A key tells its object whatever the class, in one file of many frames or in all files of one.
-    Keys that a frame has twice are numbered for each class, and keep their names.
+    A key tells its object whatever the class.  Keys that a frame has twice, as where each class or
+    file counts for itself, keep their names.
     """
-    joint = all(len(file) <= 1 for file in found)
-    names = [_frequent_names([part for file in found for part in file])] * len(found)
-    names = names if joint else list(map(_frequent_names, found))
-    return [
-        [
-            replace(part, boxes=tuple(
-                replace(figure, name=new.get(figure.key, figure.name)) for figure in part.boxes
-            ))
-            for part in file
-        ]
-        for file, new in zip(found, names, strict=True)
-    ]  # fmt: skip
-
-
-def _frequent_names(parts: Sequence[FrameBoxes]) -> dict[str, str]:
-    """Find the most frequent name of each object that has several."""
     names: dict[str, Counter[str]] = defaultdict(Counter)
-    repeated = {""}
-    for part in parts:
-        keys = Counter(figure.key for figure in part.boxes)
-        repeated |= {key for key, count in keys.items() if count > 1}
+    times: Counter[tuple[int | str | None, str]] = Counter()
+    for part in (part for file in found for part in file):
+        frame = part.frame if part.numbered else id(part)
+        times.update((frame, figure.key) for figure in part.boxes)
         for figure in part.boxes:
             names[figure.key][figure.name] += 1
+    repeated = {"", *(key for (_, key), count in times.items() if count > 1)}
     several = {k: n for k, n in names.items() if len(n) > 1 and k not in repeated}
     for key, counts in several.items():
         told = ", ".join(f"{name} in {count} frames" for name, count in counts.most_common())
         log.warning("object %s has several classes and is read as one object: %s", key, told)
-    return {key: counts.most_common(1)[0][0] for key, counts in several.items()}
+    new = {key: counts.most_common(1)[0][0] for key, counts in several.items()}
+
+    def renamed(part: FrameBoxes) -> FrameBoxes:
+        boxes = (replace(each, name=new.get(each.key, each.name)) for each in part.boxes)
+        return replace(part, boxes=tuple(boxes))
+
+    return [list(map(renamed, file)) for file in found]
 
 
 def in_metres(
