@@ -249,6 +249,13 @@ def _best_border(waiting: list[tuple[float, int, int]], version: Ints) -> tuple[
     return -1, 0.0
 
 
+@innermost
+def _copy(values: Floats, out: Floats) -> None:
+    """Write ``values`` to ``out``: an assignment would take 2 s longer to compile, by its error."""
+    for k in range(len(values)):
+        out[k] = values[k]
+
+
 @compiled
 def _merge(
     leaves: Floats,
@@ -262,7 +269,8 @@ def _merge(
     nodes = max(2 * count - 1, 0)
     parent, made = np.full(nodes, -1, np.int64), np.full(nodes, np.inf)
     total = np.empty((nodes, WIDTH))
-    total[:count] = leaves
+    for leaf in range(count):
+        _copy(leaves[leaf], total[leaf])
     borders = _borders_of(first_pairs, first_between, nodes)
     ends, version, fresh = borders.ends, borders.version, borders.fresh
     rows, scored = np.empty((most, FEATURES)), np.empty((most, 2), np.int64)
@@ -278,7 +286,7 @@ def _merge(
             pair_features(total[one], total[other], borders.between[b], area, work, row)
             odds = answer(model, row)
             if noted < most:
-                rows[noted] = row
+                _copy(row, rows[noted])
                 scored[noted, 0], scored[noted, 1] = one, other
                 noted += 1
             if not begun:
