@@ -45,12 +45,12 @@ $(STAMPS)/runtime: $(STAMPS)/nodejs pyproject.toml constraints.txt
 
 # Numba overlooks what changed in what a loop calls.
 $(STAMPS)/stale-loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*.py server/pointbrush/tracking/*/*.py server/pointbrush/selection/objects/*.py server/pointbrush/sequences/loops.py)
-	@find server/pointbrush \( -name '*.nb[ic]' -o -name pointbrush-loops.txt \) -delete
+	@find server/pointbrush \( -name '*.nb[ic]' -o -name 'pointbrush-loops*' \) -delete
 	@touch $@
 
-# A server compiles them beside the first page that is opened; tests would wait for them.
-$(STAMPS)/loops: $(STAMPS)/stale-loops
-	@echo "== compiling loops over points (a minute, once)"
+# A server compiles them while it runs, from `pointbrush demo` beside the sample; tests would wait.
+$(STAMPS)/loops: $(STAMPS)/stale-loops server/pointbrush/work/prepare.py server/pointbrush/work/compiling.py
+	@echo "== compiling loops over points (80 s of one core, once)"
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 

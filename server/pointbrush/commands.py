@@ -76,6 +76,7 @@ def demo(given: argparse.Namespace, settings: Settings) -> None:
     from pointbrush.web.server import run
 
     with _opened(given, settings) as workspace:
+        workspace.loops.begin()  # beside the sample, which takes one core
         if not any(
             manifest.source.startswith("sample") for manifest in workspace.library.manifests()
         ):

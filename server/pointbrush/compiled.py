@@ -7,14 +7,18 @@ where ``NUMBA_CACHE_DIR`` says, so that it is done once on a machine.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, ParamSpec, TypeVar, cast
 
 import numba
+from numba.core import event
 
 logger = logging.getLogger(__name__)
 P = ParamSpec("P")
 R = TypeVar("R")
+_made: list[Any] = []
+"""The loops of the modules that were imported: Numba's dispatchers."""
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
@@ -35,6 +39,27 @@ def innermost(function: Callable[P, R]) -> Callable[P, R]:
     return _compiled(function, _nrt=False)
 
 
+@contextmanager
+def each_compiled(call: Callable[[], None]) -> Iterator[None]:
+    """Call ``call`` after each function that is compiled in the block; its errors end the block."""
+
+    class Each(event.Listener):
+        def on_start(self, event: object) -> None:
+            pass
+
+        def on_end(self, event: object) -> None:  # noqa: ARG002 – Numba's interface
+            call()
+
+    with event.install_listener("numba:compile", Each()):
+        yield
+
+
+def share_compiled(packages: tuple[str, ...]) -> float:
+    """Return the share, 0 to 1, of the loops of some packages that this process has compiled."""
+    loops = [loop for loop in _made if loop.__module__.startswith(packages)]
+    return sum(bool(loop.overloads) for loop in loops) / max(len(loops), 1)
+
+
 def _compiled(function: Callable[P, R], **options: bool) -> Callable[P, R]:
     njit = cast(Callable[..., Any], numba.njit)
     try:
@@ -42,4 +67,5 @@ def _compiled(function: Callable[P, R], **options: bool) -> Callable[P, R]:
     except RuntimeError:  # no place to keep it
         logger.info("%s will be compiled by each process anew", function.__name__)
         made = njit(nogil=True, error_model="numpy", **options)(function)
+    _made.append(made)
     return cast(Callable[P, R], made)

@@ -46,6 +46,7 @@ from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing
+from pointbrush.work.loops import Loops
 from pointbrush.work.objects import Objects
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
@@ -115,8 +116,13 @@ class Workspace:
         )
         self.deletion = Deletion(self.library, self.labels, publish)
         self.listing = Listing(self.library, self.labels, self.imports, self.deletion)
+        self.loops = Loops(publish)
         self._objects = Objects(
-            self.labels, settings.workspace.absolute() / "objects", settings.selector, publish
+            self.labels,
+            settings.workspace.absolute() / "objects",
+            settings.selector,
+            publish,
+            lambda: self.loops.ensure("objects"),
         )
         self.strokes = Strokes(self.labels, self.recording, self._objects)
         self.annotations = Annotations(self.labels, self.recording)
@@ -142,6 +148,7 @@ class Workspace:
         """Cancel jobs or leave them to the next server, end worker processes and the database."""
         if Workspace.hooks.made(self):
             self.hooks.close()
+        self.loops.close()
         self._objects.close()
         self.imports.close()
         self.runner.close()

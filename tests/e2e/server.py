@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from io import BytesIO
 from multiprocessing.process import BaseProcess
@@ -28,12 +28,12 @@ from tests.waiting import PATIENCE
 TOKEN = "end-to-end-token-of-the-owner"
 
 
-def serve(workspace: Path, port: int, log: Path, token: str) -> None:
-    """Run the command with ``log`` for a screen."""
+def serve(workspace: Path, port: int, log: Path, added: Mapping[str, str]) -> None:
+    """Run the command with ``log`` for a screen and variables added to the environment."""
     # Few of these tests track: a worker that is made ready costs as much as all else of a server.
     web_server.expect_tracking = lambda _: None
     arguments = ["serve", "--workspace", str(workspace), "--port", str(port)]
-    run_here(arguments, os.environ | {"POINTBRUSH_TOKEN": token}, workspace.parent, log, log)
+    run_here(arguments, os.environ | added, workspace.parent, log, log)
 
 
 def complete(workspace: Path) -> None:
@@ -60,8 +60,9 @@ def _complete(workspace: Path) -> None:
 class LiveServer:
     """``pointbrush serve`` on one port; started, killed and started again."""
 
-    def __init__(self, workspace: Path) -> None:
+    def __init__(self, workspace: Path, **environment: str) -> None:
         self.workspace = workspace
+        self.environment = environment
         self.port = free_port()
         self.token = TOKEN
         self.log = workspace.parent / f"{workspace.name}.log"
@@ -77,7 +78,8 @@ class LiveServer:
         return f"{self.url}/?token={self.token}"
 
     def start(self) -> None:
-        how = (self.workspace, self.port, self.log, self.token)
+        added = {"POINTBRUSH_TOKEN": self.token, **self.environment}
+        how = (self.workspace, self.port, self.log, added)
         self._process = FORKSERVER.Process(target=serve, args=how)
         self._process.start()
         # One for all requests: its making reads the system's certificates.

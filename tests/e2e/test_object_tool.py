@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -71,6 +73,33 @@ def test_hover_shows_levels_a_click_takes_and_one_undo_takes_back(
     desk.until("(pb.labels()[1] ?? 0) === 0")
     desk.settled()
     assert painted(server, 0) == 0
+
+
+def test_while_its_loops_compile_the_tool_says_so_and_the_wheel_does_not_zoom(
+    browser: Browser, template: Path, tmp_path: Path, truth: Truth
+) -> None:
+    shutil.copytree(template, tmp_path / "workspace")
+    server = LiveServer(tmp_path / "workspace", NUMBA_CACHE_DIR=str(tmp_path / "loops"))
+    server.start()
+    try:
+        desk = launch(browser, server.page_url)
+        with_object_tool(desk, server)
+        desk.page.get_by_text(re.compile(r"Preparing the object tool: \d+ %")).wait_for()
+        desk.until("pb.state.compiling.value.get('objects') > 0")
+        eye = "pb.engine.viewer.camera.position.toArray()"
+        before = desk.ask(eye)
+        desk.page.mouse.move(*desk.place(truth(0, PERSON)))
+        desk.page.mouse.wheel(0, -300)
+        desk.page.wait_for_timeout(300)
+        assert desk.ask(eye) == before
+        assert desk.ask("pb.state.compiling.value.has('objects')")
+        desk.page.keyboard.down("Control")
+        desk.page.mouse.wheel(0, -300)
+        desk.page.keyboard.up("Control")
+        desk.until(f"{eye}.some((metres, axis) => metres !== {before}[axis])")
+        desk.context.close()
+    finally:
+        server.stop()
 
 
 def test_further_clicks_add_and_remove_and_stay_one_undo(

@@ -116,6 +116,7 @@ SERVER: list[m.Message] = [
         candidates=[m.Candidate(id="c0ffee", level=0, score=0.75, points=3, runs=bytes(8))],
     ),
     m.Prepared(sequence="juggling", frame=1),
+    m.Compiling(step="objects", share=0.25, seconds=None),
     m.StrokeResult(
         id="5f0c8a52-0b0e-4c0a-8a50-3a3f6a4d9f11",
         frame=1,

@@ -6,19 +6,21 @@ import subprocess
 import sys
 
 from pointbrush.compiled import compiled
+from pointbrush.work.compiling import STEPS
+from pointbrush.work.prepare import RUNS
 
 AFTER_PREPARING = """
 import gc
 from numba.core.dispatcher import Dispatcher
 from pointbrush.samples import generate
-from pointbrush.work.prepare import STEPS, select_object, track
+from pointbrush.work.prepare import RUNS, select_object, track
 
 def compiled_for():
     loops = [one for one in gc.get_objects() if isinstance(one, Dispatcher)]
     return {(one.py_func.__qualname__, args) for one in loops for args in one.overloads}
 
-for _, step in STEPS:
-    step()
+for step in RUNS.values():
+    step.run()
 before = compiled_for()
 track(generate("tabletop", 2, 3), "auto")
 select_object()
@@ -35,6 +37,10 @@ def test_after_preparing_no_run_waits_for_a_loop_to_be_compiled() -> None:
         [sys.executable, "-c", AFTER_PREPARING], capture_output=True, text=True, check=True
     )
     assert told.stdout == ""
+
+
+def test_each_step_has_its_work() -> None:
+    assert tuple(RUNS) == STEPS
 
 
 def test_where_nothing_can_be_kept_loops_are_compiled_all_the_same() -> None:

@@ -25,8 +25,10 @@ from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.system import shortages_in_words
+from pointbrush.work.compiling import Progress, StepName
 from pointbrush.work.events import (
     ClassesRenamed,
+    Compiling,
     Event,
     Prepared,
     Provisional,
@@ -44,6 +46,11 @@ READ_THREADS, EDIT_THREADS, LONG_THREADS = 4, 8, 2
 PRESENCE_HZ = 30.0
 AGAIN_SECONDS = 1.0
 """Pause before a job is told again that could not be, while the database was away."""
+
+
+def compiling(step: StepName, progress: Progress) -> bytes:
+    """Return the message about a step of compiling loops."""
+    return encode(messages.Compiling(step=step, share=progress.share, seconds=progress.seconds))
 
 
 class Hub:
@@ -229,12 +236,21 @@ class Hub:
         if isinstance(event, Job):
             await self._tell_all(event)
             return
+        if isinstance(event, Compiling):
+            message = compiling(event.step, event.progress)
+            for viewer in self.viewers:
+                viewer.outbox.reply(message)
+            return
         if isinstance(event, SequencesChanged):
             await self._sequence_changed(event.sequence)
             return
         room = self.rooms.get(event.sequence)
-        if room is None:
-            return
+        if room is not None:
+            await self._dispatch_in(room, event)
+
+    async def _dispatch_in(
+        self, room: Room, event: Commit | Prepared | Provisional | Retracted
+    ) -> None:
         if isinstance(event, Commit):
             await room.committed(event)
         elif isinstance(event, Prepared):

@@ -12,6 +12,7 @@ from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.viewer import Viewer
+from pointbrush.work.compiling import LOOK_SECONDS
 from pointbrush.work.objects import Answer
 
 
@@ -89,6 +90,8 @@ class Asker:
         """Answer until cancelled."""
         while True:
             await self._asked.wait()
+            while self._waits_for_loops():
+                await asyncio.sleep(LOOK_SECONDS)
             self._asked.clear()
             question, self._newest = self._newest, None
             if question is None:
@@ -100,6 +103,12 @@ class Asker:
                 self._viewer.refuse(error, question.id)
             else:
                 self._viewer.outbox.reply(encode(answer_message(question, answer)))
+
+    def _waits_for_loops(self) -> bool:
+        """Return whether the question is about an object, whose loops are being compiled."""
+        question = self._newest
+        about_object = question is not None and question.brush.shape == "object"
+        return about_object and "objects" in self._hub.workspace.loops.missing()
 
     def _answer(self, sequence: str, question: messages.Ask) -> Answer:
         fields = {

@@ -27,7 +27,7 @@ from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
-from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.hub import Hub, compiling
 from pointbrush.streaming.plan import Plan, PlayClock
 from pointbrush.streaming.requests import Asker, of_this_import, sequence_info
 from pointbrush.streaming.roles import MESSAGES
@@ -256,6 +256,8 @@ class ViewerSession(Viewer):
                 )
             )
         )
+        for step, progress in self.hub.workspace.loops.missing().items():
+            self.outbox.reply(compiling(step, progress))
 
     def _choose_name(self, name: str) -> None:
         """Show another name for who shares the server's own token; in a thread."""

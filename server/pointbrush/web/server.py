@@ -25,7 +25,6 @@ from pointbrush.web.log_limits import limit_lines
 from pointbrush.web.logs import FORMATS, log_events, write_json
 from pointbrush.web.tls import Certificate, certificate, fingerprint
 from pointbrush.web.websocket_protocol import WebSocketProtocol
-from pointbrush.work.compiling import are_compiled
 from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace
 
@@ -79,6 +78,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
         # so that the workspace is closed and its worker processes end.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     settle_memory()
+    workspace.loops.begin()
     expect_tracking(workspace)
     try:
         Server(config(app, settings, tls)).run([listener])
@@ -231,13 +231,7 @@ def give_large_blocks_back() -> None:
 
 
 def expect_tracking(workspace: Workspace, after: float = READY_AFTER) -> None:
-    """Have a worker begin some seconds ``after`` somebody first labels: tracking is mostly next.
-
-    At once, while the first page opens, where loops are still to be compiled.
-    """
-    if not are_compiled():
-        workspace.tracking.expect()
-        return
+    """Have a worker begin some seconds ``after`` somebody first labels: tracking is mostly next."""
 
     def labelled(event: Event) -> None:
         if isinstance(event, Commit):

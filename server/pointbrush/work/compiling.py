@@ -1,45 +1,135 @@
-"""The note that loops were compiled by Numba, once on a machine.
+"""Loops that Numba compiles once on a machine: by the step that first needs them, with progress.
 
-A note beside what was compiled tells for which versions; who changes a loop compiles it anew when
-it is first run.
+Beside the compiled loops each step has a file.  The process that compiles a step holds a lock on
+the file and writes its progress there; others wait, and go on when that process dies.  A loop that
+was changed is compiled when it is first run, whatever the files say.
 """
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
+import json
 import os
 import sys
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from typing import Literal, get_args
 
 import pointbrush
-from pointbrush.sequences.files import replace_file
 
+StepName = Literal["objects", "things", "people", "imports", "example", "paper"]
+"""Steps in the order of first use: the object tool, tracking of things and people, the others."""
+STEPS: tuple[StepName, ...] = get_args(StepName)
 PACKAGE = Path(pointbrush.__file__).parent
-NOTE = "pointbrush-loops.txt"
+NOTE = "pointbrush-loops-{}.json"
+RECORD_BYTES = 512
+LOOK_SECONDS = 0.2
+"""Time between two looks at a step that another process compiles."""
 
 
-def are_compiled() -> bool:
-    """Whether all loops were compiled; True as well where nobody can know."""
-    note = _note()
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a step: a share, 0 to 1, and the seconds that probably remain, None: unknown."""
+
+    share: float
+    seconds: float | None = None
+
+
+Report = Callable[[Progress], None]
+"""Gets the progress of the step that is waited for; its errors end the wait."""
+DONE = Progress(1.0, 0.0)
+
+
+def progress_of(step: StepName) -> Progress:
+    """Return the progress of a step on this machine; DONE as well where it cannot be known."""
+    if (path := _path(step)) is None:
+        return DONE
     try:
-        return note is None or note.read_text(encoding="utf-8") == _stamp()
-    except (OSError, ValueError):
-        return False
+        noted = json.loads(path.read_text(encoding="utf-8"))
+        if noted.pop("stamp") == _stamp():
+            return Progress(**noted)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        pass  # not begun, or just being written
+    return Progress(0.0)
 
 
-def note_compiled() -> None:
-    """Note that all loops were compiled."""
-    if (note := _note()) is not None:
-        note.parent.mkdir(exist_ok=True)
-        replace_file(note, _stamp().encode())
+def are_compiled(steps: Iterable[StepName] = STEPS) -> bool:
+    """Return whether the loops of some steps are compiled; True where that cannot be known."""
+    return all(progress_of(step).share >= 1 for step in steps)
 
 
-def _note() -> Path | None:
-    """Return the path of the note; None where compiled loops are kept in no place known here."""
-    if folder := os.environ.get("NUMBA_CACHE_DIR"):
-        return Path(folder) / NOTE
-    return PACKAGE / "__pycache__" / NOTE if os.access(PACKAGE, os.W_OK) else None
+def ensure_compiled(steps: Iterable[StepName], report: Report = lambda _: None) -> None:
+    """Have the loops of some steps compiled, in order, by this process or another, and wait.
+
+    Raises the errors of ``report``; then another process can go on.
+    """
+    for step in steps:
+        while not are_compiled([step]):
+            if not _compile(step, report):
+                report(progress_of(step))
+                time.sleep(LOOK_SECONDS)
+
+
+def _compile(step: StepName, report: Report) -> bool:
+    """Compile the loops of a step unless another process does, which returns False."""
+    with hold(step) as note:
+        if note is None:
+            return False
+        if not are_compiled([step]):
+            from pointbrush.work.prepare import run_step  # imports all that has loops
+
+            def on_progress(progress: Progress) -> None:
+                note(progress)
+                report(progress)
+
+            run_step(step, on_progress)
+            note(DONE)
+    return True
+
+
+@contextlib.contextmanager
+def hold(step: StepName) -> Iterator[Report | None]:
+    """Hold a step and yield what notes its progress; None where another process holds it."""
+    path = _path(step)
+    assert path is not None  # noqa: S101 – without a path every step counts as compiled
+    with os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield None
+            return
+
+        def note(progress: Progress) -> None:
+            record = json.dumps({"stamp": _stamp(), **asdict(progress)})
+            # In one piece and of one length: readers see the last record or this one.
+            os.pwrite(file.fileno(), record.ljust(RECORD_BYTES).encode(), 0)
+
+        yield note
+
+
+def _path(step: StepName) -> Path | None:
+    """Return the path of a step's file; None where compiled loops are kept in no place known."""
+    folder = _folder(os.environ.get("NUMBA_CACHE_DIR", ""))
+    return None if folder is None else folder / NOTE.format(step)
+
+
+@cache
+def _folder(named: str) -> Path | None:
+    folder = Path(named) if named else PACKAGE / "__pycache__"
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder if os.access(folder, os.W_OK) else None
 
 
 def _stamp() -> str:
-    return f"{pointbrush.__version__} {version('numba')} {sys.version}"
+    return f"{pointbrush.__version__} {_numba()} {sys.version}"
+
+
+@cache
+def _numba() -> str:
+    return version("numba")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.job import Job
 from pointbrush.labels import Commit
+from pointbrush.work.compiling import Progress, StepName
 
 if TYPE_CHECKING:
     from pointbrush.tracking import FrameResult
@@ -60,7 +61,24 @@ class ClassesRenamed:
     sequence: str
 
 
-Event = ClassesRenamed | Commit | Job | Prepared | Provisional | Retracted | SequencesChanged
+@dataclass(frozen=True)
+class Compiling:
+    """A step of compiling loops advanced, or is done (share 1)."""
+
+    step: StepName
+    progress: Progress
+
+
+Event = (
+    ClassesRenamed
+    | Commit
+    | Compiling
+    | Job
+    | Prepared
+    | Provisional
+    | Retracted
+    | SequencesChanged
+)
 
 
 class Listeners:

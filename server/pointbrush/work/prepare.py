@@ -5,7 +5,8 @@ python -m pointbrush.work.prepare
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,6 +19,7 @@ from pointbrush.classify.features import ExampleFrame, describe, scale_of
 from pointbrush.classify.forest import learn, probabilities
 from pointbrush.classify.options import FeatureOptions, ForestOptions
 from pointbrush.classify.smoothing import smoothed, voted
+from pointbrush.compiled import each_compiled, share_compiled
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
 from pointbrush.selection.objects import ObjectFrame, candidates
@@ -31,13 +33,12 @@ from pointbrush.sequences.octree.packed import PACKED
 from pointbrush.sequences.octree.rows import Part
 from pointbrush.sequences.octree.segment import encode_cube
 from pointbrush.tracking import METHODS, Seed, TrackOptions
-from pointbrush.work.compiling import are_compiled, note_compiled
-
-Report = Callable[[float, str], None]
-"""Gets the share of 1 that is done, and a message."""
+from pointbrush.work.compiling import STEPS, Progress, Report, StepName, ensure_compiled
 
 FRAMES = 5
 """Frames of a juggler and their pins: seconds of work in which nearly every loop has its turn."""
+STEADY_SECONDS = 4.0
+"""Work at the expected pace that an estimate has seen before the first loop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,16 +146,16 @@ def track(recording: Recording, method: str, moved: float = 0.0, leaves: int = 0
         pass
 
 
-def track_people() -> None:
-    """Track a juggler and pins, and a person who leaves."""
-    track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
-    track(generate("walking", 1, 2), "auto", leaves=1)
-
-
 def track_things() -> None:
-    """Track what is moved on a table, and from a sensor that moves."""
+    """Track what is moved on a table."""
     track(generate("tabletop", 1, 3), "auto")
+
+
+def track_people() -> None:
+    """Track a juggler and pins, also from a sensor that moves, and a person who leaves."""
+    track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
     track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
+    track(generate("walking", 1, 2), "auto", leaves=1)
 
 
 def track_by_paper() -> None:
@@ -163,27 +164,48 @@ def track_by_paper() -> None:
         track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
 
 
-STEPS = (
-    ("import", encode),
-    ("object selection", select_object),
-    ("labels by example", label_by_example),
-    ("tracking of people", track_people),
-    ("tracking of things", track_things),
-    ("tracking by ICP", track_by_paper),
-)
+@dataclass(frozen=True)
+class Step:
+    """Work that compiles loops, those of ``packages`` among them.
+
+    ``seconds``: processor time that it takes on a machine of 2020, where steps before it are done;
+    estimates begin with it.
+    """
+
+    run: Callable[[], None]
+    packages: tuple[str, ...]
+    seconds: float
 
 
-def compile_loops(report: Report) -> None:
-    """Compile the loops, unless that was done; ``report`` gets shares of 1 and a message."""
-    if are_compiled():
-        return
-    for number, (name, step) in enumerate(STEPS):
-        report(number / len(STEPS), f"compiling loops, once on this machine: {name}")
-        step()
-    note_compiled()
+RUNS: Mapping[StepName, Step] = {
+    "objects": Step(select_object, ("pointbrush.selection.objects",), 17),
+    "things": Step(track_things, ("pointbrush.tracking",), 36),
+    "people": Step(track_people, ("pointbrush.tracking",), 9),
+    "imports": Step(encode, ("pointbrush.sequences",), 14),
+    "example": Step(label_by_example, ("pointbrush.classify",), 9),
+    "paper": Step(track_by_paper, ("pointbrush.tracking",), 4),
+}
+
+
+def run_step(name: StepName, report: Report) -> None:
+    """Compile the loops of a step; ``report`` gets its progress, and may end it by an error."""
+    step, begun, share = RUNS[name], time.perf_counter(), 0.0
+
+    def tell() -> None:
+        nonlocal share  # modules that are imported late add loops to be compiled
+        share = max(share, share_compiled(step.packages))
+        report(estimate(share, time.perf_counter() - begun, step.seconds))
+
+    tell()
+    with each_compiled(tell):
+        step.run()
+
+
+def estimate(share: float, elapsed: float, expected: float) -> Progress:
+    """Return the progress of a step whose ``share`` took ``elapsed`` of ``expected`` seconds."""
+    pace = (elapsed + STEADY_SECONDS) / (share * expected + STEADY_SECONDS)
+    return Progress(share, (1 - share) * expected * pace)
 
 
 if __name__ == "__main__":
-    for _, step in STEPS:
-        step()
-    note_compiled()
+    ensure_compiled(STEPS)

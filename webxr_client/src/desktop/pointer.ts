@@ -266,7 +266,7 @@ export class DeskPointer {
     this.aim.place(event);
     const notches = -event.deltaY / (event.deltaMode === 0 ? 100 : 3);
     if (event.altKey && scrollClip(Math.sign(notches))) return;
-    // The wheel is the object's while it shows one; with Ctrl it brings closer.
+    // The wheel is the object's while it shows one or waits for it; with Ctrl it brings closer.
     if (this.clicksObjects() && !event.ctrlKey && this.turnLevels(notches)) return;
     const notch = event.ctrlKey && !event.metaKey && Math.abs(event.deltaY) >= 50;
     if (notch && !this.clicksObjects()) {
@@ -276,13 +276,13 @@ export class DeskPointer {
     this.zoom(event.ctrlKey ? notches * 4 : notches);
   }
 
-  /** A touchpad sends parts of a notch: they add up. */
+  /** Whether the object tool takes the wheel; a touchpad sends parts of a notch: they add up. */
   private turnLevels(notches: number): boolean {
     this.turned += notches;
     const levels = Math.trunc(this.turned);
     const shows = this.deps.objects.step(levels);
     this.turned = shows ? this.turned - levels : 0;
-    return shows;
+    return shows || this.deps.objects.waits;
   }
 
   // ── strokes ────────────────────────────────────────────────────────────────────────────────

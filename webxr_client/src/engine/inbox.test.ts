@@ -1,6 +1,12 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../store/actions';
-import type { Error as ErrorMessage, Job, SequenceInfo } from '../protocol/messages';
+import type {
+  Compiling,
+  Error as ErrorMessage,
+  Job,
+  SequenceInfo,
+  Welcome,
+} from '../protocol/messages';
 import {
   canCancel,
   canEdit,
@@ -49,6 +55,30 @@ describe('a recording that somebody deletes', () => {
     inbox.receive({ t: 'message', message: closed('other') });
     expect(closeSequence).not.toHaveBeenCalled();
     expect(refreshSequences).toHaveBeenCalledOnce();
+  });
+});
+
+describe('loops that the server compiles', () => {
+  it('are known until they are done, or another server answers', () => {
+    const deps = { objects: { restart: vi.fn() }, regions: { leave: vi.fn() } };
+    const following = { clear: vi.fn() };
+    const inbox = new Inbox({
+      ...deps,
+      following,
+      opening: new Promise(() => {}),
+    } as unknown as InboxDeps);
+    const on = (step: Compiling['step'], share: number): void =>
+      inbox.receive({ t: 'message', message: { type: 'compiling', step, share, seconds: null } });
+    on('objects', 0.5);
+    on('things', 0);
+    expect([...state.compiling.value]).toEqual([
+      ['objects', 0.5],
+      ['things', 0],
+    ]);
+    on('objects', 1);
+    expect([...state.compiling.value.keys()]).toEqual(['things']);
+    inbox.receive({ t: 'message', message: { type: 'welcome' } as Welcome });
+    expect(state.compiling.value.size).toBe(0);
   });
 });
 

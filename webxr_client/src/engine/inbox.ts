@@ -7,6 +7,7 @@ import { firstOf } from '../net/early';
 import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type {
+  Compiling,
   Error as ErrorMessage,
   Job,
   SequenceInfo,
@@ -72,6 +73,7 @@ export class Inbox {
     prepared: ({ sequence, frame }) => {
       if (isOpen(sequence)) this.deps.objects.onPrepared(frame);
     },
+    compiling: takeCompiling,
     job: (message) => this.takeJob(message),
     presence: takePresence,
     error: (message) => this.takeError(message),
@@ -126,6 +128,7 @@ export class Inbox {
   }
 
   private welcome({ viewer, author, account, role, version }: Welcome): void {
+    state.compiling.value = new Map();
     state.me.value = { viewer, author, account, role, serverVersion: version };
     this.deps.objects.restart();
     this.deps.regions.leave();
@@ -241,6 +244,13 @@ function tellRun(job: Extract<PlainMessage, { type: 'job' }>): number | null {
 /** Say in words what a stopped job leaves. */
 function kept(job: Extract<PlainMessage, { type: 'job' }>): string {
   return job.kind === 'tracking' ? job.message : '';
+}
+
+function takeCompiling({ step, share }: Compiling): void {
+  const steps = new Map(state.compiling.peek());
+  if (share < 1) steps.set(step, share);
+  else steps.delete(step);
+  state.compiling.value = steps;
 }
 
 function takePresence(message: ServerPresence): void {

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'bd0676461d6d';
+export const SCHEMA_HASH = 'fae8b1d77873';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -337,6 +337,19 @@ export interface Chunk {
 }
 
 /**
+ * Progress of a step of compiling loops, which a server does once on its machine.
+ *
+ * Sent after ``welcome`` for each step that is not done, and at each hundredth; with ``share`` 1
+ * a step is done.  Questions about objects wait for ``objects``, tracking runs for ``things``.
+ */
+export interface Compiling {
+  type: 'compiling';
+  step: 'objects' | 'things' | 'people' | 'imports' | 'example' | 'paper';
+  share: number;
+  seconds: number | null;
+}
+
+/**
  * Chunks of a frame as parts of a depth image, instead of ``frame``; same chunk numbers.
  *
  * Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks before
@@ -654,6 +667,7 @@ export type ServerMessage =
   | StrokeResult
   | Candidates
   | Prepared
+  | Compiling
   | Labels
   | Timeline
   | Boxes

@@ -6,7 +6,7 @@
  * Read with `.value` in components (they re-render), with `peek` (`watch.ts`) in render loops.
  */
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
-import type { Job, Label, SequenceInfo } from '../protocol/messages';
+import type { Compiling, Job, Label, SequenceInfo } from '../protocol/messages';
 import type {
   Connection,
   Me,
@@ -116,6 +116,8 @@ export const state = {
   }),
 
   jobs: signal<readonly Job[]>([]),
+  /** Steps of compiling that the server is at, once on its machine, and their shares, 0..1. */
+  compiling: signal<ReadonlyMap<Compiling['step'], number>>(new Map()),
   uploads: signal<readonly Upload[]>([]),
   /** Files that wait to be imported; null when there are none. */
   importing: signal<ImportDraft | null>(null),

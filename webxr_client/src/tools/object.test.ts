@@ -1,10 +1,11 @@
-import { describe, expect, it, vi } from 'vitest';
+import { afterEach, describe, expect, it, vi } from 'vitest';
 import { PREVIEW } from '../cloud/picture/palette';
 import { frameOf, wall } from '../cloud/points/testing';
 import { state } from '../store/state';
 import type { Ask, Brush, Candidates, ClientMessage } from '../protocol/messages';
 import { numbersOf } from '../protocol/codec';
 import { ObjectTool } from './object';
+import { preparation } from './preparation';
 import { Strokes } from './strokes';
 
 const brush: Brush = { label: 2, tool: 'paint', shape: 'object' };
@@ -47,6 +48,34 @@ function answer(ask: Ask, sizes: number[], first = 0, ready = true): Candidates 
 }
 
 describe('the object tool', () => {
+  afterEach(() => {
+    state.connection.value = { ...state.connection.value, state: 'connecting' };
+    state.compiling.value = new Map();
+  });
+
+  it('says how far it is prepared, and waits until then', () => {
+    const { tool } = setUp();
+    state.connection.value = { ...state.connection.value, state: 'online' };
+    expect([preparation(), tool.waits]).toEqual([null, false]);
+    state.compiling.value = new Map([['things', 0.2]]);
+    expect([preparation(), tool.waits]).toEqual([null, false]);
+    state.compiling.value = new Map([['objects', 0.609]]);
+    expect([preparation(), tool.waits]).toEqual(['Preparing the object tool: 60 %', true]);
+  });
+
+  it('waits for the first answer, unless the link is down', () => {
+    const { tool, asks } = setUp();
+    state.connection.value = { ...state.connection.value, state: 'online' };
+    tool.hover(at(0.1));
+    expect(tool.waits).toBe(true);
+    state.connection.value = { ...state.connection.value, state: 'offline' };
+    expect(tool.waits).toBe(false);
+    state.connection.value = { ...state.connection.value, state: 'online' };
+    tool.onCandidates(answer(asks()[0]!, []));
+    tool.hover(at(0.3));
+    expect(tool.waits).toBe(false);
+  });
+
   it('shows what a click would take, and walks through the levels at once', () => {
     const { frame, tool, asks } = setUp();
     tool.hover(at(0.1));

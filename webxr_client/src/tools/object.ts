@@ -10,6 +10,7 @@ import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/
 import { numbersOf } from '../protocol/codec';
 import { state } from '../store/state';
 import { sourceSample } from './path';
+import { preparation } from './preparation';
 import { mostLike, samePlace } from './likeness';
 import type { Strokes } from './strokes';
 
@@ -168,6 +169,12 @@ export class ObjectTool {
   /** Whether something is taken or offered that Escape would end. */
   get active(): boolean {
     return this.taken !== null || this.offer?.question.purpose === 'complete';
+  }
+
+  /** Whether levels are still to come: the wheel, which walks through them, does nothing else. */
+  get waits(): boolean {
+    if (state.connection.peek().state !== 'online') return false;
+    return preparation() !== null || (this.asked !== null && this.offer === null);
   }
 
   /** No more clicks belong to what was taken. */
@@ -362,19 +369,15 @@ export class ObjectTool {
 
   private tell(): void {
     const { offer } = this;
-    if (!offer || offer.candidates.length === 0) {
-      state.object.value = offer
-        ? { levels: 0, level: 0, points: 0, ready: offer.ready, taken: false, completes: false }
-        : null;
-      return;
-    }
-    state.object.value = {
+    const shown = offer?.candidates[offer.level];
+    const taken = this.taken !== null;
+    state.object.value = offer && {
       levels: offer.candidates.length,
       level: offer.level,
-      points: offer.candidates[offer.level]!.indices.length,
+      points: shown?.indices.length ?? 0,
       ready: offer.ready,
-      taken: this.taken !== null,
-      completes: offer.question.purpose === 'complete' && this.taken === null,
+      taken: shown !== undefined && taken,
+      completes: shown !== undefined && offer.question.purpose === 'complete' && !taken,
     };
   }
 

@@ -23,9 +23,11 @@ from pointbrush.streaming.messages.values import (
     Message,
     Pose,
     Role,
+    Share,
     Uuid,
     Vec3,
 )
+from pointbrush.work.compiling import StepName
 
 
 class Welcome(Message):
@@ -189,6 +191,20 @@ class Prepared(Message):
     frame: FrameIndex
 
 
+class Compiling(Message):
+    """Progress of a step of compiling loops, which a server does once on its machine.
+
+    Sent after ``welcome`` for each step that is not done, and at each hundredth; with ``share`` 1
+    a step is done.  Questions about objects wait for ``objects``, tracking runs for ``things``.
+    """
+
+    type: Literal["compiling"] = "compiling"
+    step: StepName
+    share: Share
+    seconds: float | None
+    """Time that probably remains; null: the step has not begun."""
+
+
 class Labels(Message):
     """The whole palette, and the number of points of each label in all frames."""
 
@@ -292,6 +308,7 @@ ServerMessage = Annotated[
     | StrokeResult
     | Candidates
     | Prepared
+    | Compiling
     | Labels
     | Timeline
     | Boxes

@@ -75,6 +75,7 @@ class Label(Message):
     visible: bool
 
 
+Share = Annotated[float, Field(ge=0, le=1)]
 AttributeName = Annotated[str, Field(min_length=1, max_length=NAME_LIMIT)]
 AttributeValue = Annotated[str, Field(max_length=TEXT_LIMIT)] | Finite | bool
 BoxId = Annotated[int, Field(ge=1, lt=2**31)]
@@ -88,7 +89,7 @@ class BoxPose(Message):
     quaternion: Quaternion
     """x, y, z, w: from the box's axes (x forward, y left, z up) to the axes of the frame."""
     provenance: BoxProvenance
-    confidence: Annotated[float, Field(ge=0, le=1)]
+    confidence: Share
     attributes: dict[AttributeName, AttributeValue]
 
 

@@ -22,6 +22,7 @@ from pointbrush.selection.selectors import StoredSelector, make_selector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.compiling import ensure_compiled
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import object_frame
 from pointbrush.worker import local_processes
@@ -178,6 +179,7 @@ class Preparer:
 
 def prepare_file(files: RecordingFiles, frame: int, name: str, target: Path) -> bool:
     """Prepare a frame and write its state; runs in a worker process."""
+    ensure_compiled(["objects"])
     selector, recording = make_selector(name), open_sequence(files)
     assert isinstance(selector, StoredSelector)  # noqa: S101 – others stay in the server
     state = selector.prepare(object_frame(recording[frame], recording.manifest))

@@ -152,15 +152,21 @@ class Objects:
         folder: Path,
         selector: str,
         publish: Callable[[Prepared], None],
+        compile_loops: Callable[[], None],
         options: ObjectOptions | None = None,
     ) -> None:
-        """Prepared frames are kept in ``folder``.  Raises BadInputError for an unknown selector."""
+        """Prepared frames are kept in ``folder``; ``compile_loops`` waits until loops can run.
+
+        Raises BadInputError for an unknown selector.
+        """
         self._options = options or ObjectOptions()
         self._options.check()
         self._store, self._name = store, selector
         self._offers: OrderedDict[str, _Offer] = OrderedDict()
         self._lock = threading.Lock()
-        self._states = States(Selectors.parse(selector), folder, publish, self._options)
+        self._states = States(
+            Selectors.parse(selector), folder, publish, compile_loops, self._options
+        )
 
     def close(self) -> None:
         """Stop preparing."""

@@ -53,10 +53,12 @@ class States:
         selectors: Selectors,
         folder: Path,
         publish: Callable[[Prepared], None],
+        compile_loops: Callable[[], None],
         options: ObjectOptions,
     ) -> None:
-        """Prepared frames are kept in ``folder``."""
+        """Prepared frames are kept in ``folder``; ``compile_loops`` waits until they can run."""
         self._selectors, self._publish, self._options = selectors, publish, options
+        self._compile = compile_loops
         self._files = StateFiles(folder, options.disk_bytes)
         self._states: Cache[tuple[str, int], Any] = Cache(options.memory_bytes)
         self._near: OrderedDict[tuple[str, int, bytes], _Near] = OrderedDict()
@@ -85,8 +87,10 @@ class States:
     ) -> Found:
         """Return the regions of clicks at places (K, 3), (L, 3), local metres.
 
+        Waits until the loops are compiled.
         Raises StateLostError when the selector has forgotten the frame, which is prepared anew.
         """
+        self._compile()
         selector = self._selectors.of(recording.manifest.id).selector
         state = self._state(recording, frame)
         try:

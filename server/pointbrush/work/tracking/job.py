@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
@@ -24,11 +24,13 @@ from pointbrush.tracking import (
     TrackState,
 )
 from pointbrush.tracking.permissions import FEWEST
-from pointbrush.work.compiling import are_compiled
+from pointbrush.work.compiling import Progress, StepName, ensure_compiled
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.worker import Channel
 
+LOOPS: tuple[StepName, ...] = ("things",)
+"""Steps of compiling that a run waits for; the few further loops of people are compiled as met."""
 LEAD = 20
 """Frames before a run's start that a method may learn from."""
 UNSURE = 0.5
@@ -54,7 +56,7 @@ class TrackingWork:
         """Track frame by frame from ``start`` to ``stop``, either way."""
         chosen = self.chosen
         if chosen.method == "auto":  # the others have few loops, which are compiled as they are met
-            _compile(lambda message: channel.progress(0.0, message))
+            ensure_compiled(LOOPS, lambda now: channel.progress(0.0, preparation(now)))
         recording = open_sequence(self.files)
         store = LabelStore(self.database)
         try:
@@ -183,17 +185,14 @@ def require_method(method: str) -> None:
 
 
 def load_default_method() -> None:
-    """Compile and import what a run needs: a worker's first run would wait for it."""
-    _compile(lambda _message: None)
+    """Import the modules that a run needs: a worker's first run would wait for them."""
     METHODS["auto"]()
 
 
-def _compile(report: Callable[[str], None]) -> None:
-    """Compile the loops of a run, unless that was done; ``report`` gets a message at each step."""
-    if not are_compiled():
-        from pointbrush.work.prepare import compile_loops  # imports all that has loops
-
-        compile_loops(lambda _share, message: report(message))
+def preparation(progress: Progress) -> str:
+    """Return the message of a run that waits for loops."""
+    left = "" if progress.seconds is None else f": {max(1, round(progress.seconds))} s remain"
+    return f"preparing, once on this machine{left}"
 
 
 @dataclass

@@ -75,7 +75,7 @@ function Running({ job, about }: { job: Job; about: string }) {
         <span class="soft name">
           {job.state === 'queued' ? `waiting for its turn · ${about}` : about}
         </span>
-        <span class="number">{Math.round(job.progress * 100)} %</span>
+        {job.progress > 0 && <span class="number">{Math.round(job.progress * 100)} %</span>}
       </div>
       <Progress share={job.progress} label={TITLE[job.kind]} />
       {canCancel(job) && (

@@ -1,6 +1,7 @@
 /** Over the canvas, at the bottom: what the object tool offers, and what one can do with it. */
 import { actions } from '../../store/actions';
 import { isStroke, state, trackingJob, type ObjectView } from '../../store/state';
+import { preparation } from '../../tools/preparation';
 import { deskWay } from '../../tools/ways';
 import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
@@ -19,9 +20,19 @@ export function ObjectBar() {
     <div class="object-bar" role="status">
       <Icon name="object" />
       {offers && <Offer object={object} />}
-      {!offers && <span>{object ? NOTHING : POINT}</span>}
+      {!offers && <Hint object={object} />}
       {object?.ready === false && <NotReady />}
     </div>
+  );
+}
+
+function Hint({ object }: { object: ObjectView | null }) {
+  const waits = preparation();
+  if (waits === null) return <span>{object ? NOTHING : POINT}</span>;
+  return (
+    <span>
+      <span class="spinner small" /> {waits}
+    </span>
   );
 }
 

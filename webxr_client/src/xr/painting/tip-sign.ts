@@ -7,6 +7,8 @@ import type { Rig } from '../moving/rig';
 import { Sign } from '../drawing/sign';
 import { SIZES } from '../drawing/sizes';
 import { follow } from '../../store/watch';
+import { preparation } from '../../tools/preparation';
+import { roomWay } from '../../tools/ways';
 
 /** Milliseconds for which a new label's name is shown. */
 const LABEL_MS = 1500;
@@ -57,7 +59,7 @@ export class TipSign {
 /** Text of what is offered, in at most three lines; empty when there is nothing. */
 export function objectText(): string {
   const view = state.object.value;
-  if (!view) return '';
+  if (!view) return roomWay().samples === 'clicks' ? (preparation() ?? '') : '';
   const lines = [];
   if (view.levels > 0) {
     lines.push(`${view.level + 1} of ${view.levels} · ${shortCount(view.points)} points`);

@@ -66,8 +66,9 @@ function drawRun(row: Row, job: Job): void {
   row.button(12.5, { text: 'Stop and keep', icon: 'check', strong: true }, () => {
     void actions.cancelJob(job.id, true);
   });
-  row.bar(job.progress);
-  row.say(`Tracking ${Math.round(job.progress * 100)} %`);
+  if (job.progress > 0) row.bar(job.progress);
+  const waits = job.progress === 0 && job.message;
+  row.say(waits || `Tracking ${Math.round(job.progress * 100)} %`);
 }
 
 /**
