@@ -18,7 +18,7 @@ BY_FILE := -n 3 --dist loadfile --no-loadscope-reorder --ignore tests/release
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick quickest checks lint types check-page unit measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
+.PHONY: demo serve test quick quickest checks lint types check-page unit kernel measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
 demo:  ## sample recording in a browser, on loopback
@@ -104,12 +104,13 @@ box-readers: $(STAMPS)/dev  ## read exported boxes anew by nuscenes-devkit and a
 CHECKS := types check-page lint
 
 # Set-up and checks go side by side as far as they can: some wait for the network, some compute.
-# The two parts of the tests go one after the other: pages that share two cores with two other
+# The parts of the tests go one after the other: pages that share two cores with two other
 # runners miss their deadlines.
 test:  ## every check and every test; the runner's line comes last
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 system $(STAMPS)/dev
 	@$(MAKE) --no-print-directory --output-sync --jobs 3 $(STAMPS)/loops $(PAGE) $(CHECKS)
 	@$(MAKE) --no-print-directory unit
+	@$(MAKE) --no-print-directory kernel
 	@$(MAKE) --no-print-directory e2e
 
 quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the quickest tests of each folder, for each save
@@ -145,6 +146,12 @@ check-page: $(STAMPS)/node $(STAMPS)/dev
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@echo "== pytest: Python and services"
 	@$(PYTEST) $(BY_FILE) --ignore tests/e2e $(MEASURE)
+
+# Kernels sum in an order of their own: what a rounding can change shows under another one.
+kernel: $(STAMPS)/dev $(STAMPS)/loops  ## the tests of geometry with the BLAS kernel of an older processor
+	@echo "== pytest: samples, selection and tracking, BLAS kernel Nehalem"
+	@OPENBLAS_CORETYPE=Nehalem $(PYTEST) $(BY_FILE) tests/samples tests/selection tests/tracking \
+	  --ignore tests/samples/test_reproducible.py
 
 measure:  ## unit, noting how long each file takes: which begin first, and which `make quick` runs
 	@$(MAKE) --no-print-directory unit MEASURE=--measure
