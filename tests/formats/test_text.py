@@ -55,6 +55,18 @@ def test_columns_by_number_and_content(tmp_path, name, line, rgb, intensity):
     assert (None if frame.intensity is None else frame.intensity[0]) == intensity
 
 
+@pytest.mark.parametrize("counts", [(2, 1), (1, 0, 3), (0, 2)])
+def test_points_of_all_scans_of_a_file_are_read(tmp_path: Path, counts: tuple[int, ...]) -> None:
+    scans = [
+        "".join([f"{count}\r\n", *(f"{k} {i} 3 -800 52 70 64\r\n" for i in range(count))])
+        for k, count in enumerate(counts)
+    ]
+    frame = one(tmp_path / "two.pts", "".join(scans))
+    wanted = [[k, i, 3] for k, count in enumerate(counts) for i in range(count)]
+    assert frame.xyz.tolist() == wanted
+    assert set(frame.intensity) == {-800}
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -66,6 +78,7 @@ def test_columns_by_number_and_content(tmp_path, name, line, rgb, intensity):
         ("1 2 3\n4 5 six\n", "line 2: expected a number, got another word"),
         ("x,y,z\n1,2,3,4\n", "header says"),
         ("3\n1 2 3\n4 5 6\n", "3 points"),
+        ("1\n1 2 3\n2\n4 5 6\n", "2 points as line 3 says, got 1"),
         ("1 2 nan\n", "first at point 0"),
         ("x y z label\n1 2 3 0.5\n", "whole labels"),
     ],

@@ -166,24 +166,22 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
     ``chosen`` wins over what they seem to say.
     """
     header: list[str] | None = None
-    claimed: tuple[int, int] | None = None
+    counted: list[int] = []
     left = numbers
     separator: str | None = None
     while left:
         line = lines[left[0]]
         separator = chosen.separator if chosen.delimiter else _separator(line)
         words = _words(line, separator)
-        if len(words) == 1 and words[0].isascii() and words[0].isdigit() and not claimed:
-            claimed = int(words[0][:18]), left[0] + 1
+        if _is_count(line) and not counted:
+            counted = left[:1]
         elif header is None and _is_header(words):
             header = [word.strip().strip("\"'") for word in words]
         else:
             break
         left = left[1:]
-    if claimed is not None and claimed[0] != len(left):
-        raise BadInputError(
-            f"{name}: expected {claimed[0]} points as line {claimed[1]} says, got {len(left)}"
-        )
+    if counted:
+        left = _rows_of_scans(name, lines, counted + left)
     named = bool(chosen.columns) or header is None or {"x", "y", "z"} <= set(roles(header))
     if not named:
         raise BadInputError(
@@ -195,6 +193,29 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
     if comma is None:
         comma = separator != "," and any(_COMMA.fullmatch(word) for word in sample)
     return Layout(separator, comma, header, left)
+
+
+def _is_count(line: str) -> bool:
+    """Return whether a line is a number of points (PTS)."""
+    word = line.strip()
+    return word.isascii() and word.isdigit()
+
+
+def _rows_of_scans(name: str, lines: list[str], left: list[int]) -> list[int]:
+    """Return the rows of scans that follow each other, each after a line with its count.
+
+    Raises BadInputError for a scan with another number of points than its count.
+    """
+    starts = [i for i, row in enumerate(left) if _is_count(lines[row])]
+    rows: list[int] = []
+    for start, end in zip(starts, [*starts[1:], len(left)], strict=True):
+        claimed, scan = int(lines[left[start]].strip()[:18]), left[start + 1 : end]
+        if claimed != len(scan):
+            raise BadInputError(
+                f"{name}: expected {claimed} points as line {left[start] + 1} says, got {len(scan)}"
+            )
+        rows += scan
+    return rows
 
 
 def _separator(line: str) -> str | None:
