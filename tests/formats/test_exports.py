@@ -119,6 +119,16 @@ def test_near_coordinates_and_poses_stay_as_they_are_in_semantickitti(tmp_path):
     assert frame.pose.tolist() == np.eye(4).tolist()
 
 
+@pytest.mark.parametrize("place", [0, 5e6])
+def test_a_frame_without_a_pose_keeps_none_in_semantickitti(tmp_path, place):
+    zeros = np.zeros(9, np.uint16), np.zeros(9, np.uint8), np.zeros(9, bool)
+    xyz = np.random.default_rng(0).normal(size=(9, 3)) + place
+    poses = [np.eye(4), None, np.diag([-1.0, -1.0, 1.0, 1.0])]
+    written = [LabeledFrame(k, PointFrame(xyz, pose=p), *zeros) for k, p in enumerate(poses)]
+    export("semantickitti", written, PALETTE, tmp_path / "out")
+    assert [frame.pose is None for frame in read(tmp_path / "out")] == [False, True, False]
+
+
 @given(st.lists(st.tuples(st.integers(0, 65535), st.integers(0, 65535)), min_size=1))
 def test_label_bit_layout(pairs):
     semantic, instance = np.array(pairs, np.uint16).T

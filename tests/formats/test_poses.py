@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import open_source, reported
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.interpolation import interpolated
 
 START = 1616431234.0
@@ -87,3 +88,57 @@ def test_a_left_handed_pose_is_refused_as_such(tmp_path: Path) -> None:
     found, said = places(folder)
     assert found == [None]
     assert "right-handed axes, got one of left-handed axes (determinant -1)" in said
+
+
+def numbered_poses(width: int, numbers: Sequence[int]) -> str:
+    """Lines of KITTI-360: the number of a frame, and a matrix that moves it along x."""
+    lines = []
+    for k in numbers:
+        pose = np.eye(4)
+        pose[0, 3] = 10 * k
+        lines.append(" ".join(map(str, [k, *pose.ravel()[:width]])))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("width", [12, 16])
+@pytest.mark.parametrize("frames", [range(6), range(2, 5), range(400, 404)])
+def test_matrices_after_a_number_are_of_the_frame_of_it(
+    tmp_path: Path, width: int, frames: Sequence[int]
+) -> None:
+    numbers = [k for k in (*range(1, 6), *range(400, 404)) if k != 3]
+    names = [f"{k:010d}" for k in frames]
+    found, said = places(recording(tmp_path / "a", names, [numbered_poses(width, numbers)]))
+    assert found == [10 * k if k in numbers else None for k in frames]
+    lost = sum(k not in numbers for k in frames)
+    assert (f"{lost} of {len(frames)} frames have no pose" in said) == (lost > 0)
+
+
+def test_a_line_of_nan_is_a_frame_without_a_pose(tmp_path: Path) -> None:
+    lines = ["1 0 0 0 0 1 0 0 0 0 1 0", " ".join(["nan"] * 12), "1 0 0 2 0 1 0 0 0 0 1 0"]
+    found, said = places(recording(tmp_path / "a", ["0", "1", "2"], lines))
+    assert found == [0, None, 2]
+    assert "1 of 3 frames have no pose" in said
+
+
+def test_matrices_of_kitti_360_are_moved_to_the_scanner(tmp_path: Path) -> None:
+    """``poses.txt`` of its layout is of the vehicle, ``cam0_to_world.txt`` of a camera."""
+    drive = tmp_path / "data_3d_raw" / "drive" / "velodyne_points" / "data"
+    listed, calibration = tmp_path / "data_poses" / "drive", tmp_path / "calibration"
+    for folder in (drive, listed, calibration):
+        folder.mkdir(parents=True)
+    for k in range(3):
+        np.full((4, 4), 5, np.float32).tofile(drive / f"{k:010d}.bin")
+    (listed / "poses.txt").write_text(numbered_poses(12, (0, 1)))
+    (listed / "cam0_to_world.txt").write_text(numbered_poses(16, (0, 1)))
+    (calibration / "calib_cam_to_velo.txt").write_text("1 0 0 0.5 0 1 0 0 0 0 1 0\n")
+    (calibration / "calib_cam_to_pose.txt").write_text(
+        "image_00: 1 0 0 2 0 1 0 0 0 0 1 0\nimage_01: 1 0 0 9 0 1 0 0 0 0 1 0\n"
+    )
+    found, said = places(drive)
+    assert found == [1.5, 11.5, None]
+    assert "Tr" not in said
+    with open_source(
+        [drive], chosen=Corrections(poses=str(listed / "cam0_to_world.txt"))
+    ) as source:
+        poses = [frame.pose for frame in source.frames]
+    assert [pose if pose is None else pose[0, 3] for pose in poses] == [-0.5, 9.5, None]

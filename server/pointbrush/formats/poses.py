@@ -1,7 +1,8 @@
 """Poses of the sensor at each frame, from files beside a recording.
 
 ``poses.txt`` of KITTI (12 or 16 numbers a line, of the camera where ``calib.txt`` says how it is
-mounted), lines ``time x y z qx qy qz qw`` (TUM), and the OXTS folder of KITTI's raw recordings.
+mounted) and of KITTI-360 (the number of a frame before them), lines ``time x y z qx qy qz qw``
+(TUM), and the OXTS folder of KITTI's raw recordings.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ log = logging.getLogger(__name__)
 CAMERA_KEYS = ("Tr", "Tr_velo_to_cam", "Tr_velo_cam")
 EARTH_RADIUS = 6_378_137.0
 """Metres; of the projection in KITTI's development kit."""
+MARKED = ({13}, {17})
+"""Words of lines with a matrix after the number, time or name of a frame."""
 MOST_OFF = 0.05
 """Difference of a rotation's determinant from 1, as rounded files have it."""
 
@@ -76,6 +79,10 @@ def find_poses(
     if folder.parent.parent.name == "sequences" and listed.is_file():
         return read_poses(listed, names, times, calibration=folder.parent)
     drive = folder.parent.parent
+    # KITTI-360: data_3d_raw/DRIVE/velodyne_points/data has its poses in data_poses/DRIVE.
+    numbered = drive.parent.parent / "data_poses" / drive.name / "poses.txt"
+    if numbered.is_file():
+        return read_poses(numbered, names, times)
     if (drive / "oxts" / "data").is_dir() and folder.parent.name == "velodyne_points":
         return _of_oxts(drive, names, times)
     return None
@@ -92,10 +99,10 @@ def read_poses(
     """A file of poses, one for each of the files ``names``; the world is the first frame's sensor
     where they are a camera's.
 
-    Lines that begin with a time or a name belong to frames by it; poses at another rate than the
-    frames are interpolated at ``times``, seconds.  ``by_order``: lines with a time are of frames in
-    their order.  ``calibration`` is the folder of ``calib.txt``,
-    the file's own unless given.  Raises BadInputError for other lines.
+    Lines that begin with a time, a name or a number belong to frames by it; poses at another rate
+    than the frames are interpolated at ``times``, seconds.  ``by_order``: lines with a time are of
+    frames in their order.  ``calibration`` is the folder of ``calib.txt``, the file's own unless
+    given.  Raises BadInputError for other lines.
     """
     rows = [
         (f"{path.name} line {number}", words)
@@ -106,34 +113,47 @@ def read_poses(
         rows = rows[1:]  # a header
     if not rows:
         raise BadInputError(f"{path.name}: expected lines of poses, got none")
-    if {len(words) for _, words in rows} <= {7, 8}:
-        return Poses(_timed(path.name, rows, names, times, by_order), path.name)
-    T_cam_velo = _velodyne_to_camera((calibration or path.parent) / "calib.txt")
-    if T_cam_velo is None:
-        log.warning(
-            "%s: the poses are taken as the sensor's own: there is no 'Tr' in a calib.txt beside "
-            "them; poses of a camera would turn the recording",
-            path.name,
-        )
-        T_cam_velo = np.eye(4)
-    T_velo_cam = np.linalg.inv(T_cam_velo)
-    poses = [T_velo_cam @ pose_of(where, words) @ T_cam_velo for where, words in rows]
-    fitting = lines_of(path.name, "poses", len(poses), names)
-    return Poses([poses[line] for line in fitting], path.name)
+    widths = {len(words) for _, words in rows}
+    poses: list[Pose | None]
+    if widths <= {7, 8}:
+        poses = [of_quaternion(where, _floats(where, words[-7:])) for where, words in rows]
+    else:
+        T_world_world, T_pose_frame = _mounting(path, calibration or path.parent)
+        poses = [
+            None if pose is None else T_world_world @ pose @ T_pose_frame
+            for pose in (_matrix(where, words) for where, words in rows)
+        ]
+    if widths in MARKED or widths == {8}:
+        return Poses(_marked(path.name, rows, poses, names, times, by_order), path.name)
+    fitting = [poses[line] for line in lines_of(path.name, "poses", len(poses), names)]
+    _warn_of_lost(path.name, fitting)
+    return Poses(fitting, path.name)
 
 
-def _timed(
+def _matrix(where: str, words: list[str]) -> Pose | None:
+    """Return the pose of a line, after its mark if it has one; None for one of NaN."""
+    words = words[1:] if {len(words)} in MARKED else words
+    return None if {word.lower() for word in words} == {"nan"} else pose_of(where, words)
+
+
+def _warn_of_lost(name: str, found: Sequence[Pose | None]) -> None:
+    lost = sum(pose is None for pose in found)
+    if lost:
+        log.warning("%s: %d of %d frames have no pose", name, lost, len(found))
+
+
+def _marked(
     name: str,
     rows: list[tuple[str, list[str]]],
+    poses: Sequence[Pose | None],
     names: Sequence[str],
     times: Sequence[float] | None,
     by_order: bool,
 ) -> list[Pose | None]:
-    """Poses of lines ``[mark] x y z qx qy qz qw``: by the names, times or numbers that they begin
-    with, interpolated where they are times, else in their order."""
-    poses = [of_quaternion(where, _floats(where, words[-7:])) for where, words in rows]
-    if any(len(words) < 8 for _, words in rows):
-        return [poses[line] for line in lines_of(name, "poses", len(rows), names)]
+    """Return the pose of each frame by the names, times or numbers that lines begin with.
+
+    Poses are interpolated where the lines begin with times.
+    """
     # An ending keeps the decimals of a time from being one.
     marks = [FrameName(f"{words[0]}.txt") for _, words in rows]
     frames = [FrameName(file) for file in names]
@@ -142,12 +162,16 @@ def _timed(
         stamps = [seconds_of(words[0]) for _, words in rows]
         if None in stamps:
             raise BadInputError(f"{rows[stamps.index(None)][0]}: expected a time first")
-        return interpolated(name, [stamp or 0.0 for stamp in stamps], poses, times)
+        known = {
+            stamp or 0.0: pose
+            for stamp, pose in zip(stamps, poses, strict=True)
+            if pose is not None
+        }
+        return interpolated(name, list(known), list(known.values()), times)
     found = partners(frames, marks, by_order=by_order)
-    lost = found.count(None)
-    if lost:
-        log.warning("%s: %d of %d frames have no pose of their name", name, lost, len(found))
-    return [None if line is None else poses[line] for line in found]
+    matching = [None if line is None else poses[line] for line in found]
+    _warn_of_lost(name, matching)
+    return matching
 
 
 def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
@@ -172,11 +196,37 @@ def _floats(where: str, words: list[str]) -> NDArray[np.float64]:
     return values
 
 
-def _velodyne_to_camera(path: Path) -> Pose | None:
+def _mounting(path: Path, calibration: Path) -> tuple[Pose, Pose]:
+    """Return the transforms before and after each matrix of a file that make it the scanner's."""
+    T_cam_velo = _keyed(calibration / "calib.txt", CAMERA_KEYS)
+    if T_cam_velo is not None:
+        return _inverse(T_cam_velo), T_cam_velo
+    # KITTI-360: data_poses/DRIVE/poses.txt are of the vehicle, cam0_to_world.txt of a camera.
+    for folder in (path.parent, path.absolute().parent.parent.parent / "calibration"):
+        T_velo_cam = _keyed(folder / "calib_cam_to_velo.txt", ("",))
+        T_pose_cam = _keyed(folder / "calib_cam_to_pose.txt", ("image_00",))
+        if T_velo_cam is not None and path.stem.startswith("cam0"):
+            return np.eye(4), _inverse(T_velo_cam)
+        if T_velo_cam is not None and T_pose_cam is not None:
+            return np.eye(4), T_pose_cam @ _inverse(T_velo_cam)
+    log.warning(
+        "%s: the poses are taken as the sensor's own: there is no 'Tr' in a calib.txt beside "
+        "them; poses of a camera would turn the recording",
+        path.name,
+    )
+    return np.eye(4), np.eye(4)
+
+
+def _inverse(matrix: Pose) -> Pose:
+    return np.asarray(np.linalg.inv(matrix), np.float64)
+
+
+def _keyed(path: Path, keys: Sequence[str]) -> Pose | None:
+    """Return the matrix of a line that begins with one of ``keys`` and a colon, "" for neither."""
     if path.is_file():
         for line in path.read_text("utf-8", "replace").splitlines():
-            key, _, values = line.partition(":")
-            if key.strip() in CAMERA_KEYS:
+            key, _, values = line.rpartition(":")
+            if key.strip() in keys and values.strip():
                 return pose_of(f"{path.name} {key.strip()}", values.split())
     return None
 

@@ -48,16 +48,14 @@ def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output:
             for block in frame.blocks():
                 points.write(_records(block, shift).tobytes())
                 labels.write(_packed(block, numbers).tobytes())
-        poses.append(_shifted(block.points.pose, shift))
+        poses.append(block.points.pose)
         times.append(block.points.timestamp)
-    _write_lines(
-        "poses.txt", [None if pose is None else pose[:3].ravel() for pose in poses], output
-    )
-    _write_lines("times.txt", [None if time is None else [time] for time in times], output)
-    if any(pose is not None for pose in poses):
+    if any(pose is not None for pose in poses) or (shift is not None and shift.any()):
+        _write_lines("poses.txt", _pose_lines(poses, shift), output)
         # The poses are the sensor's own: camera and velodyne frames coincide.
         with output.file(f"{ROOT}/calib.txt") as file:
             file.write(b"Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n")
+    _write_lines("times.txt", [None if time is None else [time] for time in times], output)
     write_palette(palette, output)
 
 
@@ -82,15 +80,18 @@ def _records(block: LabeledFrame, shift: NDArray[np.float64] | None) -> NDArray[
     return records
 
 
-def _shifted(
-    pose: NDArray[np.float64] | None, shift: NDArray[np.float64] | None
-) -> NDArray[np.float64] | None:
-    """The pose of points that were written relative to ``shift``."""
-    if shift is None or not shift.any():
-        return pose
+def _pose_lines(
+    poses: list[NDArray[np.float64] | None], shift: NDArray[np.float64] | None
+) -> list[NDArray[np.float64] | None]:
+    """The poses of points that were written relative to ``shift``, twelve numbers each.
+
+    They are NaN for a frame without a pose among others.
+    """
     T_frame_shifted = np.eye(4)
-    T_frame_shifted[:3, 3] = shift
-    return T_frame_shifted if pose is None else pose @ T_frame_shifted
+    if shift is not None:
+        T_frame_shifted[:3, 3] = shift
+    absent = np.full((4, 4), np.nan) if any(pose is not None for pose in poses) else np.eye(4)
+    return [((absent if pose is None else pose) @ T_frame_shifted)[:3].ravel() for pose in poses]
 
 
 def _write_lines(
