@@ -5,14 +5,16 @@ from __future__ import annotations
 import bz2
 import sqlite3
 import struct
+from collections.abc import Callable
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
 import zstandard
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import open_source, read
+from pointbrush.formats import Limits, open_source, read
 from pointbrush.formats.bag import BagMessage, unpack_chunk
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.options import ReadOptions
@@ -165,11 +167,10 @@ def test_cut_off_bags_raise(tmp_path):
 # ── ROS 2 ────────────────────────────────────────────────────────────────────────────────────
 
 
-@pytest.mark.parametrize("big", [False, True])
-def test_ros_2_bags_are_read_of_either_byte_order(tmp_path, big):
-    (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "metadata.yaml").write_text("version: 5")
-    with closing(sqlite3.connect(tmp_path / "run" / "run_0.db3")) as database:
+def rosbag2(path: Path, pack: Callable[[bytes], bytes] = bytes, big: bool = False) -> Path:
+    path.parent.mkdir()
+    (path.parent / "metadata.yaml").write_text("version: 5")
+    with closing(sqlite3.connect(path)) as database:
         database.executescript(
             "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT);"
             "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INT, timestamp INT, data BLOB);"
@@ -177,13 +178,65 @@ def test_ros_2_bags_are_read_of_either_byte_order(tmp_path, big):
             " (2, '/points', 'sensor_msgs/msg/PointCloud2');"
         )
         for i in (2, 0, 1):
-            row = (2, int(1e10 + i * 1e8), message(i, cdr=True, big=big))
+            row = (2, int(1e10 + i * 1e8), pack(message(i, cdr=True, big=big)))
             database.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?,?,?)", row)
         database.commit()
+    return path
+
+
+@pytest.mark.parametrize("big", [False, True])
+def test_ros_2_bags_are_read_of_either_byte_order(tmp_path, big):
+    rosbag2(tmp_path / "run" / "run_0.db3", big=big)
     check(open_source([tmp_path / "run"]))
     assert sorted(path.name for path in (tmp_path / "run").iterdir()) == [
         *("metadata.yaml", "run_0.db3")
     ]
+
+
+def streamed(data: bytes) -> bytes:
+    """Packed without its size, as a stream is."""
+    packer = zstandard.ZstdCompressor().compressobj()
+    return packer.compress(data) + packer.flush()
+
+
+@pytest.mark.parametrize("pack", [zstandard.compress, streamed])
+def test_messages_that_a_recorder_packed_are_read(tmp_path, pack):
+    check(open_source([rosbag2(tmp_path / "run" / "run_0.db3", pack)]))
+    (tmp_path / "a.mcap").write_bytes(mcap("", "cdr", statistics=True, pack=pack))
+    check(open_source([tmp_path / "a.mcap"]))
+
+
+def test_damaged_packed_messages_raise(tmp_path):
+    bag = rosbag2(tmp_path / "run" / "run_0.db3", lambda data: zstandard.compress(data)[:-9])
+    with pytest.raises(BadInputError, match=r"run_0\.db3: expected a"):
+        open_source([bag])
+
+
+@pytest.mark.parametrize("pack", [zstandard.compress, streamed])
+def test_files_that_a_recorder_packed_are_read_and_leave_nothing_behind(
+    tmp_path, pack, monkeypatch
+):
+    (tmp_path / "scratch").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "scratch"))
+    bag = rosbag2(tmp_path / "run" / "run_0.db3")
+    packed = bag.with_name("run_0.db3.zstd")
+    packed.write_bytes(pack(bag.read_bytes()))
+    bag.unlink()
+    (tmp_path / "a.mcap.zstd").write_bytes(pack(mcap("", "cdr", statistics=True)))
+    for path, name in (
+        (tmp_path / "run", "run"),
+        (packed, "run_0"),
+        (tmp_path / "a.mcap.zstd", "a"),
+    ):
+        with open_source([path]) as source:
+            check(source)
+            assert source.name == name
+        with pytest.raises(TooLargeError, match=rf"{path.name}: expected at most 1000 bytes"):
+            open_source([path], limits=Limits(max_unpacked_bytes=1000))
+    packed.write_bytes(b"not packed")
+    with pytest.raises(BadInputError, match="run: expected a whole archive"):
+        open_source([tmp_path / "run"])
+    assert list((tmp_path / "scratch").iterdir()) == []
 
 
 @pytest.mark.parametrize(
@@ -235,14 +288,16 @@ def text(value: str) -> bytes:
     return struct.pack("<I", len(value)) + value.encode()
 
 
-def mcap(compression: str, encoding: str, statistics: bool) -> bytes:
+def mcap(
+    compression: str, encoding: str, statistics: bool, pack: Callable[[bytes], bytes] = bytes
+) -> bytes:
     cdr = encoding == "cdr"
     kind = "sensor_msgs/msg/PointCloud2" if cdr else "sensor_msgs/PointCloud2"
     known = op(3, struct.pack("<H", 1) + text(kind) + text("ros2msg") + text(""))
     channel = struct.pack("<HH", 4, 1) + text("/points") + text(encoding)
     known += op(4, channel + struct.pack("<I", 0))
     inner = known + b"".join(
-        op(5, struct.pack("<HIQQ", 4, i, int(1e10 + i * 1e8), 0) + message(i, cdr=cdr))
+        op(5, struct.pack("<HIQQ", 4, i, int(1e10 + i * 1e8), 0) + pack(message(i, cdr=cdr)))
         for i in range(3)
     )
     packed = zstandard.compress(inner) if compression == "zstd" else inner

@@ -262,6 +262,40 @@ def test_archives_have_limits(tmp_path):
         open_source([archive], limits=Limits(max_files=0))
 
 
+@pytest.mark.parametrize("pack", [zipped, tarred])
+def test_archives_in_an_archive_are_read(tmp_path, pack):
+    for i in (2, 11):
+        cloud(tmp_path / "run" / f"{i}.ply", i)
+    (tmp_path / "outer").mkdir()
+    inner = tmp_path / "outer" / ("run.zip" if pack is zipped else "run.tar.gz")
+    limit = pack(inner, tmp_path / "run").stat().st_size + 100
+    # Of a Mac: what is hidden is no archive.
+    (tmp_path / "outer" / "._run.zip").write_bytes(b"extended attributes")
+    archive = zipped(tmp_path / "a.zip", tmp_path / "outer")
+    assert [frame.xyz[0, 0] for frame in read(archive)] == [2, 11]
+    with pytest.raises(TooLargeError, match=r"a\.zip: expected at most 3 files"):
+        open_source([archive], limits=Limits(max_files=3))
+    with pytest.raises(TooLargeError, match=r"a\.zip: expected at most \d+ bytes"):
+        open_source([archive], limits=Limits(max_unpacked_bytes=limit))
+
+
+def test_archives_that_cannot_be_read_are_called_as_the_user_calls_them(tmp_path):
+    cloud(tmp_path / "run" / "1.ply", 1)
+    for level in range(6):
+        (tmp_path / f"in{level}").mkdir()
+        inner = tmp_path / f"in{level}" / f"{level}.zip"
+        zipped(inner, tmp_path / (f"in{level - 1}" if level else "run"))
+    with pytest.raises(TooLargeError, match=r"5\.zip: expected at most 3 archives in each other"):
+        open_source([inner])
+    packed = (tmp_path / "in0" / "0.zip").read_bytes()
+    damaged = hostile_zip(tmp_path / "damaged.zip", "b/c.zip", packed[: len(packed) // 2])
+    with pytest.raises(BadInputError, match=r"damaged\.zip: expected a whole archive 'c\.zip'"):
+        open_source([damaged])
+    other = hostile_zip(tmp_path / "other.zip", "paper.pdf")
+    with pytest.raises(BadInputError, match=r"^other\.zip: expected a folder with point cloud"):
+        open_source([other])
+
+
 def test_damaged_archives_raise(tmp_path):
     good = hostile_zip(tmp_path / "a.zip", "a.ply", bytes(1000)).read_bytes()
     (tmp_path / "cut.zip").write_bytes(good[: len(good) // 2])

@@ -1,4 +1,7 @@
-"""Zip and tar archives of frames, unpacked into a temporary folder within limits."""
+"""Archives of frames, unpacked into a temporary folder within limits, with archives in them.
+
+Zip and tar archives, and bags that rosbag2 has packed by Zstandard.
+"""
 
 from __future__ import annotations
 
@@ -10,41 +13,55 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import IO
 
+import zstandard
+
 from pointbrush.errors import BadInputError, TooLargeError, UnavailableError
 from pointbrush.formats.options import Limits
 
-ENDINGS = (".zip", ".tar", ".tar.gz", ".tgz", ".tar.bz2", ".tbz2", ".tar.xz", ".txz")
+PACKED = (".db3.zstd", ".mcap.zstd")
+"""Endings of files of a bag that are packed, each by itself."""
+ENDINGS = (".zip", ".tar", ".tar.gz", ".tgz", ".tar.bz2", ".tbz2", ".tar.xz", ".txz", *PACKED)
 # Small archives may pack well; above this size unpacked, the ratio counts.
 RATIO_FROM = 1 << 28
-DAMAGED = (zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, EOFError, OSError)
+MOST_NESTED = 3
+"""Archives in each other that are unpacked."""
+BLOCK = 1 << 20
+"""Bytes that are written at once."""
+DAMAGED = (
+    *(zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, zstandard.ZstdError),
+    *(NotImplementedError, RuntimeError, UnicodeError, EOFError, OSError),
+)
 
 
 def is_archive(path: Path) -> bool:
-    """Whether the name is that of an archive."""
-    return path.name.lower().endswith(ENDINGS)
+    """Whether a file's name is that of an archive, or a folder holds a packed bag."""
+    return bool(_packed_bags(path)) if path.is_dir() else path.name.lower().endswith(ENDINGS)
+
+
+def _packed_bags(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.name.lower().endswith(PACKED))
 
 
 def unpack(path: Path, limits: Limits) -> Path:
-    """Unpack into a new temporary folder, which the caller removes.
+    """Unpack into a folder of the archive's name in a new one, which the caller removes.
 
-    Links and devices are passed over.  Raises BadInputError for a damaged or encrypted archive
-    or a name that leads outside, TooLargeError beyond the limits, UnavailableError when the disk
-    is too small; nothing stays behind then.
+    Archives in it become folders of their names.  Links and devices are passed over.  Raises
+    BadInputError for a damaged or encrypted archive or a name that leads outside, TooLargeError
+    beyond the limits, UnavailableError when the disk is too small; nothing stays behind then.
     """
-    target = Path(tempfile.mkdtemp(prefix="pointbrush-"))
+    temporary = Path(tempfile.mkdtemp(prefix="pointbrush-"))
+    target = temporary / path.name
     try:
-        _unpack_into(path, target, limits)
-    except (NotImplementedError, RuntimeError, UnicodeError, *DAMAGED) as error:
-        shutil.rmtree(target, ignore_errors=True)
-        if isinstance(error, OSError) and error.errno == 28:
-            raise UnavailableError(f"{path.name}: the disk is full, nothing was kept") from None
-        raise BadInputError(f"{path.name}: expected a whole archive, {error}") from None
+        target.mkdir()
+        packed = sum(file.stat().st_size for file in _files(path))
+        _Unpacking(path.name, limits, packed, shutil.disk_usage(target).free).fill(path, target)
     except BaseException:
-        shutil.rmtree(target, ignore_errors=True)
+        shutil.rmtree(temporary, ignore_errors=True)
         raise
     return target
 
@@ -63,52 +80,124 @@ def unpacked(place: Path, limits: Limits) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(folder.parent, ignore_errors=True)
 
 
-def _unpack_into(path: Path, target: Path, limits: Limits) -> None:
-    packed = path.stat().st_size
-    free = shutil.disk_usage(target).free
-    total = 0
-    entries = _zip_entries if path.name.lower().endswith(".zip") else _tar_entries
-    for number, (name, size, opened) in enumerate(entries(path)):
-        if number >= limits.max_files:
-            raise TooLargeError(f"{path.name}: expected at most {limits.max_files} files, got more")
-        total += size
+Entry = tuple[str, int | None, Callable[[], IO[bytes]]]
+"""Name, size where it is known, and content of a file in an archive."""
+
+
+@dataclass
+class _Unpacking:
+    """The files and bytes of an archive, and of those in it, that are written so far.
+
+    ``name`` is the archive's that the user named, of ``packed`` bytes; ``free`` bytes were on disk.
+    """
+
+    name: str
+    limits: Limits
+    packed: int
+    free: int
+    files: int = 0
+    total: int = 0
+
+    def fill(self, archive: Path, target: Path, level: int = 0) -> None:
+        """Write the files of an archive, and of those in it, below a folder."""
+        where = f"{self.name}: expected a whole archive" + (f" {archive.name!r}" if level else "")
+        try:
+            written = [self._write(entry, target) for entry in _entries(archive)]
+        except DAMAGED as error:
+            if isinstance(error, OSError) and error.errno == 28:
+                raise UnavailableError(f"{self.name}: the disk is full, nothing was kept") from None
+            # The text of a system's error would name the temporary folder.
+            reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+            raise BadInputError(f"{where}, {reason}") from None
+        for path in written:
+            if is_archive(path) and not path.name.startswith("."):
+                self._fill_from(path, level + 1)
+
+    def _fill_from(self, inner: Path, level: int) -> None:
+        if level > MOST_NESTED:
+            raise TooLargeError(
+                f"{self.name}: expected at most {MOST_NESTED} archives in each other, got more "
+                f"({inner.name})"
+            )
+        lower = inner.name.lower()
+        folder = inner.parent
+        if not lower.endswith(PACKED):
+            ending = max((e for e in ENDINGS if lower.endswith(e)), key=len)
+            folder = inner.with_name(inner.name[: -len(ending)] or inner.name + "~")
+            if folder.exists():
+                folder = inner.with_name(inner.name + "~")
+        self.fill(inner, folder, level)
+        inner.unlink()
+
+    def _write(self, entry: Entry, target: Path) -> Path:
+        name, size, opened = entry
+        parts = PurePosixPath(name.replace("\\", "/")).parts
+        if not parts or ".." in parts or parts[0] == "/" or ":" in parts[0] or "\0" in name:
+            raise BadInputError(
+                f"{self.name}: expected names inside the archive, got {name[:80]!r}"
+            )
+        self.files += 1
+        if self.files > self.limits.max_files:
+            raise TooLargeError(
+                f"{self.name}: expected at most {self.limits.max_files} files, got more"
+            )
+        self._count(size or 0)
+        destination = target.joinpath(*parts)
+        destination.parent.mkdir(parents=True, exist_ok=True)
+        left = size
+        with opened() as source, destination.open("wb") as file:
+            # The size was counted against the limits: what an entry holds beyond it is not written.
+            while block := source.read(BLOCK if left is None else min(left, BLOCK)):
+                file.write(block)
+                if left is None:
+                    self._count(len(block))
+                else:
+                    left -= len(block)
+        if left:
+            raise BadInputError(
+                f"{self.name}: expected {size} bytes of {name[:80]!r}, it is cut off"
+            )
+        return destination
+
+    def _count(self, size: int) -> None:
+        """Add bytes that are written next; raises TooLargeError, UnavailableError."""
+        self.total += size
+        total, limits = self.total, self.limits
         if total > limits.max_unpacked_bytes:
             raise TooLargeError(
-                f"{path.name}: expected at most {limits.max_unpacked_bytes} bytes unpacked, got "
+                f"{self.name}: expected at most {limits.max_unpacked_bytes} bytes unpacked, got "
                 f"{total} or more"
             )
-        if total > RATIO_FROM and total > packed * limits.max_archive_ratio:
+        if total > RATIO_FROM and total > self.packed * limits.max_archive_ratio:
             raise TooLargeError(
-                f"{path.name}: expected to unpack to at most {limits.max_archive_ratio} times its "
-                f"{packed} bytes, got {total} or more"
+                f"{self.name}: expected to unpack to at most {limits.max_archive_ratio} times its "
+                f"{self.packed} bytes, got {total} or more"
             )
-        if total > free:
-            raise UnavailableError(f"{path.name}: needs {total} bytes of disk, {free} are free")
-        _write(path.name, name, size, opened, target)
+        if total > self.free:
+            raise UnavailableError(
+                f"{self.name}: needs {total} bytes of disk, {self.free} are free"
+            )
 
 
-def _write(
-    archive: str, name: str, size: int, opened: Callable[[], IO[bytes]], target: Path
-) -> None:
-    parts = PurePosixPath(name.replace("\\", "/")).parts
-    if not parts or ".." in parts or parts[0] == "/" or ":" in parts[0] or "\0" in name:
-        raise BadInputError(f"{archive}: expected names inside the archive, got {name[:80]!r}")
-    destination = target.joinpath(*parts)
-    destination.parent.mkdir(parents=True, exist_ok=True)
-    with opened() as source, destination.open("wb") as file:
-        left = size
-        # The size was counted against the limits: what an entry holds beyond it is not written.
-        while left > 0 and (block := source.read(min(left, 1 << 20))):
-            file.write(block)
-            left -= len(block)
-    if left:
-        raise BadInputError(f"{archive}: expected {size} bytes of {name[:80]!r}, it is cut off")
+def _files(path: Path) -> list[Path]:
+    return _packed_bags(path) if path.is_dir() else [path]
 
 
-Entry = tuple[str, int, Callable[[], IO[bytes]]]
+def _entries(path: Path) -> Iterator[Entry]:
+    for file in _files(path):
+        lower = file.name.lower()
+        if lower.endswith(PACKED):
+            yield file.stem, None, partial(_zstd, file)
+        else:
+            yield from (_zip_entries if lower.endswith(".zip") else _tar_entries)(file)
+
+
+def _zstd(path: Path) -> IO[bytes]:
+    decompressor = zstandard.ZstdDecompressor(max_window_size=1 << 27)
+    return decompressor.stream_reader(path.open("rb"), read_across_frames=True, closefd=True)
 
 
 def _zip_entries(path: Path) -> Iterator[Entry]:

@@ -7,6 +7,8 @@ import logging
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
@@ -33,6 +35,10 @@ NAMED = 8
 """Topics that an error lists."""
 STAMPS, RECORDED = "the stamps of the messages", "the times of recording"
 MAX_CHUNK = 1 << 31
+BLOCK = 1 << 20
+"""Bytes that are unpacked at once."""
+ZSTD = b"\x28\xb5\x2f\xfd"
+"""Beginning of a message that rosbag2 has packed; no serialized one begins so."""
 
 
 def map_recording(path: Path, magic: bytes, kind: str) -> mmap:
@@ -72,6 +78,21 @@ def unpack_chunk(name: str, packed: bytes, compression: str, size: int) -> bytes
     return data
 
 
+def unpack_message(name: str, message: bytes) -> bytes:
+    """A message as it was sent, where a recorder has packed it; raises as ``unpack_chunk``."""
+    if not message.startswith(ZSTD):
+        return message
+    import zstandard
+
+    try:
+        size = zstandard.frame_content_size(message)
+        if size < 0:  # it is not stated
+            return _zstd(message, MAX_CHUNK)
+    except (zstandard.ZstdError, ValueError) as error:
+        raise BadInputError(f"{name}: expected a whole zstd message, {error}") from None
+    return unpack_chunk(name, message, "zstd", size)
+
+
 def _lz4(name: str, packed: bytes, size: int) -> bytes:
     import lz4.frame
 
@@ -90,7 +111,9 @@ def _zstd(packed: bytes, size: int) -> bytes:
 
     try:
         reader = zstandard.ZstdDecompressor(max_window_size=1 << 27).stream_reader(packed)
-        return reader.read(size + 1)
+        # In blocks: as much memory as is read at once is taken at once.
+        blocks = iter(partial(reader.read, BLOCK), b"")
+        return b"".join(islice(blocks, size // BLOCK + 1))
     except zstandard.ZstdError as error:
         raise ValueError(str(error)) from None
 

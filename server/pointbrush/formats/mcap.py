@@ -11,7 +11,15 @@ from mmap import mmap
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.bag import Bag, BagMessage, Topic, map_recording, read_bag, unpack_chunk
+from pointbrush.formats.bag import (
+    Bag,
+    BagMessage,
+    Topic,
+    map_recording,
+    read_bag,
+    unpack_chunk,
+    unpack_message,
+)
 
 MAGIC = b"\x89MCAP0\r\n"
 ENCODINGS = ("cdr", "ros1")
@@ -78,7 +86,7 @@ def messages_of(path: Path, topic: str) -> Iterator[BagMessage]:
         for channel, time, message in _messages(path.name, data, known):
             name, _, encoding = known.channels.get(channel, ("", "", ""))
             if name == topic and encoding in ENCODINGS:
-                yield BagMessage(encoding, time, message)
+                yield BagMessage(encoding, time, unpack_message(path.name, message))
 
 
 BAG = Bag(topics_of, messages_of)

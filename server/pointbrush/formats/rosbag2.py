@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag
+from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag, unpack_message
 
 # Views could compute anything, for ever.
 KINDS = "SELECT name, type FROM sqlite_master WHERE name IN ('topics', 'messages')"
@@ -46,7 +46,7 @@ def messages_of(path: Path, topic: str) -> Iterator[BagMessage]:
         for time, message in database.execute(MESSAGES, (topic,)):
             if not isinstance(time, int) or not isinstance(message, bytes):
                 raise BadInputError(f"{path.name}: expected messages as bytes with a time")
-            yield BagMessage("cdr", time / 1e9, message)
+            yield BagMessage("cdr", time / 1e9, unpack_message(path.name, message))
 
 
 BAG = Bag(topics_of, messages_of)

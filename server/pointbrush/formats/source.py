@@ -222,11 +222,12 @@ def _listings(
         return [list_files(in_order(plain), format, plain[0].parent, options)]
     listings: list[Listing] = []
     for path in paths:
-        if path.is_dir():
+        if is_archive(path):
+            folder = unpack(path, options.limits)
+            temporary.append(folder.parent)
+            listings.append(list_folder(folder, format, options))
+        elif path.is_dir():
             listings.append(list_folder(path, format, options))
-        elif is_archive(path):
-            temporary.append(unpack(path, options.limits))
-            listings.append(list_folder(temporary[-1], format, options))
         else:
             listings.append(list_files([path], format, path.parent, options))
     formats = sorted({listing.format for listing in listings})
