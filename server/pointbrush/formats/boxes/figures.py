@@ -65,12 +65,16 @@ class FrameBox:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointFigure:
-    """Points of an object: ``rows`` (n,) of the frame's file; ``name`` and ``key`` as of a box."""
+    """Points of an object: ``rows`` (n,) of the frame's file; ``name`` and ``key`` as of a box.
+
+    ``total``: points of that file, 0 where the labels do not tell.
+    """
 
     name: str
     key: str
     rows: NDArray[np.int64]
     label: int = 0
+    total: int = 0
 
 
 Figure = FrameBox | PointFigure

@@ -92,42 +92,93 @@ def _stated(attributes: Mapping[str, Any]) -> dict[str, AttributeValue]:
 
 
 def read_segments(path: Path) -> Iterator[FrameBoxes]:
-    """Read the cuboids of a release of Segments.ai: sequences, and samples of one frame.
+    """Read cuboids and labels of points of a release of Segments.ai: sequences, and samples of one
+    frame.
 
-    Without a quaternion a box turns about z by its yaw.  Raises BadInputError for a sequence among
-    other samples.
+    Without a quaternion a box turns about z by its yaw.  Samples without labels are passed over.
+    Raises BadInputError for a sequence among other samples.
     """
     dataset = document(path)["dataset"]
-    names = {
-        int(each["id"]): str(each["name"]) for each in dataset["task_attributes"]["categories"]
-    }
+    categories = {int(each["id"]): each for each in dataset["task_attributes"]["categories"]}
     samples = dataset["samples"]
     for sample in samples:
-        told = next(iter(sample["labels"].values()))["attributes"]
+        label = next(iter((sample.get("labels") or {}).values()), None)
+        if not label or not label.get("attributes"):
+            continue
+        name, told = str(sample["name"]), _of_lidar(path.name, label["attributes"])
         if "frames" not in told:
-            yield FrameBoxes(str(sample["name"]), _cuboids(told["annotations"], names))
+            alone = "" if len(samples) == 1 else f"{name} "
+            yield FrameBoxes(name, _annotated(path.name, told, categories, alone))
             continue
         if len(samples) > 1:
             raise BadInputError(
                 f"{path.name}: expected one sequence, got {len(samples)} samples, of which "
-                f"{str(sample['name'])[:40]!r} is one"
+                f"{name[:40]!r} is one"
             )
-        files = sample["attributes"]["frames"]
+        files = _of_lidar(path.name, sample["attributes"])["frames"]
         for index, (entry, file) in enumerate(zip(told["frames"], files, strict=True)):
             frame = str(file["name"]) if file.get("name") else index
-            yield FrameBoxes(frame, _cuboids(entry["annotations"], names))
+            yield FrameBoxes(frame, _annotated(path.name, entry or {}, categories, f"{index} "))
 
 
-def _cuboids(entries: Any, names: Mapping[int, str]) -> tuple[Figure, ...]:
-    boxes: list[Figure] = []
+def _of_lidar(file: str, attributes: Any) -> Any:
+    """Return the attributes of the one sensor of points, where several sensors have theirs."""
+    if "sensors" not in attributes:
+        return attributes
+    found = [s for s in attributes["sensors"] if str(s["task_type"]).startswith("pointcloud")]
+    if len(found) != 1:
+        raise BadInputError(f"{file}: expected one sensor of point clouds, got {len(found)}")
+    return found[0]["attributes"]
+
+
+def _annotated(
+    file: str, label: Mapping[str, Any], categories: Mapping[int, Any], place: str
+) -> tuple[Figure, ...]:
+    """Read the cuboids of a frame, and the points of its other annotations."""
+    boxes = (
+        _cuboid(entry, str(categories[int(entry["category_id"])]["name"]))
+        for entry in label.get("annotations", [])
+        if entry.get("type") == "cuboid"
+    )
+    return (*boxes, *_marked(file, label, categories, place))
+
+
+def _marked(
+    file: str, label: Mapping[str, Any], categories: Mapping[int, Any], place: str
+) -> Iterator[PointFigure]:
+    """Read the points of annotations, whose ids ``point_annotations`` has, one a point.
+
+    Annotations without a track are objects of the frame; ``place`` tells it from others.
+    """
+    if "point_annotations" not in label:
+        return
+    entries = label.get("annotations", [])
+    ids = np.array(label["point_annotations"])
+    if ids.ndim != 1 or (len(ids) and ids.dtype.kind not in "ui"):
+        raise BadInputError(
+            f"{file}: expected point_annotations of Segments.ai as a list of whole numbers, one a "
+            f"point, got {ids.shape} {ids.dtype}"
+        )
+    unknown = set(np.unique(ids).tolist()) - {0, *(int(entry["id"]) for entry in entries)}
+    if unknown:
+        raise BadInputError(
+            f"{file}: expected point_annotations with ids of annotations, got {min(unknown)}"
+        )
+    order = np.argsort(ids, kind="stable")
+    in_order = ids[order]
     for entry in entries:
-        if entry.get("type") != "cuboid":
-            continue
-        tool, turn = "waymo", np.array([float(entry["yaw"])])
-        if entry.get("rotation"):
-            tool, turn = "segments", vector(entry["rotation"], ("qx", "qy", "qz", "qw"))
-        place, size = vector(entry["position"]), vector(entry["dimensions"])
-        key, name = str(entry.get("track_id") or ""), names[int(entry["category_id"])]
-        told = _stated(entry.get("attributes") or {})
-        boxes.append(box_by(tool, name, key, place, size, turn, attributes=told))
-    return tuple(boxes)
+        category, number = categories[int(entry["category_id"])], int(entry["id"])
+        key = str(entry.get("track_id") or f"{place}{number}")
+        key = "" if category.get("has_instances") is False else key
+        first, end = np.searchsorted(in_order, [number, number + 1])
+        if first < end:
+            yield PointFigure(str(category["name"]), key, order[first:end], total=len(ids))
+
+
+def _cuboid(entry: Mapping[str, Any], name: str) -> Figure:
+    tool, turn = "waymo", np.array([float(entry["yaw"])])
+    if entry.get("rotation"):
+        tool, turn = "segments", vector(entry["rotation"], ("qx", "qy", "qz", "qw"))
+    place, size = vector(entry["position"]), vector(entry["dimensions"])
+    told = _stated(entry.get("attributes") or {})
+    return box_by(tool, name, str(entry.get("track_id") or ""), place, size, turn, attributes=told)

@@ -24,17 +24,22 @@ def figures_of(
         which = np.where(found >= 0, np.array(boxes)[found], -1)
     rows = recording.source_rows(frame) if recording.manifest.dropped[frame] else None
     count = len(which) + recording.manifest.dropped[frame]
+    marked = np.full(count, -1, np.int64)
     for number, figure in enumerate(part.boxes):
         if isinstance(figure, PointFigure):
+            if figure.total not in (0, count):
+                raise BadInputError(
+                    f"{file}: expected labels of the {count:,} points of frame {frame}, got "
+                    f"{figure.total:,}"
+                )
             if len(figure.rows) and not 0 <= figure.rows.min() <= figure.rows.max() < count:
                 raise BadInputError(
                     f"{file}: expected points 0 to {count - 1} of frame {frame}, got "
                     f"{figure.rows.min()} to {figure.rows.max()}"
                 )
-            marked = np.zeros(count, np.bool_)
-            marked[figure.rows] = True
-            which[marked if rows is None else marked[rows]] = number
-    return which
+            marked[figure.rows] = number
+    of_point = marked[: len(which)] if rows is None else marked[rows]
+    return np.where(of_point >= 0, of_point, which)
 
 
 def _source_points(recording: Recording, frame: int) -> NDArray[np.float64]:
