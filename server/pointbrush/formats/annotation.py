@@ -18,6 +18,8 @@ from pointbrush.formats.own_export import OwnExport, own_export
 from pointbrush.formats.palette import SourceLabel, own_palette
 from pointbrush.formats.point_labels import LINE_ENDINGS, READERS, PointLabels, has_label_lines
 from pointbrush.formats.registry import format_by_name
+from pointbrush.formats.s3dis import FOLDER as OBJECTS
+from pointbrush.formats.s3dis import is_object
 from pointbrush.formats.timing import TIME_FILES, in_order
 
 LEVELS = 4
@@ -26,6 +28,7 @@ _DATASETS: Mapping[str, Dataset] = MappingProxyType({
     "semantickitti": SEMANTIC_KITTI, "lidarseg": NUSCENES, "panoptic": NUSCENES, "las": LAS,
 })  # fmt: skip
 """Datasets whose numbers the labels of a format are."""
+_ENDINGS = {"semantickitti": (".label",), "las": (".las", ".laz")}
 _LIKE_LABELS = re.compile("label|segm|class|semantic")
 
 
@@ -44,6 +47,12 @@ class LabelFiles:
     dataset: str = ""
     export: OwnExport | None = None
     """The export of ours that they are, which tells the frame of each."""
+
+    @property
+    def file_names(self) -> list[str]:
+        """Names by which the files are matched to frames, with those of their folders."""
+        rooms = (path.parent if path.name == OBJECTS else path for path in self.paths)
+        return [f"{path.parent.name}/{path.name}" for path in rooms]
 
     def read(self, path: Path, options: ReadOptions) -> PointLabels:
         """Return the labels of one file.  Raises BadInputError, TooLargeError."""
@@ -69,6 +78,8 @@ def find_label_files(
         raise BadInputError(
             f"{place.name}: expected files of labels ({', '.join(LABEL_FORMATS)}), got {seen}"
         )
+    if chosen == "s3dis" and place.is_dir():
+        found = list(dict.fromkeys(path.parent for path in found))
     own = {label.id: label for label in own_palette(found[0]) or []}
     dataset = None if own else _DATASETS.get(chosen)
     known = dict(dataset.classes) if dataset else {}
@@ -116,8 +127,8 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
     """Whether a file is of a format; ``sure``: its name leaves no doubt."""
     lower = path.name.lower()
     match format:
-        case "semantickitti":
-            return lower.endswith(".label")
+        case "semantickitti" | "las":
+            return lower.endswith(_ENDINGS[format])
         case "lidarseg":
             return lower.endswith("_lidarseg.bin" if sure else ".bin")
         case "panoptic":
@@ -125,12 +136,12 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
         case "labelcloud-points":
             stated = class_file(path, format) if lower.endswith(".bin") else None
             return stated is not None and (not sure or _states_segmentation(stated, path))
-        case "las":
-            return lower.endswith((".las", ".laz"))
         case "npy":
             kept = path.parent.name not in ("provenance", "deleted")
             named = _LIKE_LABELS.search(f"{path.parent.name}/{lower}") is not None
             return lower.endswith(".npy") and kept and (named or not sure)
+        case "s3dis":
+            return is_object(path) and (path.parent.name == OBJECTS or not sure)
         case "lines":
             if not sure or lower.endswith(LINE_ENDINGS):
                 return lower.endswith((*LINE_ENDINGS, ".txt", ".csv"))

@@ -16,7 +16,7 @@ LABEL_FORMATS = (
     *("labelcloud", "sustechpoints", "supervisely", "datumaro", "xtreme1", "argoverse"),
     *("waymo", "segments", "nuscenes-boxes"),
     *("kitti-object", "kitti-tracking", "kitti-tracklets"),
-    *("openpcdet", "boxes"),
+    *("openpcdet", "boxes", "s3dis"),
     "points",
 )
 """All formats of labels, in the order in which they are tried; LAS classes when asked for."""

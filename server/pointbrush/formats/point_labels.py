@@ -24,6 +24,7 @@ from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import own_palette
 from pointbrush.formats.registry import format_by_name
+from pointbrush.formats.s3dis import object_files, read_objects
 
 Numbers = NDArray[np.int64]
 PANOPTIC = 1000
@@ -39,13 +40,14 @@ HEAD = 4096
 @dataclass(frozen=True, slots=True, eq=False)
 class PointLabels:
     """Labels of one file's points: ``category`` (N,) class numbers, 0 for none unless the map names
-    it; ``instance`` (N,) numbers or None; ``rows`` (N,) which points of the frame they are, None:
-    all, in their order."""
+    it; ``instance`` (N,) numbers or None; ``rows`` (N,) which points of the frame they are, or
+    ``xyz`` (N, 3) their coordinates; None of both: all, in their order."""
 
     file: str
     category: Numbers
     instance: Numbers | None
     rows: Numbers | None = None
+    xyz: NDArray[np.float64] | None = None
 
 
 def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
@@ -152,6 +154,13 @@ def _of_rows(labels: PointLabels, rows: Numbers, dropped: int) -> PointLabels:
     return replace(labels, category=spread(labels.category), instance=instance)
 
 
+def _read_objects(path: Path, options: ReadOptions) -> PointLabels:
+    """Read the points of objects of a room of S3DIS, a folder of them or one."""
+    objects = read_objects(object_files(path) if path.is_dir() else [path], options)
+    name = f"{path.parent.name}/{path.name}"
+    return PointLabels(name, objects.category, objects.instance, xyz=objects.xyz)
+
+
 def _read_classification(path: Path, options: ReadOptions) -> PointLabels:
     """Read the classification of LAS and LAZ; 0 and 1 are points that nobody classified."""
     labels = _read_points(
@@ -168,6 +177,7 @@ READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxy
     "npy": _read_npy,
     "lines": _read_lines,
     "las": _read_classification,
+    "s3dis": _read_objects,
     "points": _read_points,
 })  # fmt: skip
 """Formats of labels a point."""

@@ -26,7 +26,7 @@ from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.pcd import read_pcd
 from pointbrush.formats.ply import read_ply
 from pointbrush.formats.ptx import read_ptx
-from pointbrush.formats.text import read_text
+from pointbrush.formats.s3dis import read_room
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
@@ -74,7 +74,7 @@ BUILT_IN = (
     Format(
         "text",
         (".xyz", ".txt", ".pts", ".csv", ".asc"),
-        read_text,
+        read_room,
         "XYZ, TXT, PTS, CSV",
         weak=(".txt", ".csv"),
         headless=True,

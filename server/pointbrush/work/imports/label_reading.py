@@ -37,6 +37,7 @@ from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.palette import SourceLabel
 from pointbrush.formats.point_labels import PointLabels
+from pointbrush.formats.s3dis import Objects, numbers_at
 from pointbrush.formats.source import reported
 from pointbrush.labels.box_journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
@@ -155,7 +156,8 @@ class ReadLabelsWork:
             if frame >= len(recording):
                 channel.item(Unmatched(path.name))
             else:
-                labels = _of_points(files.read(path, options), recording, frame)
+                labels = _of_places(files.read(path, options), recording, frame)
+                labels = _of_points(labels, recording, frame)
                 labels = _of_export(labels, files.export, recording, frame)
                 channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
@@ -168,10 +170,9 @@ class ReadLabelsWork:
         if files.export is not None:
             return [files.export.frames.get(path, 0) for path in files.paths]
         stamps = label_times(files.paths)
-        names = [f"{path.parent.name}/{path.name}" for path in files.paths]
         times = [stamps[path] for path in files.paths] if stamps else None
         known = frame_names(recording.manifest)
-        return match(names, known, by_order=self.request.by_order, times=times)
+        return match(files.file_names, known, by_order=self.request.by_order, times=times)
 
     def _box_frames(
         self, files: LabelFiles, found: Sequence[Sequence[FrameBoxes]], recording: Recording
@@ -309,6 +310,16 @@ def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLa
         category=labels.category[rows],
         instance=None if instance is None else instance[rows],
     )
+
+
+def _of_places(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
+    """Labels of all points of a frame, where they are of points with certain coordinates."""
+    if labels.xyz is None or labels.instance is None:
+        return labels
+    xyz, scale = recording[frame].source_xyz(), recording.manifest.scale
+    objects = Objects(labels.xyz * scale, labels.category, labels.instance)
+    category, instance = numbers_at(labels.file, xyz, objects)
+    return replace(labels, category=category, instance=instance, xyz=None)
 
 
 def _of_export(
