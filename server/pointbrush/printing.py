@@ -56,6 +56,7 @@ def _plain(value: object) -> object:
 def preview(found: Mapping[str, Any]) -> Answer:
     """Describe an import that was not carried out."""
     points = ", ".join(f"{frame['points']:,}" for frame in found["points"])
+    left_out = sum(frame["left_out"] for frame in found["points"])
     source = found["fps_from"]
     rate_from = source if source in ("given", "assumed") else f"from {source}"
     columns = ", ".join(
@@ -71,7 +72,8 @@ def preview(found: Mapping[str, Any]) -> Answer:
         "format": f"{found['format']} ({found['title']})",
         "frames": f"{frames}, {found['order']}",
         "rate": f"{found['fps']:g} frames/s, {rate_from}",
-        "points": f"{points} in the first frames",
+        "points": f"{points} in the first frames"
+        + (f", {left_out:,} invalid left out" if left_out else ""),
         "columns": columns,
         "topics": ", ".join(
             f"{topic['name']}{' (read)' if topic['read'] else ''}: {topic['messages']} "

@@ -80,6 +80,99 @@ def test_xyzrgb_records_are_recognised_by_their_values(tmp_path, top):
         assert np.array_equal(frame.rgb, color)
 
 
+def surroundings(count, rings=1, offset=0.0):
+    """Points round a scanner, ring by ring or all rings of a moment at once."""
+    azimuth = np.repeat(np.linspace(0, 6.2, count), rings)
+    lasers = [-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15]
+    slope = np.radians(np.tile(lasers[:rings], count))
+    reach = RNG.uniform(5, 50, count * rings)
+    xyz = np.stack([np.cos(azimuth), np.sin(azimuth), np.tan(slope)]).T * reach[:, None]
+    return (xyz + offset).astype("<f4")
+
+
+CLOUDS = {
+    "rings": lambda: surroundings(960),
+    "lasers in turn": lambda: surroundings(1800, rings=16),
+    "all positive": lambda: surroundings(960, offset=60),
+    "a box on the floor": lambda: RNG.uniform(0, [4, 2, 1], (96, 3)).astype("<f4") + [5, 0, 0],
+    "half zeros": lambda: surroundings(960) * (RNG.random((960, 1)) > 0.5),
+}
+
+
+@pytest.mark.parametrize("folder", ["a", "velodyne"])
+@pytest.mark.parametrize("less", range(4))
+@pytest.mark.parametrize("cloud", CLOUDS)
+def test_coordinates_alone_are_recognised_by_their_values(tmp_path, cloud, less, folder):
+    xyz = np.asarray(CLOUDS[cloud](), "<f4")
+    xyz = xyz[: len(xyz) - less]
+    path = tmp_path / folder / "0.bin"
+    path.parent.mkdir()
+    path.write_bytes(xyz.tobytes())
+    (frame,) = read(path)
+    assert np.array_equal(frame.xyz, xyz[xyz.any(axis=1)])
+    assert frame.intensity is None
+
+
+@pytest.mark.parametrize("cut", [0, 8])
+@pytest.mark.parametrize("cloud", CLOUDS)
+@pytest.mark.parametrize(
+    "fourth",
+    [
+        lambda n: RNG.random(n),
+        lambda n: RNG.integers(0, 256, n),
+        lambda n: np.zeros(n),
+        lambda n: np.full(n, 0.3),
+        lambda n: RNG.normal(-30, 9, n),
+        lambda n: RNG.uniform(0, 60000, n),
+    ],
+)
+def test_records_with_a_fourth_float_are_never_taken_for_coordinates(tmp_path, cloud, fourth, cut):
+    xyz = np.asarray(CLOUDS[cloud](), "<f4")
+    table = np.c_[xyz, fourth(len(xyz))].astype("<f4")
+    data = table.tobytes()
+    (tmp_path / "0.bin").write_bytes(data[: len(data) - cut])
+    try:
+        (frame,) = read(tmp_path / "0.bin")
+    except BadInputError:
+        return
+    assert not cut
+    assert frame.intensity is not None
+
+
+@pytest.mark.parametrize("more", [3, 2, 4, 6])
+def test_records_with_other_floats_are_never_taken_for_coordinates(tmp_path, more):
+    for normals in (False, True):
+        table = RNG.normal(0, 9, (960, 3 + more))
+        table[:, :3] = surroundings(960)
+        if normals:
+            table[:, 3:6] /= np.linalg.norm(table[:, 3:6], axis=1)[:, None]
+        (tmp_path / "0.bin").write_bytes(table.astype("<f4").tobytes())
+        with pytest.raises(BadInputError, match="none or several"):
+            list(read(tmp_path / "0.bin"))
+
+
+def test_real_scans_are_never_taken_for_coordinates(tmp_path, shared):
+    for path in sorted((shared / "realdata").glob("semantickitti_0*/velodyne/*.bin")):
+        table = np.fromfile(path, "<f4").reshape(-1, 4)
+        for part in (table[:48_000], table[-480:]):
+            (tmp_path / "0.bin").write_bytes(part.tobytes())
+            (frame,) = read(tmp_path / "0.bin")
+            assert np.array_equal(frame.intensity, part[:, 3])
+        for part in (table[:48_000, :3], table[-4800:, :3]):
+            (tmp_path / "0.bin").write_bytes(part.tobytes())
+            (frame,) = read(tmp_path / "0.bin")
+            assert np.array_equal(frame.xyz, part)
+
+
+def test_coordinates_alone_with_labels(tmp_path):
+    xyz = surroundings(48)
+    (tmp_path / "0.bin").write_bytes(xyz.tobytes())
+    (tmp_path / "0.label").write_bytes(np.arange(48, dtype="<u4").tobytes())
+    (frame,) = read(tmp_path / "0.bin")
+    assert np.array_equal(frame.xyz, xyz)
+    assert frame.label.tolist() == list(range(48))
+
+
 def test_records_of_neither_kind_are_not_guessed(tmp_path):
     (tmp_path / "a.bin").write_bytes(np.full(48, 1e20, "<f4").tobytes())
     with pytest.raises(BadInputError, match="name the format"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -212,14 +213,39 @@ def pcd(path: Path, xyz: NDArray[np.float32]) -> Path:
     return path
 
 
-def test_beams_without_an_echo_are_left_out_and_counted(tmp_path: Path) -> None:
+def npy(path: Path, xyz: NDArray[np.float32]) -> Path:
+    np.save(path, xyz)
+    return path
+
+
+def csv(path: Path, xyz: NDArray[np.float32]) -> Path:
+    return text(path, "x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in xyz.tolist()))
+
+
+def raw(path: Path, xyz: NDArray[np.float32]) -> Path:
+    rows = np.c_[xyz, np.where(xyz.any(axis=1), 0.5, 0)].astype("<f4")
+    path.write_bytes(rows.tobytes())
+    return path
+
+
+@pytest.mark.parametrize(
+    ("write", "ending"),
+    [
+        *((pcd, "pcd"), (ply, "ply"), (npy, "npy"), (csv, "csv"), (raw, "bin")),
+    ],
+)
+def test_beams_without_an_echo_are_left_out_and_counted(
+    tmp_path: Path, write: Callable[[Path, NDArray[np.float32]], Path], ending: str
+) -> None:
     xyz = points(100)
     xyz[::2] = 0
-    frame = one(pcd(tmp_path / "a.pcd", xyz))
+    frame = one(write(tmp_path / f"a.{ending}", xyz))
     assert (len(frame), frame.dropped) == (50, 50)
+    assert frame.rows is not None
+    assert frame.rows.tolist() == list(range(1, 100, 2))
     xyz = points(10)
     xyz[3] = 0
-    assert len(one(pcd(tmp_path / "b.pcd", xyz))) == 10
+    assert len(one(write(tmp_path / f"b.{ending}", xyz))) == 10
 
 
 def test_an_empty_bin_among_others_is_a_moment_without_points(tmp_path: Path) -> None:

@@ -30,13 +30,15 @@ def frame_from_columns(
     options: ReadOptions,
     *,
     missing: bool = False,
+    zeros: bool = False,
     extras: Extras | None = None,
 ) -> PointFrame:
     """Build a frame from columns of equal length, by their names.
 
     Coordinates are x, y and z, or ``xyz`` as an array (N, 3).
     ``missing``: NaN and infinite points are absent measurements of this format, and are left out
-    and counted.  Otherwise they raise, unless ``options.drop_invalid``.
+    and counted.  Otherwise they raise, unless ``options.drop_invalid``.  Points at 0 0 0 are absent
+    measurements, too, unless they are several in a format where they are places: ``zeros``.
 
     Raises BadInputError when x, y or z is absent, points are not finite, or colours or labels
     are out of range; messages start with ``name``.
@@ -45,8 +47,7 @@ def frame_from_columns(
     found = roles(columns)
     xyz = _coordinates(name, columns, found)
     keep = finite_points(name, xyz, missing=missing or options.drop_invalid)
-    if missing:
-        keep = without_zeros(xyz, keep)
+    keep = keep if zeros else without_zeros(xyz, keep)
     rgb = _rgb(name, columns, found, keep, options.colors)
     name_left_out(name, columns, found)
     parts = {role: columns[found[role]] for role in found if role not in "xyz"}

@@ -1,7 +1,7 @@
 """Float records of KITTI (``.bin``, SemanticKITTI ``.label``), nuScenes, radar and XYZRGB.
 
-A KITTI record is x y z reflectance as float32; an XYZRGB one is x y z r g b, colours 0..1 or
-0..255: a file where none exceeds 1 is taken as 0..1.
+A KITTI record is x y z reflectance as float32, for some writers x y z alone; an XYZRGB one is
+x y z r g b, colours 0..1 or 0..255: a file where none exceeds 1 is taken as 0..1.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import labels_of_packed, own_palette
+from pointbrush.formats.record_width import is_xyz, sample
 from pointbrush.formats.unnamed import unnamed
 from pointbrush.frame import PointFrame
 
@@ -29,8 +30,6 @@ MOST_RINGS = 512
 """Greatest plausible value of a wider record's fifth float."""
 MUCH_LESS = 0.8
 """Variance within columns of the right width, as a share of that of another width, at most."""
-# As many floats as make whole points of either record.
-SAMPLE = 48_000
 KITTI_FIELDS = ("x", "y", "z", "intensity")
 XYZRGB_FIELDS = ("x", "y", "z", "red", "green", "blue")
 
@@ -40,8 +39,12 @@ def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
     Raises BadInputError for a size that is not whole records, or labels of another count.
     """
+    yield _labelled_frame(path, KITTI_FIELDS, options)
+
+
+def _labelled_frame(path: Path, fields: tuple[str, ...], options: ReadOptions) -> PointFrame:
     columns: dict[str, NDArray[Any]] = {}
-    columns |= _table_columns(path.name, read_bytes(path), KITTI_FIELDS, options)
+    columns |= _table_columns(path.name, read_bytes(path), fields, options)
     label_file = find_label(path)
     if label_file is not None:
         columns["label"], columns["instance"] = read_label(label_file, options)
@@ -51,12 +54,12 @@ def read_kitti(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
                 f"{label_file.name}: expected {count} labels of 4 bytes, one for each point, got "
                 f"{len(columns['label'])}"
             )
-    yield frame_from_columns(path.name, columns, options)
+    return frame_from_columns(path.name, columns, options)
 
 
 def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     """Read a ``.bin`` file of a kind not named: records of the columns that a person names in
-    order, else KITTI, XYZRGB or wider records where the values say so.
+    order, else KITTI, XYZRGB, x y z or wider records where the values say so.
 
     Raises BadInputError when none or several are plausible.
     """
@@ -68,13 +71,19 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         yield frame_from_columns(path.name, columns, options)
         return
     wide = [width for width in WIDE if len(data) % (4 * width) == 0 and _is_wide(data, width)]
-    if find_label(path) is not None or (
+    colored, label = len(data) % 24 == 0 and _is_xyzrgb(data), find_label(path)
+    # A label has 4 bytes, a third of a record of three floats.
+    labelled = label is not None and len(data) == 3 * label.stat().st_size
+    if labelled or (label is None and not (wide or colored or named) and is_xyz(data)):
+        yield _labelled_frame(path, KITTI_FIELDS[:3], options)
+        return
+    if label is not None or (
         _lies_as_kitti(path) and not wide and len(data) % RECORD == 0 and not _fits_wider(data)
     ):
         yield from read_kitti(path, options)
         return
     # Colours first: coordinates do not stay within 0..1 or whole numbers by chance.
-    if len(data) % 24 == 0 and _is_xyzrgb(data):
+    if colored:
         yield from read_xyzrgb(path, options)
     elif len(data) % RECORD == 0 and _is_kitti(data):
         yield from read_kitti(path, options)
@@ -82,9 +91,10 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
         yield _wide_frame(path, data, wide[0], options)
     else:
         raise BadInputError(
-            f"{path.name}: expected records of 4 floats (x y z reflectance), 5 to 7 (and ring, "
-            f"time, …) or 6 (x y z r g b), got {len(data)} bytes that are none or several of them "
-            "by their values; name the format (kitti, nuscenes or xyzrgb), or all columns in order"
+            f"{path.name}: expected records of 4 floats (x y z reflectance), 3 (x y z), 5 to 7 "
+            f"(and ring, time, …) or 6 (x y z r g b), got {len(data)} bytes that are none or "
+            "several of them by their values; name the format (kitti, nuscenes or xyzrgb), or all "
+            "columns in order"
         )
 
 
@@ -126,14 +136,9 @@ def _lies_as_kitti(path: Path) -> bool:
     return bool(folders & {"velodyne", "velodyne_points"}) or find_label(path) is not None
 
 
-def _sample(data: bytes, width: int) -> NDArray[np.float32]:
-    count = min(len(data) // 4, SAMPLE) // width * width
-    return np.frombuffer(data, "<f4", count).reshape(-1, width)
-
-
 def _is_kitti(data: bytes) -> bool:
     """Reflectances are 0..1 or 0..255, and some point is further than a metre."""
-    table = _sample(data, 4)
+    table = sample(data, 4)
     magnitude = np.abs(table)
     finite = bool((magnitude < 1e7).all()) and bool((magnitude[:, :3] > 1).any())
     reflectance = table[:, 3]
@@ -148,7 +153,7 @@ def _is_wide(data: bytes, width: int) -> bool:
     """
     if len(data) % RECORD == 0 and _is_kitti(data):
         return False
-    table = _sample(data, width)
+    table = sample(data, width)
     if len(table) < 16 or not (np.abs(table) < 1e10).all():
         return False
     coordinates, intensity, ring = table[:, :3], table[:, 3], table[:, 4]
@@ -162,14 +167,14 @@ def _fits_wider(data: bytes) -> bool:
     """Whether values vary much less within columns of 5 to 7 floats a record than of four."""
 
     def spread(width: int) -> float:
-        return float(np.arcsinh(np.nan_to_num(_sample(data, width))).var(axis=0).mean())
+        return float(np.arcsinh(np.nan_to_num(sample(data, width))).var(axis=0).mean())
 
     fitting = [spread(width) for width in WIDE if len(data) % (4 * width) == 0]
     return bool(data) and bool(fitting) and min(fitting) < MUCH_LESS * spread(RECORD // 4)
 
 
 def _is_xyzrgb(data: bytes) -> bool:
-    table = _sample(data, 6)
+    table = sample(data, 6)
     finite = bool((np.abs(table) < 1e7).all())
     xyz, rgb = table[:, :3], table[:, 3:]
     if not finite or len(table) < 16 or rgb.min() < 0:

@@ -145,7 +145,7 @@ def _frame(
             # 8 bits times 256 or 257, as writers scale them, become themselves.
             rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
     scaling = Scaling(header.scales, header.offsets)
-    frame = frame_from_columns(path.name, columns, options)
+    frame = frame_from_columns(path.name, columns, options, zeros=True)
     kept = slice(None) if frame.rows is None else frame.rows
     other = {name: stored.get(name, values)[kept] for name, values in frame.other.items()}
     return replace(frame, other=other, header=records, scaling=scaling)
