@@ -58,6 +58,12 @@ def test_the_whole_way_on_a_server(
     labels = ("import-labels", "drift", tmp_path / "000000.label", "--map", named)
     assert "found 2,000 labelled points in 1 of 3 frames" in run(*labels, "--dry-run")
     assert "imported 2,000" in run(*labels)
+    np.zeros(2000, "<u4").tofile(tmp_path / "000001.label")
+    empty = ("import-labels", "drift", tmp_path / "000001.label")
+    for more in ([], ["--dry-run"]):
+        assert main([str(word) for word in (*empty, *more)]) == 1
+        assert "expected some labelled points or boxes, got none" in capsys.readouterr().err
+        assert "0 labelled points in 1 of 3 frames" in run(*empty, "--allow-empty", *more)
     assert "cube" in run("info", "drift")
     tracked = run("track", "drift", "--from", 0, "--to", 2, "--labels", "cube", "--method", "icp")
     assert tracked.startswith("tracked 3 frames, 4,000 points")

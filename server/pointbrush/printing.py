@@ -146,7 +146,8 @@ def labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) ->
         f"{done} {count:,} labelled points in {result['matched']} of {frames} "
         f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"
     )
-    return Answer(result, lines, _warnings(result))
+    error = "nothing was labelled" if result.get("refused") else ""
+    return Answer(result, lines, _warnings(result), error=error)
 
 
 def tracked(result: Mapping[str, Any]) -> Answer:

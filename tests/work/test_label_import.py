@@ -153,6 +153,27 @@ def test_a_dry_run_tells_and_writes_nothing(workspace: Workspace, tmp_path: Path
     assert set(labels(workspace, 1)) == {""}
 
 
+def test_an_import_that_labels_nothing_is_an_error_unless_it_is_allowed(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    made = kitti(tmp_path / "made")
+    for path in made.rglob("*.label"):
+        path.write_bytes(bytes(path.stat().st_size))
+    job = run(workspace, made)
+    refused = "labels: expected some labelled points or boxes, got none in the 3 frames"
+    assert job.state == "failed"
+    assert refused in str(job.error)
+    assert workspace.labels.revision("drive") == 0
+    job = run(workspace, made, dry_run=True)
+    assert job.state == "done"
+    assert refused in job.result["warnings"][-1]
+    assert job.result["refused"] == job.result["warnings"][-1]
+    for dry_run in (True, False):
+        job = run(workspace, made, allow_empty=True, dry_run=dry_run)
+        assert (job.state, job.result["refused"], job.result["warnings"]) == ("done", "", [])
+        assert (job.result["matched"], job.result["edit"]) == (3, None)
+
+
 def test_nuscenes_labels(workspace: Workspace, tmp_path: Path) -> None:
     category = [np.arange(count) % 2 * 17 for count in COUNTS]
     names = {17: ClassName("car", "#ff9e00")}

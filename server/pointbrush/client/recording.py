@@ -353,7 +353,8 @@ class Recording(Part[L]):
         ``map``, the names of classes as JSON, YAML, XML of point_labeler or lines ``number name``;
         ``field``, the field of the points that holds labels; ``no_ground``, leave the ground out
         of boxes; ``by_order``, match files to frames by their order instead of their names;
-        ``boxes``: keep boxes (keep), label the points inside (points), or both.
+        ``boxes``: keep boxes (keep), label the points inside (points), or both; ``allow_empty``,
+        accept files that label nothing, which raise an error otherwise.
         ``dry_run`` changes nothing.  ``patience``: as of ``track``.
         """
         job = yield from self._label_import(files, server_path, options, dry_run, patience)

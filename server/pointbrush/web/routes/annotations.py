@@ -45,6 +45,7 @@ class LabelImportOptions(Body):
     map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
     no_ground: bool = False
     by_order: bool = False
+    allow_empty: bool = False
     field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     boxes: Annotated[str, Field(pattern=one_of(BOX_CHOICES))] = BOTH
     id: JobId | None = None
@@ -62,6 +63,7 @@ IMPORT_BODY = described(
         "format": {"type": "string", "enum": list(LABEL_FORMATS)},
         "no_ground": {"type": "string", "enum": ["true", "false"]},
         "by_order": {"type": "string", "enum": ["true", "false"]},
+        "allow_empty": {"type": "string", "enum": ["true", "false"]},
         "field": {"type": "string", "maxLength": 200},
         "boxes": {"type": "string", "enum": list(BOX_CHOICES)},
         "id": {"type": "string", "format": "uuid"},

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
@@ -96,7 +97,10 @@ class LabelImports:
             chosen, commit = self._write(recording, request, job, found, objects[0], called[0])
             report = _report(recording, found, unmatched, chosen) | _told_boxes(objects[0])
             told = [*warnings, *chosen.warnings()]
+            refused = "" if request.allow_empty else _emptiness(found, objects[0], chosen)
+            told += [refused] if refused else []
             report |= {"warnings": told, "locked": locked, "edit": None, "changed": 0}
+            report |= {"refused": refused}
             return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
 
         done = partial(drop_upload, request.upload)
@@ -111,13 +115,18 @@ class LabelImports:
         boxes: FoundBoxes,
         naming: Naming,
     ) -> tuple[Chosen, Commit | None]:
-        """Make what was found an edit, unless it is a trial or nothing; return its labels too."""
+        """Make what was found an edit, unless it is a trial or nothing; return its labels too.
+
+        Raises BadInputError for nothing, unless the request allows it.
+        """
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
         naming = naming.in_workspace(self._store)
         chosen = Chosen.of(self._store.choosing(sequence), keys, naming)
-        anything = boxes.tracks or any(len(frame.rows) for frame in found)
-        if request.dry_run or not anything:
+        nothing = _emptiness(found, boxes, chosen)
+        if request.dry_run or (nothing and request.allow_empty):
             return chosen, None
+        if nothing:
+            raise BadInputError(nothing)
         learn_numbers(self._store, naming, chosen.classes)
         locked: set[int] = set()
 
@@ -143,6 +152,20 @@ class LabelImports:
             boxes=kept,
         )
         return chosen, commit
+
+
+def _emptiness(found: Sequence[FrameLabels], boxes: FoundBoxes, chosen: Chosen) -> str:
+    """Return the error of an import that labels no point and keeps no box, "" for another one."""
+    used = {
+        frame.keys[i] for frame in found for i in np.bincount(frame.which).nonzero()[0].tolist()
+    }
+    used.update(key for key, _ in boxes.tracks)
+    if any(chosen.ids[key] for key in used):
+        return ""
+    return (
+        f"labels: expected some labelled points or boxes, got none in the {len(found)} frames that "
+        "the files are of; --allow-empty (allow_empty) accepts that"
+    )
 
 
 def _writes(

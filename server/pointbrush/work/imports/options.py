@@ -25,6 +25,7 @@ class LabelOptions:
     no_ground: bool = choice(False, "do not label the ground inside boxes")
     by_order: bool = choice(False, "match files to frames by their order, not by name")
     field: str | None = choice(None, "field of the points that holds the labels")
+    allow_empty: bool = choice(False, "accept files that label nothing")
     boxes: str = choice(
         BOTH, "keep imported boxes (keep), label the points inside (points), or both (default)"
     )
