@@ -35,6 +35,18 @@ def paint_a_little(server: LiveServer, classes: dict[str, NDArray[np.bool_]]) ->
             server.request("POST", f"sequences/{SEQUENCE}/frames/0/strokes", json=stroke)
 
 
+def assert_close_button_in_first_line(desk: Desk) -> None:
+    bar, parts, close = desk.page.locator(".example-bar").evaluate(
+        """(bar) => [bar, bar.querySelector('.example-row > :nth-child(2)'),
+                     bar.querySelector('[aria-label^=Close]')]
+          .map((each) => each.getBoundingClientRect().toJSON())"""
+    )
+    assert parts["right"] <= close["left"]
+    assert close["right"] < bar["right"]
+    assert close["top"] >= bar["top"]
+    assert close["bottom"] < bar["top"] + 40
+
+
 def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: Desk) -> None:
     with np.load(DATA / "0000.npz") as arrays:
         truth = arrays["truth"]
@@ -49,6 +61,12 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     page.get_by_role("button", name="The classifier: what taught it, and others").click()
     page.get_by_role("radio", name="This frame").click()
     desk.press("Escape")
+    page.get_by_role("button", name="Review").click()
+    page.get_by_role("complementary", name="Review").wait_for()
+    for width in (1200, 1280):
+        page.set_viewport_size({"width": width, "height": 720})
+        assert_close_button_in_first_line(desk)
+    page.get_by_role("button", name="Review").first.click()
     desk.press(";")
     expect(page.get_by_text("What is at the ring?")).to_be_visible()
     before = sum(desk.labels().get(label, 0) for label in (1, 2))

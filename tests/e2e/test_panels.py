@@ -292,6 +292,28 @@ def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
         assert name.evaluate("(e) => e.scrollWidth <= e.clientWidth && e.clientWidth > 20")
 
 
+def test_the_card_of_a_job_holds_a_long_message(desk: Desk) -> None:
+    message = "compiling loops, once on this machine: tracking people who meet"
+    job = f"""{{ type: 'job', id: 'long', kind: 'tracking', sequence: '{SEQUENCE}', owner: '',
+      state: 'running', progress: 0.5, message: '{message} {"x" * 80}',
+      frame: null, error: null, edit: null }}"""
+    for width in (1280, 390):
+        desk.page.set_viewport_size({"width": width, "height": 844})
+        desk.ask(f"(pb.state.jobs.value = [{job}])")
+        card = desk.page.locator(".card.job")
+        expect(card).to_contain_text(message)
+        outside = card.evaluate(
+            """(card) => {
+              const { left, right } = card.getBoundingClientRect();
+              const inside = (e) => e.left >= left && e.right <= right;
+              return [...card.querySelectorAll('*')]
+                .filter((each) => !inside(each.getBoundingClientRect()))
+                .map((each) => each.outerHTML);
+            }"""
+        )
+        assert outside == []
+
+
 def by_keys_alone(window: Desk, server: LiveServer) -> None:
     """Label, track and export a recording that is open, without a mouse."""
     page = window.page

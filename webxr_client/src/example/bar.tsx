@@ -43,7 +43,7 @@ export function ExampleBar() {
       {question.value && <Asked place={question.value} />}
       <div class="example-row">
         <Icon name="example" />
-        {classifier.value ? <Predicted /> : <Begin />}
+        <div class="example-parts">{classifier.value ? <Predicted /> : <Begin />}</div>
         <Button icon="close" tip="Close; what is predicted goes, labels stay" small onClick={closeExample} />
       </div>
     </section>
@@ -161,13 +161,15 @@ function Asked({ place }: { place: Question }) {
   const answers = [[first, 'Enter'], [second, 'Shift Enter']] as const; // prettier-ignore
   return (
     <div class="example-row" role="group" aria-label="A place in doubt">
-      <span>What is at the ring?</span>
-      {answers.map(([name, keys], k) => (
-        <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!canEdit.value} onClick={() => answerDoubt(k as 0 | 1)}>
-          <Swatch color={colours[k]!} /> <span class="button-label">{name}</span>
-        </button>
-      ))}
-      <span class="soft">or paint it as something else</span>
+      <div class="example-parts">
+        <span>What is at the ring?</span>
+        {answers.map(([name, keys], k) => (
+          <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!canEdit.value} onClick={() => answerDoubt(k as 0 | 1)}>
+            <Swatch color={colours[k]!} /> <span class="button-label">{name}</span>
+          </button>
+        ))}
+        <span class="soft">or paint it as something else</span>
+      </div>
       <Button icon="close" small tip="Leave it" onClick={leaveQuestion} />
     </div>
   ); // prettier-ignore

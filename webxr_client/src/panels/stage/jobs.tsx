@@ -23,7 +23,8 @@ export function JobCards() {
       {state.uploads.value.map((upload) => (
         <div key={upload.name} class="card job" role="status">
           <div class="job-head">
-            <strong>Sending {upload.name}</strong>
+            <strong>Sending</strong>
+            <span class="soft">{upload.name}</span>
             <span class="soft number">
               {bytes(upload.sent)} of {bytes(upload.total)}
             </span>
@@ -72,7 +73,7 @@ function Running({ job, about }: { job: Job; about: string }) {
     <>
       <div class="job-head">
         <strong>{TITLE[job.kind]}</strong>
-        <span class="soft name">
+        <span class="soft">
           {job.state === 'queued' ? `waiting for its turn · ${about}` : about}
         </span>
         {job.progress > 0 && <span class="number">{Math.round(job.progress * 100)} %</span>}
