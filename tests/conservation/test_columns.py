@@ -20,7 +20,7 @@ from tests.conservation.outputs import READERS, Columns
 from tests.conservation.sources import COUNT, SOURCES, Source, coordinates
 
 DOCS = Path(__file__).parents[2] / "docs" / "formats-written.md"
-FIELDS = "further fields"
+FIELDS = "other point fields"
 WIDE = "whole numbers beyond 2^53"
 SINGLE = "coordinates beyond 32-bit floats"
 LAS_GRID = 1e-7

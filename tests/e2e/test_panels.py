@@ -160,6 +160,49 @@ def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServ
     assert painted(server, 4, 1) == 0
 
 
+def test_export_formats_are_grouped_and_the_last_used_is_marked(
+    desk: Desk, server: LiveServer
+) -> None:
+    page = desk.page
+    menu, details = page.get_by_role("dialog", name="Export"), page.locator(".export-details")
+    opener = page.get_by_role("button", name="Export", exact=True)
+    opener.click()
+    expect(menu.get_by_role("region", name="Points with labels")).to_contain_text("SemanticKITTI")
+    expect(menu.get_by_role("region", name="Labels only")).to_contain_text("Label arrays")
+    training = menu.get_by_role("region", name="Training sets")
+    expect(training).to_contain_text("Pointcept")
+    expect(training.get_by_label("Validation")).to_be_visible()
+    expect(menu.get_by_role("region", name="Boxes")).to_have_count(0)
+    expect(menu.get_by_text("whole boxes")).to_have_count(0)
+    # The losses of one format: by the pointer, then by the keyboard, which goes down the list.
+    menu.get_by_role("button", name="SemanticKITTI").hover()
+    expect(details.get_by_role("listitem")).to_have_text(
+        ["provenance", "colours", "other point fields"]
+    )
+    menu.get_by_role("button", name="PLY").focus()
+    expect(details).to_contain_text("PLY")
+    desk.press("ArrowDown")
+    expect(menu.get_by_role("button", name="NPZ")).to_be_focused()
+    expect(details.get_by_role("listitem")).to_have_text(["other point fields"])
+    assert faults(page, "export", "[role=dialog]") == []
+    with page.expect_download():
+        desk.press("Enter")
+    box = {
+        "label": 1,
+        "size": [1.0, 1.0, 1.0],
+        "poses": {"0": {"centre": [0.0, 0.0, 1.0], "quaternion": [0.0, 0.0, 0.0, 1.0]}},
+    }
+    server.request("POST", f"sequences/{SEQUENCE}/boxes", json=box)
+    page.reload()
+    desk.ready()
+    opener.click()
+    expect(menu.get_by_role("region", name="Boxes")).to_contain_text("KITTI tracking")
+    expect(training).to_contain_text("OpenPCDet, whole boxes")
+    expect(menu.get_by_text("last used")).to_have_count(1)
+    expect(menu.get_by_role("button", name="NPZ")).to_contain_text("last used")
+    expect(details).to_contain_text("NPZ")
+
+
 def put(server: LiveServer, frame: int, labels: object) -> None:
     body = io.BytesIO()
     np.save(body, labels)

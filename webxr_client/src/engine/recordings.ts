@@ -1,6 +1,6 @@
 /** Recordings: the list, export, change, delete. */
-import { signal } from '@preact/signals';
 import { actions, type Actions } from '../store/actions';
+import { exportFormats, rememberExport, type ExportFormat } from './export-formats';
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError } from '../net/rest';
 import type { Job } from '../protocol/messages';
@@ -120,22 +120,6 @@ function download(href: string): void {
   link.click();
 }
 
-/**
- * An export format as the server offers it; `cannot_hold`: what is lost in it; `splits`: its frames
- * are for training or for validation; `whole_boxes`: it has the boxes of the labels.
- */
-export interface ExportFormat {
-  readonly format: string;
-  readonly title: string;
-  readonly content: string;
-  readonly cannot_hold: readonly string[];
-  readonly splits: boolean;
-  readonly whole_boxes: boolean;
-}
-
-/** The formats that the server offers, once they were asked for. */
-export const exportFormats = signal<readonly ExportFormat[]>([]);
-
 async function exportSequence(format: string, frames = '', val = '', snapshot = ''): Promise<void> {
   const info = state.sequence.peek();
   if (!info) return;
@@ -146,6 +130,7 @@ async function exportSequence(format: string, frames = '', val = '', snapshot = 
   // A download that finds no server, or is refused, tells nobody: ask first.
   await api('GET', sequencePath(info.id));
   download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
+  rememberExport(format);
   notify('success', 'Export started', 'The browser saves it among its downloads.');
 }
 

@@ -2,9 +2,9 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../store/actions';
-import { exportFormats, type ExportFormat } from '../engine/recordings';
-import { boxes } from '../store/boxes';
+import type { ExportFormat } from '../engine/export-formats';
 import { state } from '../store/state';
+import { ExportFormats } from './export-formats';
 import { Button } from './parts/controls';
 import { frameRange, ordered } from '../store/range';
 import { PopoverButton } from './parts/popover';
@@ -33,38 +33,46 @@ function ExportMenu() {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
   useEffect(() => void actions.loadExportFormats(), []);
-  const start = (format: string, judged = ''): void => {
-    exportOpen.value = false;
-    void actions.exportSequence(format, frames, judged);
-  };
   // Of an export of the range alone it would be everything.
   const stretch = range && !frames ? `${range[0]}:${range[1] + 1}` : '';
   const chosen = validation.value;
   const val = ['none', ':', stretch].includes(chosen) ? chosen : '';
+  const start = ({ format, splits }: ExportFormat): void => {
+    exportOpen.value = false;
+    void actions.exportSequence(format, frames, splits ? val : '');
+  };
   const all = state.sequence.value?.frames ?? 0;
   return (
     <>
       <h2>Export {frames ? `frames ${range![0]} – ${range![1]}` : `all ${all} frames`}</h2>
       <Range all={all} range={frames ? range : null} />
-      <Formats formats={plainFormats()} start={start} />
-      <label class="row">
-        <span>Validation</span>
-        <select
-          class="field"
-          value={val}
-          onChange={(event) => (validation.value = event.currentTarget.value)}
-        >
-          <option value="">one recording in five</option>
-          <option value="none">none of these frames</option>
-          <option value=":">all of these frames</option>
-          {stretch && <option value={stretch}>the chosen range</option>}
-        </select>
-      </label>
-      <Formats
-        formats={exportFormats.value.filter((each) => each.splits)}
-        start={(format) => start(format, val)}
-      />
+      <ExportFormats split={<Validation value={val} range={stretch} />} start={start} />
     </>
+  );
+}
+
+interface ValidationProps {
+  /** As the server reads it: a range, "none", or empty for the default. */
+  value: string;
+  /** The range chosen on the timeline, or empty. */
+  range: string;
+}
+
+function Validation({ value, range }: ValidationProps) {
+  return (
+    <label class="row">
+      <span>Validation</span>
+      <select
+        class="field"
+        value={value}
+        onChange={(event) => (validation.value = event.currentTarget.value)}
+      >
+        <option value="">one recording in five</option>
+        <option value="none">none of these frames</option>
+        <option value=":">all of these frames</option>
+        {range && <option value={range}>the chosen range</option>}
+      </select>
+    </label>
   );
 }
 
@@ -104,36 +112,5 @@ function Range({ all, range }: RangeProps) {
         <Button label="All" tip="Export all frames" onClick={() => (onlyRange.value = false)} />
       )}
     </div>
-  );
-}
-
-/** Formats without a split; whole boxes go first where the recording has boxes. */
-function plainFormats(): readonly ExportFormat[] {
-  const formats = exportFormats.value.filter((each) => !each.splits);
-  if (boxes.value.size === 0) return formats;
-  return formats.toSorted((a, b) => Number(b.whole_boxes) - Number(a.whole_boxes));
-}
-
-interface FormatsProps {
-  formats: readonly ExportFormat[];
-  start: (format: string) => void;
-}
-
-function Formats({ formats, start }: FormatsProps) {
-  return (
-    <>
-      {formats.map(({ format, title, content, cannot_hold }) => (
-        <button
-          key={format}
-          type="button"
-          class="menu-item export-format"
-          onClick={() => start(format)}
-        >
-          {title}
-          <span class="end">{content}</span>
-          {cannot_hold.length > 0 && <small>without {cannot_hold.join(', ')}</small>}
-        </button>
-      ))}
-    </>
   );
 }

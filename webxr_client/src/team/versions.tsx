@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { day, plural, shortCount } from '../common/format';
-import { exportFormats } from '../engine/recordings';
+import { exportFormats, groupFormats } from '../engine/export-formats';
 import { Button } from '../panels/parts/controls';
 import { actions } from '../store/actions';
 import { canManage, state } from '../store/state';
@@ -104,10 +104,14 @@ function Actions({ snapshot }: { snapshot: Snapshot }) {
         }}
       >
         <option value="">Export this recording as…</option>
-        {exportFormats.value.map(({ format, title }) => (
-          <option key={format} value={format}>
-            {title}
-          </option>
+        {groupFormats(exportFormats.value, true).map(({ purpose, formats }) => (
+          <optgroup key={purpose} label={purpose}>
+            {formats.map(({ format, title }) => (
+              <option key={format} value={format}>
+                {title}
+              </option>
+            ))}
+          </optgroup>
         ))}
       </select>
       {canManage.value && (

@@ -18,11 +18,11 @@ from pointbrush.formats.boxes.tool_writing import (
     write_sustechpoints,
 )
 
-OBJECTS = "the same object in several frames"
-ATTRIBUTES = "attributes"
-NAMES = "blanks in names of classes"
+OBJECTS = "object identity across frames"
+ATTRIBUTES = "box attributes"
+NAMES = "spaces in class names"
 PRECISE = "provenance and confidence of boxes"
-TILT = "roll and pitch of boxes: they are written upright"
+TILT = "roll and pitch of boxes"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +53,12 @@ BOX_WRITERS: Mapping[str, BoxWriting] = MappingProxyType({
     "kitti-object": BoxWriting(
         "KITTI object", "label_2 and calib", write_kitti_object, "kitti",
         ("kitti-object", "label_2/*.txt"),
-        (OBJECTS, "attributes but truncated and occluded", NAMES),
+        (OBJECTS, "attributes other than truncated and occluded", NAMES),
     ),
     "kitti-tracking": BoxWriting(
         "KITTI tracking", "label_02 and calib", write_kitti_tracking, "kitti",
         ("kitti-tracking", "label_02/*.txt"),
-        ("attributes but truncated and occluded, as levels", NAMES),
+        ("attributes other than levels of truncated and occluded", NAMES),
     ),
     "nuscenes-boxes": BoxWriting(
         "nuScenes", "tables of boxes", write_nuscenes, "nuscenes",
@@ -71,26 +71,26 @@ BOX_WRITERS: Mapping[str, BoxWriting] = MappingProxyType({
     "waymo-boxes": BoxWriting(
         "Waymo 2", "lidar_box.parquet", write_waymo, "waymo",
         ("waymo", "lidar_box/*.parquet"),
-        (ATTRIBUTES, "classes but vehicle, pedestrian, sign and cyclist"), level=True,
+        (ATTRIBUTES, "classes other than vehicle, pedestrian, sign and cyclist"), level=True,
     ),
     "sustechpoints": BoxWriting(
-        "SUSTechPOINTS", "label, a file a frame", write_sustechpoints, "sustechpoints",
+        "SUSTechPOINTS", "one label file per frame", write_sustechpoints, "sustechpoints",
         ("sustechpoints", "label/*.json"),
     ),
     "datumaro": BoxWriting(
-        "CVAT", "Datumaro 3D", write_datumaro, "datumaro",
+        "CVAT", "Datumaro 3D, which CVAT imports", write_datumaro, "datumaro",
         ("datumaro", "annotations/default.json"),
     ),
     "labelcloud": BoxWriting(
-        "labelCloud", "a file a frame", write_labelcloud, "labelcloud",
+        "labelCloud", "one file per frame", write_labelcloud, "labelcloud",
         ("labelcloud", "labels/*.json"), (OBJECTS, ATTRIBUTES),
     ),
     "supervisely": BoxWriting(
-        "Supervisely", "an episode", write_supervisely, "supervisely",
+        "Supervisely", "an episode with its annotation", write_supervisely, "supervisely",
         ("supervisely", "episode/annotation.json"),
     ),
     "segments": BoxWriting(
-        "Segments.ai", "a release", write_segments, "segments",
+        "Segments.ai", "a release file", write_segments, "segments",
         ("segments", "release.json"),
     ),
 })  # fmt: skip

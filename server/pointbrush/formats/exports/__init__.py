@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats.boxes.writing import ATTRIBUTES as BOX_ATTRIBUTES
-from pointbrush.formats.boxes.writing import BOX_WRITERS, PRECISE, TILT
+from pointbrush.formats.boxes.writing import BOX_WRITERS, OBJECTS, PRECISE, TILT
 from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
 from pointbrush.formats.exports.about import FrameLog, write_about, write_classes
 from pointbrush.formats.exports.labeled import (
@@ -32,15 +32,18 @@ from pointbrush.formats.numbering import (
     Numbering,
 )
 
+Purpose = Literal["points with labels", "labels only", "training sets", "boxes"]
+"""The use of an export; the page groups the formats by it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Export:
     """An export format: ``write`` puts frames and palette into an Output.
 
-    ``title`` and ``content`` are shown to people; ``cannot_hold``: what of points and labels is
-    lost in it.  What ``write`` returns is told in ``export.json``.  ``endings`` are those of a
-    single file that holds one frame, if the format has such files.  ``masks``: deleted points are
-    left out, and told in a mask beside the frame.
+    ``title`` and ``content`` are shown to users; ``cannot_hold`` lists the properties of points and
+    labels that the format loses.  ``export.json`` contains the result of ``write``.  ``endings``
+    are those of a single file that holds one frame, if the format has such files.  ``masks``:
+    deleted points are left out, and a mask beside the frame marks them.
     """
 
     name: str
@@ -50,15 +53,16 @@ class Export:
     cannot_hold: tuple[str, ...] = ()
     endings: tuple[str, ...] = ()
     masks: bool = True
+    purpose: Purpose = "points with labels"
     numbering: Numbering | None = None
     """Numbers that its files have for classes; None: those of the workspace."""
     splits: bool = False
-    """Its frames are split into those for training and those for validation."""
+    """Its frames are split into training and validation."""
     whole_boxes: bool = False
-    """It has the boxes of labels as people or fits made them, not as their points end."""
+    """It contains the boxes of labels as drawn or fitted, not boxes of the visible points."""
     labels: tuple[str, str] | None = None
-    """Format of labels as which it comes back in, and its files that have them; None: a file of
-    points for each frame."""
+    """Format of labels that reads it, and the pattern of its label files; None: a file of points
+    for each frame."""
 
     @property
     def read_as(self) -> tuple[str, str]:
@@ -70,13 +74,13 @@ GAPS = "gaps.json"
 """In a streamed export: which frames are missing, and why; absent when none is."""
 
 _PROVENANCE = "provenance"
-_FIELDS = "further fields"
+_FIELDS = "other point fields"
 _WIDE = "whole numbers beyond 2^53"
 _SINGLE = "coordinates beyond 32-bit floats"
 _COLORS = "colours"
-_BOXES = "the points of a label, only boxes round them"
-_POINTS = "points and their labels, only boxes"
-_NAMELESS = ("names of labels", "the same object in several frames", _COLORS)
+_BOXES = "point labels"
+_POINTS = "points and point labels"
+_NAMELESS = ("label names", OBJECTS, _COLORS)
 
 _ALL = (
     Export("ply", "PLY", "points and labels", points.write_plys, (_PROVENANCE, _WIDE), (".ply",)),
@@ -84,7 +88,7 @@ _ALL = (
     Export(
         "semantickitti",
         "SemanticKITTI",
-        ".bin and .label",
+        "the .bin and .label files of the dataset",
         semantickitti.write_semantickitti,
         (_PROVENANCE, _COLORS, _FIELDS, _SINGLE),
         numbering=KITTI_NUMBERS,
@@ -94,7 +98,7 @@ _ALL = (
     Export(
         "las",
         "LAS",
-        "points, labels, own fields",
+        "points, labels, source fields",
         points.write_lass,
         (_PROVENANCE,),
         (".las",),
@@ -103,7 +107,7 @@ _ALL = (
     Export(
         "laz",
         "LAZ",
-        "the same, compressed",
+        "compressed LAS",
         points.write_lazs,
         (_PROVENANCE,),
         (".laz",),
@@ -112,16 +116,17 @@ _ALL = (
     Export("csv", "CSV", "one row per point", points.write_csvs, (_PROVENANCE,), (".csv",)),
     Export(
         "labels-only",
-        "Labels only",
-        "no points",
+        "Label arrays",
+        "one array of labels per frame",
         labels_only.write_labels_only,
         masks=False,
+        purpose="labels only",
         labels=("npy", "label/*.npy"),
     ),
     Export(
         "cut",
-        "Cut",
-        "a file per label",
+        "Cut by label",
+        "one file of points per label",
         points.write_cuts,
         (_PROVENANCE, _WIDE, "unlabeled points"),
         masks=False,
@@ -130,9 +135,10 @@ _ALL = (
     Export(
         "pointcept",
         "Pointcept",
-        "scenes for training",
+        "NumPy arrays, one folder per frame",
         training.write_pointcept,
         (_PROVENANCE, _FIELDS, _SINGLE),
+        purpose="training sets",
         numbering=TRAINING_NUMBERS,
         splits=True,
         labels=("npy", "instance.npy"),
@@ -140,16 +146,17 @@ _ALL = (
     Export(
         "openpcdet",
         "OpenPCDet",
-        "points and boxes",
+        "points and boxes of the visible parts",
         training.write_openpcdet,
         (
             _BOXES,
             *_NAMELESS,
             _FIELDS,
             _SINGLE,
-            f"labels of fewer than {training.FEWEST} points",
+            f"labels with fewer than {training.FEWEST} points",
         ),
         masks=False,
+        purpose="training sets",
         numbering=TRAINING_NUMBERS,
         splits=True,
         labels=("openpcdet", "labels/*.txt"),
@@ -162,6 +169,7 @@ _ALL = (
             partial(write_whole_boxes, kind),
             (_POINTS, *kind.cannot_hold),
             masks=False,
+            purpose="boxes",
             whole_boxes=True,
             labels=kind.read_as,
         )
@@ -169,11 +177,12 @@ _ALL = (
     ),
     Export(
         "openpcdet-boxes",
-        "OpenPCDet, whole",
+        "OpenPCDet, whole boxes",
         "points and whole boxes",
         partial(training.write_openpcdet, whole=True),
         (_BOXES, *_NAMELESS, _FIELDS, _SINGLE, TILT, BOX_ATTRIBUTES, PRECISE),
         masks=False,
+        purpose="training sets",
         numbering=TRAINING_NUMBERS,
         splits=True,
         whole_boxes=True,
@@ -181,11 +190,12 @@ _ALL = (
     ),
     Export(
         "boxes",
-        "Boxes, visible part",
-        "boxes that end where points end",
+        "Boxes, visible parts",
+        "a box around the points of each label",
         boxes.write_boxes,
-        (_BOXES, "the size of objects that are seen in part"),
+        (_POINTS, "full size of partly visible objects"),
         masks=False,
+        purpose="labels only",
         labels=("boxes", boxes.FILE),
     ),
 )

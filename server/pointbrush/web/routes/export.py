@@ -208,13 +208,14 @@ async def respond(
 class ExportOut(BaseModel):
     """An export format: the contents of its files, and the data that it cannot hold.
 
-    ``splits``: its frames are split for training and validation.  ``whole_boxes``: it has whole
-    boxes, not boxes that enclose only the visible points.
+    ``purpose`` groups the formats.  ``splits``: its frames are split for training and validation.
+    ``whole_boxes``: it has whole boxes, not boxes that enclose only the visible points.
     """
 
     format: str
     title: str
     content: str
+    purpose: str
     cannot_hold: list[str]
     splits: bool
     whole_boxes: bool
@@ -228,6 +229,7 @@ def list_exports() -> list[ExportOut]:
             format=each.name,
             title=each.title,
             content=each.content,
+            purpose=each.purpose,
             cannot_hold=list(each.cannot_hold),
             splits=each.splits,
             whole_boxes=each.whole_boxes,
