@@ -190,7 +190,7 @@ def by_example(desk: Desk, server: Server, truth: NDArray[np.uint16], xyz: Point
             server.api.post(f"{last}/strokes", json=stroke).raise_for_status()
     desk.press("End")
     desk.page.get_by_role("button", name="By example").click()
-    desk.page.get_by_role("button", name="Learn from what is painted").click()
+    desk.page.get_by_role("button", name="Learn from painted points").click()
     desk.page.get_by_text("in doubt").wait_for()
     desk.page.locator(".example-told .spinner").wait_for(state="detached")
     desk.page.mouse.move(0, OPTIONS.height / 2)  # without the button's tip

@@ -10,7 +10,7 @@ from __future__ import annotations
 class PointbrushError(Exception):
     """Base of every error that is the user's to read; ``str(error)`` is one clear sentence."""
 
-    title = "pointbrush could not do that"
+    title = "The request failed"
 
     def __init__(self, *args: object, private: str = "") -> None:
         """``private``: what only the server's operator may read (addresses, paths)."""

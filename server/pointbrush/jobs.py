@@ -45,8 +45,8 @@ SHORTAGE_SECONDS = 0.1
 """Pause after a worker that could not be heard for want of files or memory."""
 LOOK_SECONDS = 1.0
 """Interval of looks at what a job waits for that no worker has begun."""
-SCHEDULER_AWAY = "waiting for the Dask scheduler, which is away"
-SHORTAGE = "waiting for files and memory that a worker needs"
+SCHEDULER_AWAY = "waiting for the Dask scheduler, which does not answer"
+SHORTAGE = "waiting for free files and memory for a worker"
 
 
 @dataclass
@@ -197,7 +197,7 @@ class JobRunner:
                 continue
             if self.known.book is not None:
                 self.known.change(
-                    job.id, state="failed", error="its server was stopped; begin it again"
+                    job.id, state="failed", error="the server was stopped; start the job again"
                 )
             with suppress(ConflictError):  # it ended by itself meanwhile
                 self.cancel(job.id)
@@ -214,7 +214,7 @@ class JobRunner:
 
     def _require_open(self) -> None:
         if self._closed:
-            raise UnavailableError("jobs: expected a server that runs, it is being stopped")
+            raise UnavailableError("jobs: expected a running server, it is being stopped")
 
     def _accept(self) -> None:
         while not self._closed:
@@ -351,7 +351,7 @@ class JobRunner:
                 if running.future.done():
                     return error
                 if self._workers.away:
-                    return DisconnectedError("the Dask scheduler began anew")
+                    return DisconnectedError("the Dask scheduler restarted")
                 if running.connection is None:
                     self.known.change(job_id, message=self._waits_for())
             except BaseException as error:
@@ -372,7 +372,7 @@ class JobRunner:
             return False
         running.submissions += 1
         self.known.change(
-            job_id, state="queued", progress=0.0, message="its worker died; it is tried once more"
+            job_id, state="queued", progress=0.0, message="the worker died; the job is tried again"
         )
         with self._lock:
             running.future = self._hand_out(job_id, running)

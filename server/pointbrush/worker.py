@@ -206,7 +206,9 @@ class DaskExecutor(Executor):
         except Exception:
             alive, workers = False, {}
         if not alive:
-            raise UnavailableError("expected the Dask scheduler to answer; it is looked for again")
+            raise UnavailableError(
+                "expected the Dask scheduler to answer; the connection is tried again"
+            )
         if not workers:
             raise UnavailableError("expected workers at the Dask scheduler, there are none")
 
@@ -347,4 +349,4 @@ def sentence(error: BaseException) -> str:
         return "the worker process died, twice (out of memory, or a fault in a native decoder)"
     # Not one of ours: the operator needs the traceback, the user the gist.
     logger.error("a job failed unexpectedly", exc_info=error)
-    return f"failed unexpectedly ({type(error).__name__}); the server's log says why"
+    return f"failed unexpectedly ({type(error).__name__}); the server's log has the reason"

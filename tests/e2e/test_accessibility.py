@@ -57,12 +57,12 @@ def a_label_menu(page: Page) -> None:
 
 POPOVERS: dict[str, Callable[[Page], None]] = {
     "recordings": lambda page: page.locator(".sequence-button").click(),
-    "history": by_button("History: who changed what"),
+    "history": by_button("History of edits"),
     "tracking": by_button("Track…"),
     "export": by_button("Export"),
-    "after a stroke": by_button("After a stroke: offer its object, track it on"),
-    "overlays": by_button("Drawn over the recording: boxes, trails, shading"),
-    "clip": by_button("Clip: show and paint only what is in a box or a slab"),
+    "after a stroke": by_button("After a stroke: complete the object, track the label"),
+    "overlays": by_button("Overlays: boxes, trails, shading"),
+    "clip": by_button("Clip: show and paint only points inside a box or slab"),
     "a label's menu": a_label_menu,
     "a label's colour": by_button("Colour of pin 1"),
     "palette": by_button("Templates and palette files"),

@@ -15,7 +15,7 @@ def test_lists_edits_and_goes_to_their_frame(desk: Desk, server: LiveServer, tru
     desk.press("ArrowRight")
     desk.until("pb.state.frame.value === 2")
 
-    desk.page.get_by_role("button", name="History: who changed what").click()
+    desk.page.get_by_role("button", name="History of edits").click()
     panel = desk.page.get_by_role("dialog", name="History")
     stroke = panel.get_by_role("button").filter(has_text="frame 1")
     stroke.wait_for()
@@ -24,7 +24,7 @@ def test_lists_edits_and_goes_to_their_frame(desk: Desk, server: LiveServer, tru
     desk.until("pb.state.frame.value === 1")
 
     desk.press("Control+z")
-    taken_back = panel.get_by_role("button").filter(has_text="taken back")
+    taken_back = panel.get_by_role("button").filter(has_text="undone")
     taken_back.first.wait_for()
 
 

@@ -260,6 +260,6 @@ def test_what_one_looks_at_is_predicted(large: tuple[Desk, LiveServer]) -> None:
     desk.until("pb?.state.sequence.value")
     stand(desk, [0.0, -12.0, 6.0], [0.0, 0.0, 1.0])
     desk.page.get_by_role("button", name="By example").click()
-    expect(desk.page.get_by_text("near what you look at")).to_be_visible()
+    expect(desk.page.get_by_text("near the centre of the view")).to_be_visible()
     assert desk.ask("[...pb.engine.frame().predicted.numbers]") == [0, 1, 700]
     assert np.linalg.norm(np.array(asked[0]) - SHIFT) < SIDE / 4

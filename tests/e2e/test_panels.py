@@ -409,7 +409,7 @@ def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
         dialog.get_by_label("Name").press("Tab")
         dialog.get_by_role("button", name="Import", exact=True).click()
         window.until("pb.state.sequence.value?.frames === 2")
-        expect(window.page.get_by_text("A label is one thing to follow")).to_be_visible()
+        expect(window.page.get_by_text("A label stands for one object")).to_be_visible()
         by_keys_alone(window, server)
         window.context.close()
         assert window.complaints == []

@@ -54,7 +54,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     note = panel.get_by_label("Note")
     assert "3 points" in note.input_value()
     note.fill("a slip of the brush")
-    panel.get_by_role("button", name="Pinned: pin elsewhere").click()
+    panel.get_by_role("button", name="Pinned: change the place").click()
     page.mouse.click(*desk.place(middle))
     panel.get_by_role("button", name="Reject").click()
 
@@ -76,7 +76,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
 
     panel.get_by_role("tab", name="People").click()
     panel.get_by_label("Person").fill("grace")
-    panel.get_by_role("button", name="Give frames").click()
+    panel.get_by_role("button", name="Assign frames").click()
     panel.get_by_role("button", name="grace").wait_for()
     desk.screenshot("review-people")
     panel.get_by_role("button", name="Close the review").click()
@@ -96,12 +96,12 @@ def test_a_doubtful_frame_is_mended_and_accepted_by_keys_alone(
     desk.page.locator("#view").focus()
     desk.press(".")
     desk.until("pb.shown().frame === 1 && pb.state.activeLabel.value === 1")
-    desk.page.get_by_text("Not sure of dust here").wait_for()
+    desk.page.get_by_text("Doubtful here: dust").wait_for()
     # With the camera at the object, the middle of the picture is painted.
     desk.press("b")
     desk.press("0")
     desk.settled()
-    desk.page.get_by_text("Not sure of dust here").wait_for(state="detached")
+    desk.page.get_by_text("Doubtful here: dust").wait_for(state="detached")
     assert painted(server, 1) > doubtful
     desk.press("Control+Enter")
     path = f"sequences/{SEQUENCE}/frames/1/review"

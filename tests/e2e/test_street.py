@@ -35,12 +35,12 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     for _ in range(SHOWN):
         desk.press("ArrowRight")
     desk.until(f"pb.shown().frame === {SHOWN} && pb.shown().drawn === pb.shown().total")
-    page.get_by_role("button", name="Lay the frames around this one").click()
+    page.get_by_role("button", name="Overlay neighbouring frames").click()
     page.get_by_role("button", name="All frames").click()
     desk.press("Escape")
     total = desk.ask("pb.shown().total")
     desk.until(f"pb.engine.viewer.laid === {(FRAMES - 1) * total}")
-    page.get_by_text("a stroke paints all of them").wait_for()
+    page.get_by_text("strokes paint all of them").wait_for()
     # From above the cars stand apart, and lie over one another: not smeared along the street.
     page.get_by_role("button", name="Top", exact=True).click()
     car = seen(SHOWN)[FIRST_CAR]
@@ -67,7 +67,7 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     eventually(lambda: not np.any([desk.labels(i).get(1, 0) for i in range(FRAMES)]))
     # The camera's picture over the cloud, which stays where it is.
     before = page.locator("#view").bounding_box()
-    page.get_by_role("button", name="Picture of front large, over the cloud").click()
+    page.get_by_role("button", name="Show the picture of front large, over the cloud").click()
     large = page.get_by_role("region", name="Camera front, large")
     large.get_by_role("slider", name="Opacity").fill("0.5")
     opacity = large.locator("figure").evaluate("(e) => getComputedStyle(e).opacity")

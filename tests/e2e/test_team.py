@@ -85,7 +85,7 @@ def queue(lead: Desk, server: LiveServer) -> None:
     lead.page.get_by_role("button", name="Tasks").first.click()
     panel = tasks_of(lead)
     panel.get_by_text("Make tasks").first.click()
-    panel.get_by_label("People who label the same").fill("2")
+    panel.get_by_label("Annotators per task").fill("2")
     panel.get_by_role("button", name="Make tasks").click()
     eventually(lambda: len(states(server)) == 2)
     body = {"recordings": ["hall", "yard"]}
@@ -174,8 +174,8 @@ def agreed(server: LiveServer, lead: Desk) -> None:
     assert faults(lead.page, "agreement", "#team") == []
     looks.get_by_role("radio", name="Recording").click()
     lead.until("!(pb.labels()[1] > 0)")
-    panel.get_by_role("button", name="Take bob’s").click()
-    panel.get_by_role("button", name="Take bob’s", pressed=True).wait_for()
+    panel.get_by_role("button", name="Use bob’s").click()
+    panel.get_by_role("button", name="Use bob’s", pressed=True).wait_for()
     assert (server.annotation(SEQUENCE, 0) == 1).any()
 
 
@@ -192,7 +192,7 @@ def versions(lead: Desk, server: LiveServer) -> None:
     lead.screenshot("team-versions")
     assert faults(lead.page, "versions", "#team") == []
     with lead.page.expect_download() as saved:
-        panel.get_by_label("Export this recording as it was").select_option("npz")
+        panel.get_by_label("Export this recording from the snapshot").select_option("npz")
     archive = ZipFile(BytesIO(saved.value.path().read_bytes()))
     assert any(name.endswith(".npz") for name in archive.namelist())
 

@@ -40,7 +40,7 @@ def test_a_face_and_the_whole_box_follow_the_hand(
 ) -> None:
     headset.until("pb.state.activeLabel.value === 1")
     headset.click("palette", "Boxes")
-    headset.click("palette", "Take hold of boxes")
+    headset.click("palette", "Grab boxes")
     if bare:
         headset.lay_down_controllers()
 

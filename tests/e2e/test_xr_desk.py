@@ -25,7 +25,7 @@ from tests.waiting import eventually
 
 def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk: Desk) -> None:
     assert desk.page.get_by_role("button", name="Enter VR").count() == 0
-    desk.page.get_by_role("button", name="No headset here").click()
+    desk.page.get_by_role("button", name="No headset").click()
     desk.page.get_by_text("Connect one, or open this page").first.wait_for()
     desk.ask(
         """(() => {
@@ -37,7 +37,7 @@ def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk:
     # A browser that knows nothing of WebXR.
     desk.page.add_init_script("delete Navigator.prototype.xr")
     desk.page.reload()
-    desk.page.get_by_role("button", name="No headset here").click()
+    desk.page.get_by_role("button", name="No headset").click()
     desk.page.get_by_text("This browser has no WebXR").first.wait_for()
     # That of a headset on plain HTTP is told unasked where to go, and by which address.
     desk.page.add_init_script(
@@ -75,7 +75,7 @@ def test_ground_is_one_click_and_boxes_are_drawn_at_the_desk_too(
     assert spread[2] < 0.05 * spread[1]
     overlays = "window.__pointbrushHeadset.overlays()"
     assert desk.ask(f"{overlays}.boxes") == 0
-    desk.page.get_by_role("button", name="Drawn over the recording").click()
+    desk.page.get_by_role("button", name="Overlays").click()
     desk.page.get_by_role("checkbox", name="Boxes").check()
     desk.until(f"{overlays}.boxes === 1")
     stroke = {
@@ -96,13 +96,13 @@ def set_the_floor(server: LiveServer, desk: Desk) -> None:
     found, crooked = tip_over(desk, server)
     desk.page.locator("button.sequence-button").click()
     desk.page.get_by_role("button", name="Set the floor…").click()
-    hints = ["Stands on one place", "Stands on two places", "Stands on three places"]
+    hints = ["Set by one place", "Set by two places", "Set by three places"]
     for place, hint in zip(corners_of(crooked), hints, strict=True):
         desk.page.mouse.click(*desk.place(place))
         desk.page.get_by_text(hint).wait_for()
     assert np.abs(heights(server, crooked)).mean() < 0.02
     stands_as(desk, room_of(server))
-    desk.page.get_by_role("button", name="As found at import").click()
+    desk.page.get_by_role("button", name="Reset to import").click()
     stands_as(desk, found)
     assert np.allclose(room_of(server), found)
     desk.page.get_by_role("button", name="Done").click()
@@ -116,9 +116,9 @@ def test_a_run_that_stopped_is_accepted_and_then_continued_at_the_desk(
     put_dust(server)
     desk.until("pb.state.timeline.value.rows.get(1)?.points[0] > 0")
     desk.page.get_by_role("button", name="Track…").click()
-    desk.page.get_by_role("checkbox", name="Stop where it is unsure").check()
+    desk.page.get_by_role("checkbox", name="Stop at doubtful frames").check()
     desk.page.get_by_role("button", name="Track 1 label").click()
-    desk.page.get_by_text("Not sure of dust here").first.wait_for()
+    desk.page.get_by_text("Doubtful here: dust").first.wait_for()
     assert desk.ask("pb.state.frame.value") == 1
     desk.page.get_by_role("button", name="Continue to 5").wait_for()
     found = painted(server, 1)

@@ -39,7 +39,7 @@ def test_frames_and_strokes_whatever_pulses_a_browser_has(
         headset.trigger(0)
         headset.settled()
     headset.click("palette", "Comfort")
-    headset.click("palette", "Sound where nothing is felt")
+    headset.click("palette", "Sound without vibration")
     before = headset.ask("window.sounds")
     headset.flick(1, 0)
     headset.until(f"window.sounds > {before}")

@@ -155,7 +155,7 @@ def test_who_comes_and_goes_never_leaves_one_without_a_brush(
     assert len(edits) <= 4
     # What nobody knows is told in words.
     headset.ask("window.inputs.come('cap', 'brain-waves', 'none', 'acme-cap')")
-    headset.until(f"{SAID} === 'This kind of input is not known here:\\nbrain-waves (acme-cap)'")
+    headset.until(f"{SAID} === 'Unknown kind of input:\\nbrain-waves (acme-cap)'")
 
 
 def test_a_bare_hand_does_what_a_controller_does(

@@ -69,7 +69,7 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     headset.ask("(device.controllers.right.connected = false)")
     headset.until("hs.headset.cockpit.pointers.of('right') === null")
     said = "(hs.headset.cockpit.hud.sign.mesh.visible && hs.headset.cockpit.hud.sign.text)"
-    headset.until(f"String({said}).startsWith('The right controller is away')")
+    headset.until(f"String({said}).startsWith('The right controller is disconnected')")
     headset.settled()
     assert painted(server, 0) > 5
     headset.ask("(device.controllers.right.connected = true)")
@@ -81,7 +81,7 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     x, y, z = truth(0, PERSON)
     headset.ask("(window.guesses = true)")
     headset.paint([[x, y + 0.15, z]])
-    headset.until(f"{said} === 'Not painted: out of the headset’s sight'")
+    headset.until(f"{said} === 'Not painted: out of view of the headset'")
     headset.settled()
     assert painted(server, 0) == count
     headset.ask("(window.guesses = false)")
@@ -113,7 +113,7 @@ def test_a_lost_server_does_not_stop_the_painting(
     headset.paint([truth(0, PERSON)])
     headset.until("pb.state.pending.value > 0 && pb.labels()[1] > 5")
     said = "hs.headset.cockpit.hud.sign.text"
-    headset.until(f"{said}.startsWith('The server is away') && {said}.includes('waiting')")
+    headset.until(f"{said}.startsWith('The server does not answer') && {said}.includes('waiting')")
     server.start()
     headset.until("pb.state.connection.value.state === 'online'")
     headset.until("!hs.headset.cockpit.hud.text.startsWith('The server')")

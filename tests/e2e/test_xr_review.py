@@ -122,14 +122,14 @@ def set_the_floor(headset: Headset, server: LiveServer) -> None:
         headset.move("right", [x, y + 0.3, z], [x, y, z])
         headset.trigger(1)
         headset.trigger(0)
-        headset.until("pb.state.notices.value.at(-1)?.title === 'The recording stands on it'")
+        headset.until("pb.state.notices.value.at(-1)?.title === 'Floor set'")
     # The last of three places asks for no more.
     headset.until("pb.state.notices.value.at(-1)?.detail === ''")
     assert np.abs(heights(server, floor)).mean() < 0.02
     stands_as(headset, room_of(server))
     # Nothing was painted, and the import's own floor can be had back.
     assert painted(server, 0) == 0
-    headset.click("palette", "As found at import")
+    headset.click("palette", "Reset to import")
     stands_as(headset, found)
     assert np.allclose(room_of(server), found)
     headset.click("palette", "Done")

@@ -268,7 +268,9 @@ def test_enters_with_the_real_room_in_sight(browser: Browser, server: LiveServer
     headset = wear(browser, f"{server.page_url}&sequence={SEQUENCE}&frame=3")
     headset.ready()
     headset.ask("(pb.state.tool.value = 'navigate')")
-    headset.page.get_by_role("button", name="Step in with the real room in sight").click()
+    headset.page.get_by_role(
+        "button", name="Enter with passthrough: the real room stays visible"
+    ).click()
     headset.until("hs.headset.cockpit?.mode === 'immersive-ar' && hs.frames() > 2")
     # Who looked about at the desk walks here, and the trigger paints.
     assert headset.ask("pb.state.tool.value") == "paint"

@@ -170,7 +170,7 @@ def test_two_sensors_on_one_topic_are_told_apart_by_their_frame_ids(
     )  # fmt: skip
     with caplog.at_level(logging.WARNING):
         assert seconds(path) == [1, 3, 5]
-    assert "several sensors speak on /points: 'left_' is read" in caplog.text
+    assert "several sensors publish on /points: 'left_' is read" in caplog.text
     assert "/points#right" in caplog.text
     assert seconds(path, "/points#right") == [2, 4]
     with pytest.raises(BadInputError, match="a sensor of /points: left_, right, got 'top'"):

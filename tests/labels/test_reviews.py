@@ -58,7 +58,7 @@ def test_two_people_who_decide_at_once_lose_nothing(store: LabelStore) -> None:
 def test_they_belong_to_their_import_and_go_with_it(store: LabelStore) -> None:
     store.recordings.register("other", [5], "a" * 16)
     store.reviews.add("other", "a" * 16, "ada", Review(0, 0, state="accepted"))
-    with pytest.raises(NotFoundError, match="imported anew"):
+    with pytest.raises(NotFoundError, match="imported again"):
         store.reviews.add("other", "b" * 16, "ada", Review(0, 0, state="accepted"))
     store.recordings.forget("other")
     with pytest.raises(NotFoundError):

@@ -182,7 +182,7 @@ def test_bad_input_changes_nothing(pins: LabelStore) -> None:
     with pytest.raises(BadInputError):
         paint(pins, [1], author="")
     late = (0, revision + 1)
-    with pytest.raises(ConflictError, match="yet to come"):
+    with pytest.raises(ConflictError, match="expected at most"):
         pins.apply(SEQ, edit_id=None, author="a", kind="k", writes={}, summary="", if_match=late)
     for nan in ({"frame": 0, "label": 1, "rmse": float("nan")}, {"label": 1}):
         with pytest.raises(BadInputError):

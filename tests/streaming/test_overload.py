@@ -63,8 +63,8 @@ def test_a_stroke_too_many_is_refused_in_words_and_what_waits_is_applied(tmp_pat
                     # The page shows both, and takes back what it had lit up.
                     assert (error["status"], error["title"]) == (429, "Too many requests")
                     assert error["detail"] == (
-                        "expected at most 1 edits that wait, there are as many: the server has too "
-                        "much to do, paint this again in a moment"
+                        "expected at most 1 waiting edits, got more: the server is overloaded, "
+                        "paint this again in a moment"
                     )
                     refused.append(stroke)
             answer = await first.until("stroke_result", id=waits, final=True)

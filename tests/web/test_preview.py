@@ -173,7 +173,7 @@ def test_a_rate_that_nothing_states_is_named_as_assumed(
     url = f"{served.url}/api/v1/sequences"
     result = imported(served, httpx.post(url, json=body, headers=served.headers, timeout=60))
     assert result["fps"] == fps
-    assert f"the rate is assumed, {fps} frames a second" in " ".join(result["warnings"])
+    assert f"the rate of {fps} frames a second is assumed" in " ".join(result["warnings"])
     answer = httpx.post(url, json={**body, "fps": 5}, headers=served.headers, timeout=60)
     result = imported(served, answer)
     assert result["fps"] == 5

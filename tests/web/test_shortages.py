@@ -35,8 +35,8 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         (ImportError("a.so: failed to map segment from shared object"), 503, "too little memory"),
         (ImportError("a.so: cannot open: Too many open files"), 503, "too many files"),
         (OSError(errno.EMFILE, "x"), 503, "too many files"),
-        (RuntimeError("a fault"), 500, "its log says why"),
-        (ImportError("no such module"), 500, "its log says why"),
+        (RuntimeError("a fault"), 500, "its log has the reason"),
+        (ImportError("no such module"), 500, "its log has the reason"),
     ],
 )
 def test_the_answer_says_what_is_short(

@@ -56,7 +56,7 @@ def test_labels_that_did_not_come_in_are_told_and_tried_again(
     database(served, NO_IMPORTS)
     listed = f"{served.url}/api/v1/sequences"
     with Client(served.url, served.token) as client:
-        with pytest.raises(PointbrushError, match=f"its labels did not come in: .*{REASON}"):
+        with pytest.raises(PointbrushError, match=f"its labels were not imported: .*{REASON}"):
             client.import_files([upload(tmp_path / "drive")], name="drive")
         (known,) = client.manifests()
         assert known.labels_missing is not None

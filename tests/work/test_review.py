@@ -88,7 +88,7 @@ def test_a_run_stops_at_the_frame_it_is_unsure_of(
     )(notes)
     # The doubtful frame itself is found: that is where a person looks.
     assert notes.frames == list(range(last + 1))
-    assert ("not sure" in notes.said) == (last == 2)
+    assert ("doubtful" in notes.said) == (last == 2)
 
 
 def tracked(workspace: Workspace, confidence: float, kind: str = "tracked") -> None:

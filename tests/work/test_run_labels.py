@@ -72,7 +72,7 @@ def test_a_label_that_is_deleted_meanwhile(workspace: Workspace) -> None:
     job = track(workspace, lambda: workspace.labels.delete_label(SEQUENCE, "bob", 1))
     assert min(points(workspace, 2)) > 300
     assert points(workspace, 1) == [0] * (FRAMES - 1)
-    assert job.message == "left out, changed while it was tracked: 'ball 1' was deleted"
+    assert job.message == "left out, changed during tracking: 'ball 1' was deleted"
     assert job.result is not None
     assert job.result["left_out"] == [{"label": 1, "name": "ball 1", "why": "deleted"}]
     assert {track["label"] for track in workspace.labels.tracks(SEQUENCE)} == {2}

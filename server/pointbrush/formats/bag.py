@@ -194,7 +194,7 @@ def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
         others = [f"{topic}{SENSOR}{each}" for each in sorted(sensors) if each != sensor]
         if others:
             log.warning(
-                "%s: several sensors speak on %s: '%s' is read; the topics %s give the others",
+                "%s: several sensors publish on %s: '%s' is read; choose another by topic: %s",
                 path.name, topic, sensor, ", ".join(others),
             )  # fmt: skip
     taken = np.array([i for i, head in enumerate(heads) if head[1] == sensor], np.int64)

@@ -85,8 +85,8 @@ def _coordinates(name: str, columns: Mapping[str, Array], found: Mapping[str, st
     whole = columns.get("xyz")
     if set(columns) >= CARLA:
         log.warning(
-            "%s: CARLA's axes are left-handed: the recording is mirrored, y is to the right; turn "
-            "the sign of y in its points, poses and boxes before", name,
+            "%s: CARLA's axes are left-handed: the recording is mirrored, y is to the right; "
+            "negate y in its points, poses and boxes first", name,
         )  # fmt: skip
     if whole is not None and whole.ndim == 2:
         return whole

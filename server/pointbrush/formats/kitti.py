@@ -92,9 +92,9 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     else:
         raise BadInputError(
             f"{path.name}: expected records of 4 floats (x y z reflectance), 3 (x y z), 5 to 7 "
-            f"(and ring, time, …) or 6 (x y z r g b), got {len(data)} bytes that are none or "
-            "several of them by their values; name the format (kitti, nuscenes or xyzrgb), or all "
-            "columns in order"
+            f"(and ring, time, …) or 6 (x y z r g b), got {len(data)} bytes that fit none or "
+            "several of these layouts; name the format (kitti, nuscenes or xyzrgb), or all columns "
+            "in order"
         )
 
 

@@ -122,7 +122,7 @@ def label_times(paths: Sequence[Path]) -> dict[Path, float]:
     if table is None:
         raise BadInputError(
             f"{paths[0].name}: expected nuScenes' tables (v1.0-*/sample_data.json) in a folder "
-            "above: names that are tokens do not tell which sweeps the labels are of"
+            "above: file names that are tokens do not identify the sweeps of the labels"
         )
     stamps = {str(each.get("token")): each.get("timestamp") for each in read_table(table)}
     missing = [path.name for path, token in tokens.items() if not _is_time(stamps.get(token))]

@@ -99,8 +99,8 @@ def require_token_name(name: str) -> None:
     plain = name.strip().casefold()
     if plain in RESERVED or plain.startswith("token ") or MARK in name:
         raise BadInputError(
-            f"name: expected another one than pointbrush's own ({', '.join(sorted(RESERVED))}) "
-            f"and none with a colon, got {name!r}"
+            f"name: expected a name without a colon that is not reserved "
+            f"({', '.join(sorted(RESERVED))}), got {name!r}"
         )
 
 
@@ -156,7 +156,7 @@ class Tokens:
             same = connection.execute(select(tokens).where(tokens.c.name == name)).all()
             if name and any(token_of(other).valid for other in same):
                 raise ConflictError(
-                    f"name: expected one that no valid token has, got {name!r}; revoke it first"
+                    f"name: expected one without a valid token, got {name!r}; revoke it first"
                 )
             connection.execute(insert(tokens), row)
             return secret

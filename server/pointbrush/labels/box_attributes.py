@@ -35,13 +35,15 @@ class BoxAttribute:
         about = f"attribute {self.name[:NAME_LIMIT]}"
         check_attributes(dict.fromkeys((self.name, *self.choices), True))
         if self.name in BUILT_IN:
-            raise BadInputError(f"{about}: expected another name, all boxes have it")
+            raise BadInputError(f"{about}: expected another name, this attribute is built in")
         for value, known in ((self.kind, AttributeKind), (self.scope, Scope)):
             if value not in get_args(known):
                 raise BadInputError(f"{about}: expected {', '.join(get_args(known))}, got {value}")
         count = len(set(self.choices))
         if count < len(self.choices) or (count > 0) != (self.kind == "choice"):
-            raise BadInputError(f"{about}: expected different choices, for the kind choice alone")
+            raise BadInputError(
+                f"{about}: expected different choices, and only for the kind choice"
+            )
 
     def check(self, value: Any) -> None:
         """Raise BadInputError unless a value is of this kind."""
@@ -57,8 +59,8 @@ class BoxAttribute:
 
 
 BUILT_IN = {
-    "occluded": "expected 0 (seen whole), 1 (in part), 2 (hardly) or 3 (unknown)",
-    "truncated": "expected 0 (whole in the picture) to 1 (outside)",
+    "occluded": "expected 0 (visible), 1 (partly occluded), 2 (largely occluded) or 3 (unknown)",
+    "truncated": "expected 0 (fully in the picture) to 1 (outside)",
     "parked": "expected true or false",
 }
 """Attributes that every box may have, for the track or in a frame: the first two are KITTI's."""

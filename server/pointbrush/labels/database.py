@@ -45,7 +45,7 @@ BUSY_SECONDS = 10.0
 KEEPALIVE_PROBES = 3
 READ_ONLY_TRANSACTION = "25006"
 """SQLSTATE of a write to a database that only can be read."""
-READ_ONLY = "the labels are read-only here: they can be looked at and exported, not changed"
+READ_ONLY = "the labels are read-only: they can be viewed and exported, not changed"
 CHUNK = 500
 """Values in one IN list; SQLite allows 32,766 parameters, older builds 999."""
 

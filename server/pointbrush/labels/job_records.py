@@ -22,7 +22,7 @@ STALE_SECONDS = 30.0
 KEPT_JOBS = 1000
 """Ended jobs that are kept; older ones are forgotten first."""
 UNDER_WAY = ("queued", "running")
-INTERRUPTED = "a backup was made while it ran; begin it again"
+INTERRUPTED = "a backup was made while the job ran; start it again"
 Wish = Literal["", "cancel", "keep"]
 """Wish of somebody at another server for a job: to stop, or to stop and keep what it found."""
 _JSON = ("result", "request")

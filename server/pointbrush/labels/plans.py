@@ -59,7 +59,7 @@ def create(entry: Entry, label_id: int | None, fields: dict[str, Any], distinct:
     def plan(draft: Draft) -> Entry:
         number = _next_id(draft) if label_id is None else label_id
         if number in draft.palette:
-            raise ConflictError(f"label id: expected a free one, {number} is taken")
+            raise ConflictError(f"label id: expected an unused id, {number} is taken")
         given = {"color": palette.default_color(number), **fields}
         if distinct:
             given |= free_name_and_color(given, draft.palette.values())
@@ -229,9 +229,7 @@ def write(
 def _require_unchanged(state: SequenceState, frame: int, revision: int) -> None:
     """Raise ConflictError unless a frame is as it was at ``revision``."""
     if revision > state.revision:
-        raise ConflictError(
-            f"revision: expected one up to {state.revision}, got {revision}, which is yet to come"
-        )
+        raise ConflictError(f"revision: expected at most {state.revision}, got {revision}")
     changed = state.changed.get(frame, 0)
     if changed > revision:
         raise ConflictError(
@@ -256,7 +254,7 @@ def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:
 # ── undo and redo ────────────────────────────────────────────────────────────────────────────
 
 
-NOTHING_TO_UNDO = "undo: expected an edit of yours to take back, there is none"
+NOTHING_TO_UNDO = "undo: expected an edit of yours, there is none"
 NOTHING_TO_REDO = "redo: expected an undone edit of yours, there is none"
 
 

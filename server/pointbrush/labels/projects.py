@@ -126,7 +126,9 @@ class Projects:
     def remove(self, project: str) -> None:
         """Delete a project without recordings; raises ConflictError for another."""
         if project == FIRST:
-            raise ConflictError(f"project: expected another than {FIRST!r}, which always is there")
+            raise ConflictError(
+                f"project: expected another than {FIRST!r}, which cannot be deleted"
+            )
         with self._database.write() as connection:
             lock_project(connection, project)
             held = select(sequences.c.id).where(project == PROJECT_OF, LIVE)

@@ -66,7 +66,7 @@ class Reviews:
         def make(connection: Connection) -> Review:
             row = _sequence(connection, sequence, lock=True)
             if row.identity not in (None, identity):
-                raise NotFoundError(f"sequence: {sequence!r} was imported anew meanwhile")
+                raise NotFoundError(f"sequence: {sequence!r} was imported again meanwhile")
             if require is not None:
                 require(_entries(connection, row.number))
             last = select(func.max(reviews.c.number)).where(reviews.c.sequence == row.number)

@@ -197,7 +197,7 @@ class Sessions:
                 row = find_sequence(connection, sequence)
                 if row is None:
                     raise NotFoundError(
-                        f"sequence: expected one that is there, {sequence!r} is not, or was deleted"
+                        f"sequence: expected a known id, {sequence!r} does not exist or was deleted"
                     )
                 state = SequenceState(connection, row, self._cache)
                 missed = self._missed(

@@ -99,7 +99,7 @@ def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[
         change = journal.change_at(connection, number, writer, one.place)
         if change is None:
             raise UnavailableError(
-                f"undo: the record of edit {writer} is missing; 'pointbrush check' tells more"
+                f"undo: the record of edit {writer} is missing; run 'pointbrush check' for details"
             )
         at, mine = match_sorted(change.indices, one.indices[rows])
         one.words[rows[mine]] = change.before[at]

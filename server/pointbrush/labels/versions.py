@@ -241,7 +241,7 @@ class PastBoxes:
 
 def _same(state: SequenceState, moment: Moment) -> SequenceState:
     if state.number != moment.number:
-        raise NotFoundError(f"snapshot: {state.id!r} was imported anew since")
+        raise NotFoundError(f"snapshot: {state.id!r} was imported again after it")
     return state
 
 

@@ -168,8 +168,8 @@ class Writer:
             found = once_it_is_back(look)
         except UnavailableError as away:
             return UnavailableError(
-                "the label database went away as the edit was made: it is not known whether it is "
-                "there; send it again with the same id",
+                "the label database went away during the edit: the edit may be stored or not; "
+                "send it again with the same id",
                 private=away.private,
             )
         except PointbrushError as gone:
@@ -262,7 +262,7 @@ def require_import(state: SequenceState, identity: str | None) -> None:
     if identity is not None and state.identity not in (None, identity):
         raise NotFoundError(
             f"sequence: the recording that this edit was made for was deleted; {state.id!r} is "
-            "another one now"
+            "another recording now"
         )
 
 

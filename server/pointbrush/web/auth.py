@@ -136,7 +136,7 @@ class Gate:
         tokens = self._workspace.labels.tokens
         token = tokens.of_person(person.subject, person.names, person.role or role)
         if not token.valid:
-            raise ForbiddenError("expected somebody whose access was not revoked")
+            raise ForbiddenError("expected an account with access, this access was revoked")
         if person.role not in (None, token.role):
             token = tokens.put_role(token.id, person.role)
         return _session_cookie(connection, self.sessions.begin(token.account, token, ""))

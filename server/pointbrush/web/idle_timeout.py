@@ -23,7 +23,7 @@ REFUSED_SECONDS = 2.0
 
 async def too_many_connections(scope: Scope, receive: Receive, send: Send) -> None:
     """Answer any request; an ASGI application."""
-    detail = "the server has as many connections as it may; try again when one has ended"
+    detail = "the server has reached its limit of connections; try again later"
     headers = {"Connection": "close"}
     await problem(503, detail, "Temporarily unavailable", headers)(scope, receive, send)
 

@@ -133,7 +133,7 @@ def _said(request: Request, error: HTTPException, headers: Mapping[str, str]) ->
     if error.status_code == 405:
         return f"method: expected {headers['Allow']} for {path}, got {request.method}"
     if error.status_code == 404 and error.detail == HTTPStatus.NOT_FOUND.phrase:
-        return f"path: expected one that /api/v1/openapi.json has, got {path!r}"
+        return f"path: expected a path of /api/v1/openapi.json, got {path!r}"
     return str(error.detail)
 
 
@@ -150,14 +150,14 @@ async def _system(request: Request, error: Exception) -> JSONResponse:
     if (short := shortage(error)) is not None:
         return problem_of(short)
     if isinstance(error, OSError) and error.errno == errno.EROFS:
-        detail = "the workspace's folder is read-only here, nothing was changed"
+        detail = "the workspace's folder is read-only, nothing was changed"
         return problem(403, detail, errors.ReadOnlyError.title)
     return await _unexpected(request, error)
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
     logger.error("%s %s failed", request.method, _shown(request), exc_info=error)
-    return problem(500, "the server failed to do this; its log says why")
+    return problem(500, "the server failed; its log has the reason")
 
 
 def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:

@@ -108,7 +108,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
 async def expel(socket: WebSocket, link: WebSocketProtocol) -> None:
     """Close the socket of a caller who is not admitted any more, though they read nothing."""
     link.loop.call_later(CLOSE_SECONDS, link.transport.abort)
-    await socket.close(NOT_ADMITTED, "expected a token that is valid still, it is not")
+    await socket.close(NOT_ADMITTED, "expected a valid token, it was revoked or has expired")
 
 
 def still_admitted(socket: WebSocket, principal: Principal) -> None:

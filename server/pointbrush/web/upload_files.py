@@ -240,7 +240,7 @@ class KeptUploads:
         with self._lock:
             found = self._uploads.get(upload)
         if found is None or found.owner != owner or self._clock() - found.since > KEPT_SECONDS:
-            raise NotFoundError("upload: expected files that wait, there are none; send them again")
+            raise NotFoundError("upload: expected waiting files, there are none; send them again")
         return found
 
     def forget(self, upload: Upload) -> None:

@@ -61,7 +61,7 @@ def require_here(workspace: Path, url: str) -> None:
         start = f"--database {noted}" if noted else "no --database: they are in the workspace"
         raise BadInputError(
             f"database: the labels of this workspace were moved; start with {start} "
-            f"(or remove {NOTE} if you know better)"
+            f"(or remove {NOTE} to ignore the move)"
         )
 
 

@@ -187,8 +187,8 @@ class FolderStore:
         """See SequenceStore."""
         if not writable(self.folder):
             raise ReadOnlyError(
-                "the workspace's folder is read-only here: recordings can be looked at and "
-                "exported, not imported, changed or removed"
+                "the workspace's folder is read-only: recordings can be viewed and exported, not "
+                "imported, changed or removed"
             )
 
     def require_answer(self) -> None:

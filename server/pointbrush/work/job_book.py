@@ -26,8 +26,8 @@ BEAT_SECONDS = 5.0
 """Interval at which a server says how far its jobs are."""
 MOST_LOST = 3
 """Servers that may die under a job until it is left alone: it may be what kills them."""
-WAITS = "its server has ended; it begins again"
-NOT_AGAIN = "its server ended before it was done; begin it again"
+WAITS = "the server has ended; the job starts again"
+NOT_AGAIN = "the server ended before the job was done; start it again"
 
 Begin = Callable[[Job], dict[str, Any] | None]
 """Hands a job to the runner that another server has begun, or returns its result if it was done.
@@ -161,7 +161,7 @@ class JobBook:
         except NotFoundError:
             return None
         if job.owner != owner:
-            raise ConflictError("id: expected one of your own, a job of somebody else has it")
+            raise ConflictError("id: expected an id of your own jobs, another account uses it")
         return job
 
     def uploads(self) -> set[Path]:
@@ -255,7 +255,9 @@ class JobBook:
         job = job_of(record)
         try:
             if record.lost >= MOST_LOST:
-                raise ConflictError(f"{record.lost} servers ended while it ran; begin it by hand")
+                raise ConflictError(
+                    f"{record.lost} servers ended while the job ran; start it by hand"
+                )
             if record.request is None:
                 raise ConflictError(NOT_AGAIN)
             log.info("job %s begins again", record.id)

@@ -21,7 +21,7 @@ from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
 
-LABELS_MISSING = "labels did not come in"
+LABELS_MISSING = "labels were not imported"
 """Said of a recording without the labels that are in its files; a reason follows."""
 
 

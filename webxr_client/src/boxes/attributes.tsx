@@ -48,11 +48,11 @@ export function BoxAttributes({ box }: { box: ObjectBox }) {
       <label class="row">
         <span>Occluded</span>
         <select class="field" value={String(here['occluded'] ?? '')} onChange={(event) => setNumber(box, 'occluded', event.currentTarget.value)}>
-          <option value="">not said</option>
+          <option value="">not set</option>
           {OCCLUDED.map((text, i) => <option key={text} value={i}>{text}</option>)}
         </select>
       </label>
-      <label class="row" data-tip="Part of the object outside of what the sensor sees, 0 to 1">
+      <label class="row" data-tip="Fraction of the object outside the view of the sensor, 0 to 1">
         <span>Truncated</span>
         <input class="field number" type="number" min={0} max={1} step={0.05} placeholder="0 – 1" value={String(here['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
       </label>
@@ -75,7 +75,7 @@ interface AttributeProps {
 }
 
 function Attribute({ kind: { name, kind, choices, scope }, value, change }: AttributeProps) {
-  const tip = scope === 'track' ? 'Holds in all frames' : 'Holds in this frame';
+  const tip = scope === 'track' ? 'Applies to all frames' : 'Applies to this frame';
   const label = `${name.charAt(0).toUpperCase()}${name.slice(1)}`;
   if (kind === 'yes/no') {
     return <Check label={label} tip={tip} checked={value === true} onChange={change} />;
@@ -88,7 +88,7 @@ function Attribute({ kind: { name, kind, choices, scope }, value, change }: Attr
       <span>{label}</span>
       {kind === 'choice' ? (
         <select class="field" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)}>
-          <option value="">not said</option>
+          <option value="">not set</option>
           {choices.map((choice) => <option key={choice} value={choice}>{choice}</option>)}
         </select>
       ) : kind === 'number' ? (

@@ -175,7 +175,7 @@ export function fitBoxes({ labels, category, frames, redraw = false }: Fit): Pro
     ended(
       (job) => job.id === id,
       (job) => {
-        if (job.state === 'done') void attempt('The boxes were not told', () => tellFit(id));
+        if (job.state === 'done') void attempt('The fitted boxes did not load', () => tellFit(id));
       },
     );
   });
@@ -188,7 +188,7 @@ async function tellFit(id: string): Promise<void> {
     ([label, why]) => `${names.get(label) ?? label}: ${why}`,
   );
   const count = result.fitted.length;
-  const title = count === 1 ? 'A box is fitted' : `${count === 0 ? 'No' : count} boxes are fitted`;
+  const title = count === 1 ? '1 box fitted' : `${count === 0 ? 'No' : count} boxes fitted`;
   notify(count > 0 ? 'success' : 'info', title, skipped.slice(0, MOST_TOLD).join(' · '));
 }
 
@@ -343,7 +343,11 @@ export function interpolate(): Promise<void> {
   const box = chosenBox.peek();
   const around = box && drawnAround(box, state.frame.peek());
   if (!box || !around) {
-    notify('info', 'Draw the box in two frames first', 'Those between them are filled then.');
+    notify(
+      'info',
+      'Draw the box in two frames first',
+      'Interpolation fills the frames between them.',
+    );
     return Promise.resolve();
   }
   return attempt('Nothing was interpolated', async () => {

@@ -31,8 +31,8 @@ export const BOX_KEYS = [
   ['Alt W S', 'Longer and shorter, at the front'],
   ['Alt A D', 'Wider and narrower, to both sides'],
   ['Alt Page ↑ ↓', 'Higher and lower, at the top'],
-  ['Shift', 'With these: in long steps'],
-  ['Delete', 'Take the box out of this frame'],
+  ['Shift', 'With these keys: larger steps'],
+  ['Delete', 'Remove the box from this frame'],
   ['Shift Delete', 'Delete the box'],
 ].map(([shown, what]) => ({ shown: shown!, what: what!, group: 'Boxes' }));
 

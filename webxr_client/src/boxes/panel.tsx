@@ -48,7 +48,7 @@ function Head({ box }: { box: ObjectBox | null }) {
       {pose && <Origin pose={pose} />}
       <span class="spacer" />
       {box && <More box={box} />}
-      <Button icon="close" tip="Put the boxes away" small onClick={() => actions.setTool('navigate')} />
+      <Button icon="close" tip="Close the boxes panel" small onClick={() => actions.setTool('navigate')} />
     </header>
   ); // prettier-ignore
 }
@@ -59,7 +59,7 @@ const ORIGINS = { fitted: 'Fitted', drawn: 'Drawn', imported: 'Imported' } as co
 function Origin({ pose: { provenance, confidence } }: { pose: BoxPose }) {
   const sure = provenance === 'fitted';
   return (
-    <span class={`box-origin ${provenance}`} data-tip={sure ? 'Found from the points; dashed in the cloud. Drag it, and it is drawn' : 'Fitting again leaves it as it is'}>
+    <span class={`box-origin ${provenance}`} data-tip={sure ? 'Fitted to the points; dashed in the cloud. Dragging it makes it a drawn box' : 'Fitting does not change it'}>
       {ORIGINS[provenance]}
       {sure && <span class="number"> {percent(confidence)}</span>}
     </span>
@@ -77,10 +77,10 @@ function More({ box }: { box: ObjectBox }) {
   return (
     <PopoverButton open={moreOpen} icon="more" small tip="More about this box" label="This box" class="menu">
       <button type="button" class="menu-item" disabled={!canEdit.value} onClick={close(() => pointsFromBox(true))}>
-        Points from the box, all its frames
+        Label the points in the box in all frames
       </button>
       <button type="button" class="menu-item" disabled={!canEdit.value || !(frame in box.poses)} onClick={close(() => changeBox(box.id, { poses: { [frame]: null } }))}>
-        Take it out of this frame <span class="end kbd">Delete</span>
+        Remove from this frame <span class="end kbd">Delete</span>
       </button>
       <button type="button" class="menu-item" disabled={!canEdit.value} onClick={close(() => removeBox(box))}>
         Delete the box <span class="end kbd">Shift Delete</span>
@@ -96,7 +96,7 @@ function Without() {
     <div class="box-without">
       {label ? (
         <>
-          <p>No box yet. One is fitted to the label’s points in all frames.</p>
+          <p>No box yet. Fit one to the label’s points in all frames.</p>
           <FitButton kind="primary" />
           <TrackFit />
         </>
@@ -111,7 +111,7 @@ function Without() {
 
 function TrackFit() {
   return (
-    <Button icon="track" label="Track and fit" kind="outlined" tip="Carry the label through all frames, then fit its box" disabled={!canEdit.value || trackingJob.value !== null} onClick={trackAndFit} />
+    <Button icon="track" label="Track and fit" kind="outlined" tip="Track the label through all frames, then fit its box" disabled={!canEdit.value || trackingJob.value !== null} onClick={trackAndFit} />
   ); // prettier-ignore
 }
 
@@ -134,7 +134,7 @@ function FitButton({ kind = 'outlined' }: { kind?: 'primary' | 'outlined' }) {
   const own = label ? start({ labels: [label.id] }) : start({});
   return (
     <div class="group">
-      <Button icon="target" label="Fit" kind={kind} tip="Find the box from the label’s points in all frames; what is drawn stays" disabled={!canEdit.value} onClick={own} />
+      <Button icon="target" label="Fit" kind={kind} tip="Fit the box to the label’s points in all frames; drawn boxes stay" disabled={!canEdit.value} onClick={own} />
       <Button buttonRef={anchor} icon="chevron" tip="Fit more boxes" kind={kind} expanded={fitOpen.value} disabled={!canEdit.value} onClick={() => (fitOpen.value = !fitOpen.value)} />
       {fitOpen.value && (
         <Popover anchor={anchor} label="Fit boxes" class="menu" onClose={() => (fitOpen.value = false)}>
@@ -155,10 +155,10 @@ function Chosen({ box }: { box: ObjectBox }) {
       {here ? <BoxViews /> : <NotHere box={box} />}
       <div class="box-actions">
         <FitButton />
-        <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame: with the track, or standing on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
-        <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn ones" disabled={no} onClick={() => void interpolate()} />
+        <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame, along the track or on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
+        <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn boxes" disabled={no} onClick={() => void interpolate()} />
         <Button label="Box from points" kind="outlined" keys="Shift F" tip="Fit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
-        <Button label="Points from box" kind="outlined" keys="Shift P" tip="Give the points inside, in this frame, the box’s label" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
+        <Button label="Points from box" kind="outlined" keys="Shift P" tip="Label the points inside the box in this frame" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
         <DrawButton />
       </div>
       <div class="box-more">
@@ -174,7 +174,7 @@ function NotHere({ box }: { box: ObjectBox }) {
   return (
     <div class="box-without">
       <p>Not in this frame. It is in {plural(frames, 'frame')}.</p>
-      <Button label="Bring it here" kind="primary" tip="From the nearest frame that has it" disabled={!canEdit.value} onClick={() => void bringHere()} />
+      <Button label="Copy to this frame" kind="primary" tip="Copy the box from the nearest frame" disabled={!canEdit.value} onClick={() => void bringHere()} />
     </div>
   ); // prettier-ignore
 }
@@ -185,7 +185,7 @@ function Sizes({ box }: { box: ObjectBox }) {
   return (
     <fieldset class="box-sizes" disabled={!canEdit.value}>
       {EDGES.map((name, axis) => (
-        <label key={name} data-tip="Metres; of the object, in all frames">
+        <label key={name} data-tip="Size of the object in metres, the same in all frames">
           <span>{name}</span>
           <input class="field number" type="number" min={0.05} step={0.01} value={box.size[axis]!.toFixed(2)} onChange={(event) => patchSize(box, axis as 0 | 1 | 2, Number(event.currentTarget.value))} />
         </label>

@@ -19,9 +19,9 @@ export function CheckPage({ findings }: { findings: Findings }) {
     <section class="check-headset" aria-labelledby="check-title">
       <h2 id="check-title">Check this headset</h2>
       <p class="soft">
-        Enter, and do what the panel to your side says: ten minutes. Then come back here and
-        download the report. It holds what the headset and its controllers can do, no points and no
-        names.
+        Enter VR and follow the panel at your side; this takes ten minutes. Then return to this page
+        and download the report. It lists the abilities of the headset and its controllers. It
+        contains no points and no names.
       </p>
       <ul>
         {TASKS.map(({ name, title }) => (
@@ -54,8 +54,10 @@ function Trouble() {
   const none = state.sequences.value?.length === 0;
   const words = [
     detail,
-    none ? 'There is no recording yet: “pointbrush demo” makes the sample, or import one.' : '',
-    canEdit.value ? '' : 'This token may only look: painting cannot be checked with it.',
+    none
+      ? 'There is no recording yet. Run “pointbrush demo” to create the sample, or import one.'
+      : '',
+    canEdit.value ? '' : 'This token has the role viewer: painting cannot be checked.',
   ].filter((each) => each !== '');
   return words.map((each) => (
     <p key={each} role="status">

@@ -16,12 +16,12 @@ export interface Task {
 }
 
 export const TASKS: readonly Task[] = [
-  { name: 'play', title: 'Watch it play', otherwise: 'It plays by itself for some seconds.' },
-  { name: 'felt', title: 'Feel a pulse', otherwise: 'Press “Pulse”. Does what you hold shake?' },
-  { name: 'paint', title: 'Paint', lesson: 'paint', otherwise: 'Hold the brush in the points, press.' },
+  { name: 'play', title: 'Watch it play', otherwise: 'The recording plays for some seconds.' },
+  { name: 'felt', title: 'Feel a pulse', otherwise: 'Press “Pulse”. Does the controller shake?' },
+  { name: 'paint', title: 'Paint', lesson: 'paint', otherwise: 'Hold the brush in the points and press.' },
   { name: 'erase', title: 'Erase', lesson: 'erase', otherwise: 'Palette: Tools, Erase. Then paint there.' },
   { name: 'label', title: 'Switch the label', lesson: 'label', otherwise: 'Palette: Labels.' },
-  { name: 'undo', title: 'Undo', lesson: 'undo', otherwise: 'Palette: the row with the arrow back.' },
+  { name: 'undo', title: 'Undo', lesson: 'undo', otherwise: 'Palette: the arrow back.' },
   { name: 'step', title: 'Next frame', lesson: 'step', otherwise: 'Timeline: the arrows.' },
   { name: 'go', title: 'Go there', lesson: 'teleport', otherwise: 'Palette: View, Go there.' },
 ]; // prettier-ignore

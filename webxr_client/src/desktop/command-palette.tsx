@@ -82,7 +82,7 @@ function Opened() {
           </li>
         ))}
       </ul>
-      {shown.length === 0 && <p class="soft empty">No command has these words.</p>}
+      {shown.length === 0 && <p class="soft empty">No command matches.</p>}
     </dialog>
   );
 }

@@ -18,7 +18,7 @@ const MOUSE = [
   ['Left drag', 'Use the tool'],
   ['Alt + left drag, middle drag', 'Turn the view'],
   ['Right drag', 'Move the view'],
-  ['Wheel', 'Come closer, go away'],
+  ['Wheel', 'Zoom in, zoom out'],
   ['Drag on the ruler', 'Scrub through time'],
   ['Drag on the strips', 'Choose a range of frames'],
 ].map(([shown, what]) => ({ shown: shown!, what: what!, group: 'Mouse' }));
@@ -83,12 +83,12 @@ function Opened() {
           />
           <Button
             label={changing.value ? 'Done' : 'Change keys'}
-            tip="Keys of your own, kept in this browser"
+            tip="Choose your own keys"
             kind="outlined"
             onClick={() => (changing.value = !changing.value)}
           />
           {changing.value && (
-            <Button label="Reset" tip="All keys as they were at first" onClick={resetKeys} />
+            <Button label="Reset" tip="Reset all keys to the defaults" onClick={resetKeys} />
           )}
           {state.sequence.value && !changing.value && (
             <Button
@@ -109,7 +109,7 @@ function Opened() {
             <KeyList key={group} group={group} rows={rows.filter((row) => row.group === group)} />
           ))}
         </div>
-        {rows.length === 0 && <p class="soft">Nothing has these words.</p>}
+        {rows.length === 0 && <p class="soft">No entry matches.</p>}
       </div>
     </dialog>
   );

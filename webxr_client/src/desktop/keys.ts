@@ -129,49 +129,49 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['enter'],
     shown: 'Enter',
-    what: 'Close the polygon; take what is in the box; the first answer to a doubt',
+    what: 'Close the polygon, take the points in the box, or choose the first class',
     group: 'Tools',
     run: () => actions.closeOutline() || answerDoubt(0),
   },
   {
     keys: ['shift+enter'],
     shown: 'Shift Enter',
-    what: 'The second answer to a doubt',
+    what: 'Choose the second class of a doubt',
     group: 'Tools',
     run: () => answerDoubt(1),
   },
   {
     keys: [';'],
     shown: ';',
-    what: 'By example: the next doubt',
+    what: 'By example: next doubt',
     group: 'Tools',
     run: () => nextDoubt(),
   },
   {
     keys: ['shift+g'],
     shown: 'Shift G',
-    what: 'The box onto the ground',
+    what: 'Snap the box to the ground',
     group: 'Tools',
     run: () => actions.snapBox(),
   },
   {
     keys: ['0'],
     shown: '0',
-    what: 'Use the tool in the middle of the picture',
+    what: 'Use the tool at the centre of the view',
     group: 'Tools',
     run: () => actions.useInMiddle(),
   },
   {
     keys: ['backspace'],
     shown: 'Backspace',
-    what: 'Take back the polygon’s last corner',
+    what: 'Remove the polygon’s last corner',
     group: 'Tools',
     run: () => actions.takeBackCorner(),
   },
   {
     keys: ['escape'],
     shown: 'Esc',
-    what: 'Give up the stroke, lasso or object in progress',
+    what: 'Cancel the stroke, lasso or object',
     listed: false,
     group: 'Tools',
     run: () => actions.cancelStroke(),
@@ -179,7 +179,7 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['tab'],
     shown: 'Tab',
-    what: 'Complete the stroke to an object; else the last label again',
+    what: 'Complete the stroke to an object, or return to the last label',
     group: 'Tools',
     run: () => actions.completeObject() || actions.lastLabel(),
   },
@@ -259,7 +259,7 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => `shift+${digit}`),
     shown: 'Shift 1 – 9',
-    what: 'Choose the tenth label, the eleventh, …',
+    what: 'Choose label 10, 11, …',
     listed: false,
     group: 'Labels',
     run: (key) => actions.selectNthLabel(9 + Number(key)),
@@ -303,7 +303,7 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['y'],
     shown: 'Y',
-    what: 'Clip to a box, or show everything',
+    what: 'Clip to a box or show everything',
     group: 'View',
     run: () => {
       if (clip.peek()) clip.value = null;

@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it } from 'vitest';
-import { renamedKeys, resetKeys, setKey } from '../store/own-keys';
+import { renamedKeys, resetKeys, setKey, takeKeys } from '../store/own-keys';
 import { state } from '../store/state';
 import { commandsNow } from './command-search';
 import { isFree, keyTable, printed } from './shortcuts';
@@ -43,6 +43,12 @@ describe('keys of one’s own', () => {
     expect(renamedKeys.value.get('Ctrl Z')).toBe('Ctrl Shift U');
     expect(said('ctrl+z')).toBeUndefined();
     expect([' ', 'shift+arrowleft', 'ctrl++'].map(printed)).toEqual(['Space', 'Shift ←', 'Ctrl +']);
+  });
+
+  it('stay with a command whose words changed since they were stored', () => {
+    takeKeys({ 'Ghost of the frame before: show or hide': 'f7', 'The box onto the ground': 'f8' });
+    expect(said('f7')).toBe('Ghost of the previous frame: show or hide');
+    expect(said('f8')).toBe('Snap the box to the ground');
   });
 
   it('are none that walk, or that dialogs need', () => {

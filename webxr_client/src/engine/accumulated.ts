@@ -116,7 +116,7 @@ export class Accumulated {
     } catch (error) {
       if (asked !== this.asked || !(error instanceof ApiError)) return;
       accumulation.value = { ...peek(accumulation), on: false };
-      notify('error', 'The frames cannot be laid over one another', error.message);
+      notify('error', 'The frames cannot be overlaid', error.message);
     }
   }
 

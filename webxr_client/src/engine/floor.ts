@@ -41,7 +41,7 @@ async function point({ origin, direction }: PointerSample): Promise<void> {
   const { frame } = state.shown.peek();
   if (!info || frame < 0) return;
   if (!canEdit.peek()) {
-    notify('info', 'You are a viewer here', 'Ask for an annotator’s token to set the floor.');
+    notify('info', 'Your role is viewer', 'Ask for an annotator’s token to set the floor.');
     return;
   }
   const [x, y, z] = info.shift;
@@ -53,8 +53,9 @@ async function point({ origin, direction }: PointerSample): Promise<void> {
     keep(samples, place);
     // At the desk a message would lie over the floor, and the row of the tool's options says it.
     if (state.xr.peek().session !== 'running') return;
-    const more = samples.length < MOST ? 'Another place, far from it, levels it better.' : '';
-    notify('success', 'The recording stands on it', more);
+    const more =
+      samples.length < MOST ? 'Point at a second place far away to level the floor.' : '';
+    notify('success', 'Floor set', more);
   });
 }
 
@@ -72,7 +73,7 @@ async function resetFloor(): Promise<void> {
   await attempt('The floor was not set', async () => {
     await api('DELETE', `${sequencePath(info.id)}/floor`);
     keep([], '');
-    notify('success', 'The floor is as it was found at import');
+    notify('success', 'Floor reset to the import');
   });
 }
 

@@ -169,7 +169,7 @@ export function outcome({ changed, matched, files, locked }: LabelsFound): strin
   const count = `${shown(changed)} points in ${plural(matched, 'frame')}`;
   const pairs = files.slice(0, TOLD).map(({ file, frame }) => `${file} → ${frame}`);
   if (files.length > TOLD) pairs.push(`${files.length - TOLD} more`);
-  const kept = locked.length > 0 ? [`Points of locked labels stayed: ${locked.join(', ')}`] : [];
+  const kept = locked.length > 0 ? [`Locked labels kept their points: ${locked.join(', ')}`] : [];
   return [count, pairs.join(', '), ...kept].filter(Boolean).join('. ');
 }
 

@@ -166,7 +166,7 @@ describe('the end of a run', () => {
     expect(said()).toEqual(['Tracked']);
     state.timeline.value = { rows: new Map([[1, row]]) };
     await Promise.resolve();
-    expect(said()).toEqual(['Not sure of A label here']);
+    expect(said()).toEqual(['Doubtful here: A label']);
   });
 });
 

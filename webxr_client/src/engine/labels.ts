@@ -248,7 +248,7 @@ function merge(id: number, into: number): Promise<void> {
   return attempt('The labels were not merged', async () => {
     await api('POST', `${pathOf(into)}/merge`, { labels: [id] });
     state.activeLabel.value = into;
-    notify('success', `“${from}” is part of “${to}” now`, 'In every frame. Undo brings it back.');
+    notify('success', `“${from}” merged into “${to}”`, 'In all frames. Undo reverts it.');
   });
 }
 
@@ -258,8 +258,8 @@ function split(id: number): Promise<void> {
     const { labels } = await api<{ labels: number[] }>('POST', `${pathOf(id)}/split`, { frame });
     notify(
       'success',
-      `“${nameOf(id)}” is in ${labels.length + 1} parts now`,
-      'The largest keeps the name. Track the new ones on from this frame.',
+      `“${nameOf(id)}” split into ${labels.length + 1} parts`,
+      'The largest part keeps the name. Track the new labels from this frame.',
     );
   });
 }

@@ -20,7 +20,7 @@ export function followOwnKeys(): () => void {
     }),
     follow(() => {
       const keys = keysToStore.value;
-      if (keys !== null) void attempt('Your keys are kept in this browser alone', () => put(keys));
+      if (keys !== null) void attempt('Your keys are stored only in this browser', () => put(keys));
     }),
   ];
   return () => stops.forEach((stop) => stop());

@@ -33,7 +33,7 @@ async function loadTemplates(): Promise<void> {
 
 async function add(body: unknown): Promise<void> {
   const { added } = await api<{ added: string[] }>('POST', `${base()}/palette`, body);
-  const title = added.length === 0 ? 'All of these labels are there already' : 'Labels added';
+  const title = added.length === 0 ? 'All of these labels exist already' : 'Labels added';
   notify(added.length === 0 ? 'info' : 'success', title, added.slice(0, 8).join(', '));
 }
 
@@ -43,7 +43,7 @@ export function labelsOf(text: string): readonly unknown[] {
   try {
     found = JSON.parse(text);
   } catch {
-    throw new Error('Expected a palette file (JSON), got something else.');
+    throw new Error('Expected a palette file (JSON), got a file that is not JSON.');
   }
   const labels = (found as Partial<PaletteFile> | null)?.labels;
   if (!Array.isArray(labels) || labels.length === 0) {
@@ -80,7 +80,7 @@ async function arrange(order: readonly number[]): Promise<void> {
   const place = new Map(order.map((id, index) => [id, index]));
   const at = (id: number): number => place.get(id) ?? order.length;
   state.palette.value = [...before].sort((a, b) => at(a.id) - at(b.id));
-  await attempt('The order was not kept', async () => {
+  await attempt('The order was not saved', async () => {
     try {
       await api('PUT', `${base()}/palette/order`, { labels: order });
     } catch (error) {

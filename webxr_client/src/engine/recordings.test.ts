@@ -108,7 +108,7 @@ describe('a recording whose labels did not come in', () => {
     expect(asked).toEqual(['POST sequences/wall/source-labels', 'GET sequences']);
     expect(state.sequences.value).toMatchObject([{ labels_missing: 'the disk is full' }]);
     expect(state.notices.value).toMatchObject([
-      { kind: 'error', title: 'The labels did not come in', detail: 'the disk is full' },
+      { kind: 'error', title: 'The labels were not imported', detail: 'the disk is full' },
     ]);
   });
 });

@@ -131,7 +131,7 @@ async function exportSequence(format: string, frames = '', val = '', snapshot = 
   await api('GET', sequencePath(info.id));
   download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
   rememberExport(format);
-  notify('success', 'Export started', 'The browser saves it among its downloads.');
+  notify('success', 'Export started', 'The browser saves the file in its downloads.');
 }
 
 /** Recordings that are deleted from here: it need not be told twice. */
@@ -178,7 +178,7 @@ export const recordingActions: RecordingActions = {
   refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
   restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
   importSourceLabels: (id) =>
-    attempt('The labels did not come in', async () => {
+    attempt('The labels were not imported', async () => {
       try {
         await api('POST', `${sequencePath(id)}/source-labels`);
       } finally {

@@ -108,8 +108,8 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   actions.goToObject(label, frame);
   notify(
     'info',
-    `Not sure of ${namesOf([label])} here`,
-    'Mend it with a stroke, or confirm it, and go on.',
+    `Doubtful here: ${namesOf([label])}`,
+    'Correct it with a stroke or confirm it, then continue.',
   );
 }
 
@@ -128,7 +128,7 @@ function continueRun(): void {
   const wanted = doubtful.length > 0 ? doubtful : [state.activeLabel.peek()];
   const labels = present(run?.labels ?? wanted, start);
   if (labels.length === 0 || start === stop) {
-    notify('info', 'Nothing here to track on', 'Paint the object in this frame first.');
+    notify('info', 'Nothing to track in this frame', 'Paint the object in this frame first.');
     return;
   }
   const how = stopped ?? { method: 'auto', overwrite: 'tracked', stop_unsure: doubtful.length > 0 };
@@ -219,11 +219,11 @@ function trackAgain(): void {
   if (!found) return;
   const run = againOver(found, state.timeline.peek().rows);
   if (run) actions.track({ ...run, method: 'auto', overwrite: 'tracked', continue_lost: true });
-  else notify('info', 'Nothing to track from', 'Paint the object in a frame beside the stretch.');
+  else notify('info', 'Nothing to track from', 'Paint the object in a frame next to the range.');
 }
 
 export const stretchActions: Pick<Actions, 'acceptStretch' | 'clearStretch' | 'trackStretch'> = {
-  acceptStretch: () => judge('accept', 'The stretch was not accepted'),
-  clearStretch: () => judge('clear', 'The stretch was not cleared'),
+  acceptStretch: () => judge('accept', 'The range was not accepted'),
+  clearStretch: () => judge('clear', 'The range was not cleared'),
   trackStretch: trackAgain,
 };

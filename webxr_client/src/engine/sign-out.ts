@@ -9,7 +9,7 @@ export async function signOut(): Promise<void> {
     notify(
       'error',
       'Not signed out',
-      'Edits are on their way to the server: try again once saved.',
+      'Edits are still being sent to the server. Try again when they are saved.',
     );
     return;
   }

@@ -49,7 +49,7 @@ export function timeActions(playback: Playback): TimeActions {
       const rows = [...state.timeline.peek().rows.values()];
       const frames = state.sequence.peek()?.frames ?? 0;
       const frame = nextUnlabelled(rows, state.frame.peek(), frames, direction);
-      if (frame === null) notify('info', 'Every other frame has labels');
+      if (frame === null) notify('info', 'All other frames have labels');
       else {
         playback.pause();
         playback.seek(frame);

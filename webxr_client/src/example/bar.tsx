@@ -32,7 +32,7 @@ import {
 
 export function ExampleButton() {
   return (
-    <Button icon="example" label="By example" class="example-button" tip="Paint a little of each class, and the rest follows" pressed={exampleOpen.value} onClick={toggleExample} />
+    <Button icon="example" label="By example" class="example-button" tip="Paint examples of each class; a classifier labels the rest" pressed={exampleOpen.value} onClick={toggleExample} />
   ); // prettier-ignore
 }
 
@@ -44,18 +44,18 @@ export function ExampleBar() {
       <div class="example-row">
         <Icon name="example" />
         <div class="example-parts">{classifier.value ? <Predicted /> : <Begin />}</div>
-        <Button icon="close" tip="Close; what is predicted goes, labels stay" small onClick={closeExample} />
+        <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />
       </div>
     </section>
   ); // prettier-ignore
 }
 
 function Begin() {
-  if (classifiers.value === null) return <span class="soft">Looking for classifiers…</span>;
+  if (classifiers.value === null) return <span class="soft">Loading classifiers…</span>;
   return (
     <>
-      <span>Paint a little of two classes or more. The rest of the recording follows.</span>
-      <Button label="Learn from what is painted" kind="primary" disabled={!canEdit.value || asking.value} onClick={() => void makeClassifier()} />
+      <span>Paint examples of at least two classes.</span>
+      <Button label="Learn from painted points" kind="primary" disabled={!canEdit.value || asking.value} onClick={() => void makeClassifier()} />
     </>
   ); // prettier-ignore
 }
@@ -66,7 +66,7 @@ function Predicted() {
       <Choice />
       <Told />
       <Look />
-      <Button label="Next doubt" keys=";" kind="outlined" tip="Go where a stroke teaches most" disabled={asking.value && question.value === null} onClick={() => void nextDoubt()} />
+      <Button label="Next doubt" keys=";" kind="outlined" tip="Go to the doubtful place that teaches the classifier most" disabled={asking.value && question.value === null} onClick={() => void nextDoubt()} />
       <Apply />
     </>
   ); // prettier-ignore
@@ -81,18 +81,18 @@ function Choice() {
   return (
     <>
       <strong class="name">{chosen.name}</strong>
-      <PopoverButton open={choiceOpen} icon="more" small tip="The classifier: what taught it, and others" label="Classifier" class="track-form">
+      <PopoverButton open={choiceOpen} icon="more" small tip="Classifier: its examples, other classifiers" label="Classifier" class="track-form">
         <select class="field" aria-label="Classifier" value={chosen.id} onChange={(event) => chooseClassifier(event.currentTarget.value)}>
           {classifiers.value?.map(({ id, name }) => <option key={id} value={id}>{name}</option>)}
         </select>
         <Classes />
         <Scopes />
-        {chosen.score !== null && <p class="soft">Right in {percent(chosen.score)} of the examples held out.</p>}
+        {chosen.score !== null && <p class="soft">Accuracy on held-out examples: {percent(chosen.score)}.</p>}
         {canEdit.value && (
           <div class="form-end">
             {canManage.value && <Button label="Delete" kind="danger" onClick={() => void deleteClassifier()} />}
-            <Button label="New one" kind="outlined" onClick={() => void makeClassifier()} />
-            {!here && <Button label="Teach it by this recording" kind="primary" onClick={() => void teachHere()} />}
+            <Button label="New classifier" kind="outlined" onClick={() => void makeClassifier()} />
+            {!here && <Button label="Teach with this recording" kind="primary" onClick={() => void teachHere()} />}
           </div>
         )}
       </PopoverButton>
@@ -109,8 +109,8 @@ const SCOPES: readonly RadioOption<Scope>[] = [
 function Scopes() {
   return (
     <>
-      <span class="soft">Doubts are looked for in</span>
-      <RadioGroup label="Look for doubts in" class="segmented" options={SCOPES} value={scope.value} onChoose={(chosen) => (scope.value = chosen)} />
+      <span class="soft">Search for doubts in</span>
+      <RadioGroup label="Search for doubts in" class="segmented" options={SCOPES} value={scope.value} onChoose={(chosen) => (scope.value = chosen)} />
     </>
   ); // prettier-ignore
 }
@@ -133,11 +133,11 @@ function Classes() {
 function Told() {
   const told = predicted.value;
   if (told && told.points === 0)
-    return <span class="soft">Paint a second class: one alone teaches nothing</span>;
+    return <span class="soft">Paint a second class: a classifier needs at least two</span>;
   return (
     <span class="example-told" role="status">
       {told && <span class="number">{plural(told.points, 'point')}</span>}
-      {told && state.sequence.value?.large && <span class="soft">near what you look at</span>}
+      {told && state.sequence.value?.large && <span class="soft">near the centre of the view</span>}
       {told && <span class="soft">{percent(told.unsure / told.points)} in doubt</span>}
       {asking.value && <span class="spinner small" aria-label="Predicting" />}
     </span>
@@ -145,8 +145,8 @@ function Told() {
 }
 
 const LOOKS: readonly RadioOption<Shows>[] = [
-  { value: 'classes', label: 'Classes', tip: 'What each point is predicted as' },
-  { value: 'doubt', label: 'Doubt', tip: 'Red where it is in doubt, green where it is sure' },
+  { value: 'classes', label: 'Classes', tip: 'Predicted class of each point' },
+  { value: 'doubt', label: 'Doubt', tip: 'Red: in doubt, green: certain' },
 ];
 
 function Look() {
@@ -162,15 +162,15 @@ function Asked({ place }: { place: Question }) {
   return (
     <div class="example-row" role="group" aria-label="A place in doubt">
       <div class="example-parts">
-        <span>What is at the ring?</span>
+        <span>Which class is at the ring?</span>
         {answers.map(([name, keys], k) => (
           <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!canEdit.value} onClick={() => answerDoubt(k as 0 | 1)}>
             <Swatch color={colours[k]!} /> <span class="button-label">{name}</span>
           </button>
         ))}
-        <span class="soft">or paint it as something else</span>
+        <span class="soft">or paint another class</span>
       </div>
-      <Button icon="close" small tip="Leave it" onClick={leaveQuestion} />
+      <Button icon="close" small tip="Skip this question" onClick={leaveQuestion} />
     </div>
   ); // prettier-ignore
 }
@@ -185,7 +185,7 @@ function Apply() {
   const anchor = useRef<HTMLButtonElement>(null);
   return (
     <>
-      <Button buttonRef={anchor} label="Apply…" kind="primary" tip="Make labels of what is predicted" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
+      <Button buttonRef={anchor} label="Apply…" kind="primary" tip="Turn the prediction into labels" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
       {applyOpen.value && (
         <Popover anchor={anchor} label="Apply the prediction" class="track-form" onClose={() => (applyOpen.value = false)}>
           <ApplyForm />
@@ -208,7 +208,7 @@ function ApplyForm() {
   const all = state.sequence.value?.frames ?? 1;
   const choices: readonly RadioOption<Reach>[] = [
     { value: 'frame', label: 'This frame' },
-    { value: 'range', label: 'The stretch', disabled: frameRange.value === null },
+    { value: 'range', label: 'Selected range', disabled: frameRange.value === null },
     { value: 'all', label: `All ${plural(all, 'frame')}` },
   ];
   const submit = (event: Event): void => {
@@ -220,8 +220,8 @@ function ApplyForm() {
     <form onSubmit={submit}>
       <h2>Apply the prediction</h2>
       <RadioGroup label="Frames" class="segmented" options={choices} value={reach.value} onChoose={(chosen) => (reach.value = chosen)} />
-      <Slider label="Leave out below" value={least.value} min={0} max={1} shown={percent(least.value)} tip="Points that the classifier is less sure of stay without a label" onInput={(value) => (least.value = value)} />
-      <p class="soft">Only points without a label are labelled. One undo takes all of it back.</p>
+      <Slider label="Minimum confidence" value={least.value} min={0} max={1} shown={percent(least.value)} tip="Points with a lower confidence stay unlabeled" onInput={(value) => (least.value = value)} />
+      <p class="soft">Only unlabeled points are labelled. One undo reverts everything.</p>
       <div class="form-end">
         <Button label="Cancel" onClick={() => (applyOpen.value = false)} />
         <button type="submit" class="button primary" disabled={!canEdit.value}>Apply</button>

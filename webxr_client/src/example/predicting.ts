@@ -106,7 +106,7 @@ export class Predicting {
       if (request.signal.aborted) return;
       notify(
         'error',
-        'Nothing was predicted',
+        'The prediction failed',
         error instanceof ApiError ? error.message : String(error),
       );
     } finally {

@@ -75,7 +75,7 @@ export function chooseClassifier(id: string): void {
 export async function makeClassifier(): Promise<void> {
   const { id, name } = state.sequence.peek()!;
   asking.value = true;
-  await attempt('Nothing was learnt', async () => {
+  await attempt('The classifier was not trained', async () => {
     const made = await api<Classifier>('POST', 'classifiers', { name, recordings: [id] });
     classifiers.value = [...(classifiers.peek() ?? []), made];
     classifier.value = made;
@@ -87,7 +87,7 @@ export async function makeClassifier(): Promise<void> {
 export async function teachHere(): Promise<void> {
   const { id } = classifier.peek()!;
   const recordings = [state.sequence.peek()!.id];
-  await attempt('Nothing was learnt', async () => {
+  await attempt('The classifier was not trained', async () => {
     const path = `classifiers/${encodeURIComponent(id)}/teach`;
     const taught = await api<Classifier>('POST', path, { recordings });
     classifiers.value = classifiers.peek()!.map((one) => (one.id === id ? taught : one));
@@ -121,11 +121,11 @@ export async function nextDoubt(): Promise<void> {
   if (!exampleOpen.peek() || !chosen) return;
   const before = question.peek();
   asking.value = true;
-  await attempt('No place was found', async () => {
+  await attempt('The search for doubts failed', async () => {
     const places = await api<Question[]>('GET', doubtPath(chosen.id));
     const next = places.find((place) => !before || far(place, before)) ?? places[0];
     if (next) goTo(next);
-    else notify('info', 'Nothing is in doubt', 'Apply what is predicted, or paint more.');
+    else notify('info', 'No doubtful places', 'Apply the prediction or paint more examples.');
   });
   asking.value = false;
 }

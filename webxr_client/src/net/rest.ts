@@ -83,7 +83,7 @@ export function upload<T>(
     request.open('POST', apiUrl(path));
     request.responseType = 'json';
     request.upload.onprogress = (event) => progress(event.loaded, event.total);
-    request.onerror = () => reject(new ApiError('No connection', 'The upload was cut off.', 0));
+    request.onerror = () => reject(new ApiError('No connection', 'The upload was interrupted.', 0));
     request.onload = () => {
       if (request.status < 300) resolve(request.response as T);
       else reject(refusal(request.response as Problem | null, 'Upload failed', request.status));

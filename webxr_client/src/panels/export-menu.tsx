@@ -70,7 +70,7 @@ function Validation({ value, range }: ValidationProps) {
         <option value="">one recording in five</option>
         <option value="none">none of these frames</option>
         <option value=":">all of these frames</option>
-        {range && <option value={range}>the chosen range</option>}
+        {range && <option value={range}>the selected range</option>}
       </select>
     </label>
   );

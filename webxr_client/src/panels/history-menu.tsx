@@ -17,7 +17,7 @@ export function HistoryButton() {
     <PopoverButton
       open={historyOpen}
       icon="history"
-      tip="History: who changed what"
+      tip="History of edits"
       label="History"
       class="history-menu"
     >
@@ -36,7 +36,7 @@ function HistoryMenu() {
   return (
     <>
       <h2>History</h2>
-      {edits.length === 0 && <p class="soft empty">Nothing has been changed yet.</p>}
+      {edits.length === 0 && <p class="soft empty">No edits yet.</p>}
       <ol>
         {edits.map((edit) => (
           <li key={edit.id}>
@@ -68,7 +68,7 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
         {edit.summary || edit.kind}
         <span class="soft">
           {edit.author} · {when(edit.time)}
-          {edit.undone && ' · taken back'}
+          {edit.undone && ' · undone'}
         </span>
       </span>
       <span class="end">
@@ -81,7 +81,7 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
 }
 
 function place({ frames, kind }: HistoryEntry): string {
-  if (frames.length === 0) return PALETTE.has(kind) ? 'palette' : 'nothing changed';
+  if (frames.length === 0) return PALETTE.has(kind) ? 'palette' : 'no change';
   const [first, last] = [Math.min(...frames), Math.max(...frames)];
   return first === last ? `frame ${first}` : `frames ${first} – ${last}`;
 }

@@ -10,17 +10,17 @@ export function InsecureHeadset() {
   const server = (path: string): string => new URL(path, document.baseURI).href;
   return (
     <section class="insecure" role="alert">
-      <h2>Your {headset} enters over HTTPS only</h2>
+      <h2>Your {headset} enters VR only over HTTPS</h2>
       <p>
         On the computer, start the server with <code>pointbrush serve --host 0.0.0.0 --tls</code>,
-        then open here:
+        then open this address in the headset:
       </p>
       <p>
         <a href={address}>{address}</a>
       </p>
       <img src={server('trust/address.svg')} alt="QR code of that address" width="180" />
       <p>
-        <a href={server('trust')}>Step by step, for your device</a>
+        <a href={server('trust')}>Instructions for your device</a>
       </p>
       <button type="button" class="button primary" onClick={() => close(true)}>
         Look around without entering

@@ -28,7 +28,7 @@ export function People() {
 function PersonBadge({ person }: { person: Person }) {
   const where = `on frame ${person.frame}${person.head ? ', in a headset' : ''}`;
   const on = following.value === person.viewer;
-  const can = person.head ? (on ? ': look for yourself again' : ': see what they see') : '';
+  const can = person.head ? (on ? ': stop following' : ': follow their view') : '';
   return (
     <li>
       <button
@@ -47,7 +47,7 @@ function PersonBadge({ person }: { person: Person }) {
 }
 
 function nameOf(person: Person): string {
-  return person.name || 'Someone';
+  return person.name || 'Unnamed';
 }
 
 function initials(name: string): string {
@@ -74,13 +74,17 @@ export function ConnectionStatus() {
   const word = saving ? 'Saving' : idle ? 'Connected' : WORDS[connection.state];
   const tip =
     connection.detail ||
-    (saving ? 'Strokes are on their way' : idle ? 'The server answers' : 'Every stroke is stored');
+    (saving
+      ? 'Sending strokes to the server'
+      : idle
+        ? 'Connected to the server'
+        : 'All strokes are stored');
   return (
     <span
       class="connection"
       role="status"
       data-state={saving ? 'saving' : connection.state}
-      data-tip={connection.state === 'connecting' ? 'Reaching the server' : tip}
+      data-tip={connection.state === 'connecting' ? 'Connecting to the server' : tip}
     >
       <span class="dot" />
       <span class="button-label">{word}</span>

@@ -41,8 +41,7 @@ function Hints({ tool }: { tool: 'navigate' | 'pick' | 'floor' | 'boxes' }) {
 function NavigateHints() {
   return (
     <span class="hint">
-      Drag to turn · right-drag to move · wheel to come closer · <span class="kbd">W A S D</span> to
-      walk
+      Drag to turn · right-drag to move · wheel to zoom · <span class="kbd">W A S D</span> to walk
     </span>
   );
 }
@@ -57,15 +56,15 @@ function BoxesHint() {
 }
 
 function PickHint() {
-  return <span class="hint">Click a point to continue with its label</span>;
+  return <span class="hint">Click a point to choose its label</span>;
 }
 
 /** Places on the floor, and what to do next. */
 const FLOOR_HINTS = [
-  'Click the floor: the recording will stand on it',
-  'Stands on one place · another one, far from it, levels it better',
-  'Stands on two places · a third one, apart from both, levels it better',
-  'Stands on three places · a further one takes the place of the first',
+  'Click the floor to set it',
+  'Set by one place · click a second place far away to level it',
+  'Set by two places · click a third place, away from both, to level it',
+  'Set by three places · another click replaces the first place',
 ];
 
 function FloorOptions() {
@@ -76,7 +75,7 @@ function FloorOptions() {
       </span>
       <Button
         icon="restore"
-        label="As found at import"
+        label="Reset to import"
         kind="outlined"
         onClick={() => void actions.resetFloor()}
       />
@@ -124,7 +123,7 @@ function BrushOptions() {
       {sparesLabels(state.tool.value) && way.name !== 'object' && (
         <Check
           label="Only unlabeled"
-          tip="Points that have a label keep it"
+          tip="Labelled points keep their label"
           checked={brush.onlyUnlabeled}
           onChange={(onlyUnlabeled) => patch(state.brush, { onlyUnlabeled })}
         />
@@ -132,7 +131,7 @@ function BrushOptions() {
       {way.name === 'object' && (
         <Check
           label="Take from other labels"
-          tip="Points that have another label are taken as well"
+          tip="Also take points with another label"
           checked={brush.takeLabelled}
           onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
         />
@@ -141,7 +140,7 @@ function BrushOptions() {
       {way.through && (
         <Check
           label="Through"
-          tip="Also points behind the first surface"
+          tip="Include points behind the first surface"
           checked={brush.through}
           onChange={(through) => patch(state.brush, { through })}
         />
@@ -187,21 +186,21 @@ function AfterStroke({ path }: { path: boolean }) {
     <PopoverButton
       open={afterOpen}
       icon="more"
-      tip="After a stroke: offer its object, track it on"
+      tip="After a stroke: complete the object, track the label"
       label="After a stroke"
       class="overlays"
     >
       {path && (
         <Check
           label="Offer objects"
-          tip="Offer to complete a stroke to the object that it lies on"
+          tip="Offer to complete a stroke to the object under it"
           checked={brush.complete}
           onChange={(complete) => patch(state.brush, { complete })}
         />
       )}
       <Check
         label="Follow"
-        tip="Track what you paint on by itself, to the next painted frame or the end"
+        tip="Track painted labels automatically, to the next painted frame or the end"
         checked={brush.follow}
         onChange={(follow) => patch(state.brush, { follow })}
       />
@@ -213,7 +212,7 @@ function AfterStroke({ path }: { path: boolean }) {
 const KINDS: readonly RadioOption<OutlineKind>[] = [
   { value: 'free', icon: 'lasso', label: 'Free', tip: 'Draw the outline with the button held', keys: 'O' },
   { value: 'rectangle', icon: 'rectangle', label: 'Rectangle', tip: 'Drag from corner to corner', keys: 'O' },
-  { value: 'polygon', icon: 'polygon', label: 'Polygon', tip: 'Click the corners; Enter, a double click or the first corner closes it, Backspace takes one back', keys: 'O' },
+  { value: 'polygon', icon: 'polygon', label: 'Polygon', tip: 'Click the corners; Enter, a double click or a click on the first corner closes the polygon, Backspace removes a corner', keys: 'O' },
 ]; // prettier-ignore
 
 function OutlineKinds() {
@@ -235,9 +234,9 @@ function BoxOptions() {
     <>
       <Button
         icon="plane"
-        label="Onto the ground"
+        label="Snap to ground"
         kind="outlined"
-        tip="Its bottom just above the ground under it"
+        tip="Move the bottom of the box to just above the ground"
         keys="Shift G"
         onClick={() => actions.snapBox()}
       />
@@ -245,7 +244,7 @@ function BoxOptions() {
         icon="check"
         label="Take"
         kind="primary"
-        tip="Take the points in the box"
+        tip="Apply the tool to the points in the box"
         keys="Enter"
         onClick={() => actions.closeOutline()}
       />

@@ -29,7 +29,7 @@ const TOOLS: readonly RadioOption<Tool>[] = [
     value: 'pick',
     icon: 'picker',
     label: 'Pick',
-    tip: 'Take the label under the pointer',
+    tip: 'Choose the label under the pointer',
     keys: 'I',
   },
   {
@@ -44,7 +44,7 @@ const TOOLS: readonly RadioOption<Tool>[] = [
     value: 'restore',
     icon: 'restore',
     label: 'Restore',
-    tip: 'Bring deleted points back',
+    tip: 'Restore deleted points',
     keys: 'Shift X',
   },
 ];
@@ -139,7 +139,7 @@ function TrackButton() {
         icon="track"
         label="Track…"
         class="track-button"
-        tip="Carry labels through the following or preceding frames"
+        tip="Track labels through the following or preceding frames"
         expanded={trackOpen.value}
         disabled={!canEdit.value || trackingJob.value !== null}
         onClick={() => (trackOpen.value = !trackOpen.value)}
@@ -153,8 +153,8 @@ function VrButton() {
   const { supported, session, passthrough, enters, detail } = state.xr.value;
   if (!supported) {
     const looking = supported === null; // its place is kept meanwhile
-    const tip = looking ? 'Looking for a headset…' : `No headset here. ${detail}`;
-    const why = (): void => void notify('info', 'No headset here', detail);
+    const tip = looking ? 'Looking for a headset…' : `No headset. ${detail}`;
+    const why = (): void => void notify('info', 'No headset', detail);
     return <Button icon="headset" tip={tip} disabled={looking} onClick={why} />;
   }
   if (session === 'running') {
@@ -174,7 +174,7 @@ function VrButton() {
         icon="headset"
         label={`Enter ${enters}`}
         kind="primary"
-        tip="Step into the recording"
+        tip="Show the recording in the headset"
         disabled={starting}
         onClick={() => void actions.enterVR()}
       />
@@ -182,7 +182,7 @@ function VrButton() {
         <Button
           icon="eye"
           kind="outlined"
-          tip="Step in with the real room in sight"
+          tip="Enter with passthrough: the real room stays visible"
           disabled={starting}
           onClick={() => void actions.enterVR(true)}
         />

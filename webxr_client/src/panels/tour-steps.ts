@@ -15,32 +15,32 @@ export interface TourStep {
 const TOUR: readonly TourStep[] = [
   {
     title: 'Look around',
-    text: 'Drag with the right button to move, with Alt held to turn; the wheel comes closer. With Look the left button turns.',
+    text: 'Drag with the right button to move the view, hold Alt and drag to turn it, and use the wheel to zoom. With Look, the left button turns the view.',
     at: '.tools [aria-label="Look"]',
     edits: false,
   },
   {
     title: 'Choose a label',
-    text: 'A label is one thing to follow: a pin, a person. N makes one and asks for its name; a click on its row chooses it.',
+    text: 'A label stands for one object: a pin, a person. Press N to make a label and type its name. Click a row to choose its label.',
     at: '#palette',
     edits: true,
   },
   {
     title: 'Paint an object',
-    text: 'Object is chosen now. Point at a thing and it lights up; the wheel goes from part to group, a click paints it.',
+    text: 'The Object tool is active. Point at an object to highlight it, use the wheel to go from part to group, and click to paint it.',
     at: '#toolbar .options [aria-label="Object"]',
     edits: true,
     objects: true,
   },
   {
     title: 'Track it',
-    text: 'Tracking carries the label through the other frames. Keys , and . go to the frames that it was not sure of.',
+    text: 'Tracking finds the label in the other frames. Press , and . to go to the doubtful frames.',
     at: '.track-button',
     edits: true,
   },
   {
     title: 'Export',
-    text: 'Points and labels leave as files that other programs read. Press ? for every key, and to see these cards again.',
+    text: 'Download points and labels as files for other programs. Press ? to see all keys and to repeat this tour.',
     at: '.export-button',
     edits: false,
   },

@@ -38,7 +38,9 @@ export function AgreementTab() {
   );
   return (
     <>
-      <p class="soft">Another import of the same points, labelled by somebody else:</p>
+      <p class="soft">
+        Compare with another import of the same points, labelled by another person:
+      </p>
       <select
         aria-label="The other recording"
         value={other.value}
@@ -47,7 +49,7 @@ export function AgreementTab() {
           void compare();
         }}
       >
-        <option value="">{others.length > 0 ? 'Choose a recording' : 'There is none'}</option>
+        <option value="">{others.length > 0 ? 'Choose a recording' : 'No other recording'}</option>
         {others.map(({ id, name }) => (
           <option key={id} value={id}>
             {name === info?.name ? id : name}
@@ -135,8 +137,8 @@ function Worst({ agreement }: { agreement: Agreement }) {
   const worst = worstFrames(agreement);
   if (worst.length === 0) return null;
   return (
-    <div class="worst" role="group" aria-label="Frames that differ most">
-      <span class="soft">Differ most:</span>
+    <div class="worst" role="group" aria-label="Frames with the largest differences">
+      <span class="soft">Largest differences:</span>
       {worst.map(({ frame, differ, labelled }) => (
         <button
           key={frame}

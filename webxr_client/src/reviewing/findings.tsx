@@ -22,21 +22,26 @@ const ICONS: Readonly<Record<Finding['kind'], IconName>> = {
 };
 
 export function Findings() {
-  if (!checks.value) return <p class="soft empty">Looking at the labels…</p>;
+  if (!checks.value) return <p class="soft empty">Checking the labels…</p>;
   const { length } = waiting.value;
   const at = waiting.value.findIndex(({ id }) => id === current.value);
   return (
     <>
-      <div class="review-steps" role="group" aria-label="From one to the next">
-        <Button icon="previous" tip="The one before" disabled={length === 0} onClick={back} />
+      <div class="review-steps" role="group" aria-label="Suspicious places">
+        <Button
+          icon="previous"
+          tip="Previous suspicious place"
+          disabled={length === 0}
+          onClick={back}
+        />
         <span class="number" aria-live="polite">
-          {at < 0 ? plural(length, 'suspicious thing') : `${at + 1} of ${length}`}
+          {at < 0 ? plural(length, 'suspicious place') : `${at + 1} of ${length}`}
         </span>
-        <Button icon="next" tip="The next one" disabled={length === 0} onClick={forth} />
+        <Button icon="next" tip="Next suspicious place" disabled={length === 0} onClick={forth} />
       </div>
       {length === 0 && (
         <p class="soft empty">
-          {checking.value ? 'Looking at the labels…' : 'Nothing suspicious in these labels.'}
+          {checking.value ? 'Checking the labels…' : 'No suspicious places in these labels.'}
         </p>
       )}
       <ol class="findings">
@@ -46,7 +51,7 @@ export function Findings() {
       </ol>
       {checks.value.unchecked.map((sentence) => (
         <p key={sentence} class="soft">
-          Not looked at: {sentence}
+          Not checked: {sentence}
         </p>
       ))}
     </>
@@ -77,7 +82,7 @@ function Row({ finding }: { finding: Finding }) {
           <Button
             icon="check"
             label="Confirm"
-            tip="Right as it is"
+            tip="Confirm the labels as correct"
             kind="outlined"
             small
             disabled={!canReview.value}

@@ -88,7 +88,7 @@ function Here() {
       <strong data-state={here?.state ?? 'open'}>{STATE_WORDS[here?.state ?? 'open']}</strong>
       {here?.by && <span class="soft"> · {here.by}</span>}
       {here?.changed && <span class="warn"> · changed since</span>}
-      {here?.assignee && <span class="soft"> · given to {here.assignee}</span>}
+      {here?.assignee && <span class="soft"> · assigned to {here.assignee}</span>}
     </p>
   );
 }
@@ -121,7 +121,7 @@ function Judge() {
           rows={3}
           maxLength={2000}
           value={note}
-          placeholder="What is to be mended?"
+          placeholder="Describe the correction"
           onInput={(event) => set({ note: event.currentTarget.value })}
           onKeyDown={(event) => event.stopPropagation()}
         />

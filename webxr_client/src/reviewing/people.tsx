@@ -14,7 +14,7 @@ export function People() {
   const runs = assignmentsOf(overview.value);
   return (
     <>
-      {runs.length === 0 && <p class="soft empty">No frames were given to anybody.</p>}
+      {runs.length === 0 && <p class="soft empty">No frames are assigned.</p>}
       <ul class="findings">
         {runs.map((run) => (
           <li key={run.first}>
@@ -45,7 +45,7 @@ function Assigned({ run }: { run: Standing }) {
       {canManage.value && (
         <Button
           icon="close"
-          tip={`Take ${framesOf(run)} back`}
+          tip={`Unassign ${framesOf(run)}`}
           small
           onClick={() => void put({ first: run.first!, last: run.last!, assignee: '' })}
         />
@@ -86,7 +86,7 @@ function Give() {
         ))}
       </datalist>
       <button type="submit" class="button primary" disabled={!name.trim()}>
-        Give frames
+        Assign frames
       </button>
     </form>
   );

@@ -17,13 +17,13 @@ export function Pin({ place, onPin }: PinProps) {
     <div class="review-pin">
       <Button
         icon="target"
-        label={waits ? 'Click on the place…' : place ? 'Pinned: pin elsewhere' : 'Pin to a place'}
+        label={waits ? 'Click the place…' : place ? 'Pinned: change the place' : 'Pin to a place'}
         kind="outlined"
         small
         pressed={waits}
         onClick={point}
       />
-      {place && <Button icon="close" tip="Take the pin away" small onClick={() => onPin(null)} />}
+      {place && <Button icon="close" tip="Remove the pin" small onClick={() => onPin(null)} />}
     </div>
   );
 }

@@ -109,7 +109,7 @@ export async function judge(kind: ReviewState): Promise<boolean> {
 /** The same by a key, for the frame on screen; a rejected one wants a note. */
 export async function judgeHere(kind: 'accepted' | 'rejected'): Promise<void> {
   if (!canReview.peek()) {
-    notify('info', 'Frames are accepted and rejected by reviewers');
+    notify('info', 'Only reviewers can accept and reject frames');
     return;
   }
   const frame = state.frame.peek();
@@ -134,7 +134,7 @@ export function goTo(finding: Finding): void {
 export function step(direction: 1 | -1): void {
   const next = stepFrom(waiting.peek(), current.peek(), state.frame.peek(), direction);
   if (next) goTo(next);
-  else notify('info', 'Nothing suspicious is left');
+  else notify('info', 'No suspicious places are left');
 }
 
 /** The same by a key: findings are looked for first where that is still to be done. */

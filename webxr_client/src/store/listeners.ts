@@ -13,12 +13,12 @@ export function tellFailure(error: unknown): void {
   const text = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
   if (told.has(text) || told.size >= MOST_TOLD) return;
   told.add(text);
-  console.error('A part of the page failed; the rest goes on.', error);
+  console.error('A part of the page failed; the rest continues.', error);
   try {
     notify(
       'error',
       'A part of the page failed',
-      `The rest goes on and strokes are kept. Reload the page when something is missing. (${text})`,
+      `The rest of the page continues and strokes are kept. Reload the page if a part is missing. (${text})`,
     );
   } catch (second) {
     // The toast itself may be what fails.

@@ -37,8 +37,8 @@ export function AgreementTab() {
       {found === null && <p class="soft empty">Comparing…</p>}
       {found?.length === 0 && (
         <p class="soft empty">
-          Nobody labels copies of this recording. Make tasks for two people or more who label the
-          same, under Tasks.
+          This recording has no copies to compare. Under Tasks, make tasks with at least two
+          annotators per task.
         </p>
       )}
       {pair.value && <Compared of={pair.value} all={found!} />}
@@ -56,7 +56,7 @@ function Compared({ of, all }: { of: Pair; all: readonly Pair[] }) {
       </h3>
       {all.length > 1 && <Pairs all={all} />}
       {of.agreement.frames.length === 0 ? (
-        <p class="soft">They are compared in frames that both have handed in; there are none yet.</p>
+        <p class="soft">Both people have not handed in the same frame yet.</p>
       ) : (
         <>
           <details>
@@ -78,7 +78,7 @@ function Compared({ of, all }: { of: Pair; all: readonly Pair[] }) {
 function Pairs({ all }: { all: readonly Pair[] }) {
   return (
     <select
-      aria-label="Who is compared"
+      aria-label="Compared people"
       value={at.value}
       onChange={({ currentTarget }) => {
         at.value = Number(currentTarget.value);
@@ -100,7 +100,7 @@ function Look({ names: [one, other] }: { names: Names }) {
     { value: 'recording', label: 'Recording', tip: 'The labels of the recording' },
     { value: 'first', label: one, tip: `The labels of ${one}` },
     { value: 'second', label: other, tip: `The labels of ${other}` },
-    { value: 'difference', label: 'Both', tip: 'Where the two differ' },
+    { value: 'difference', label: 'Both', tip: 'The differences of both' },
   ];
   const legend = [
     ['first', `only ${one}`],
@@ -123,7 +123,7 @@ function Look({ names: [one, other] }: { names: Names }) {
         </p>
       )}
       {state.sequence.value?.large && shows.value !== 'recording' && (
-        <p class="soft">Of a recording this large only its own labels are shown.</p>
+        <p class="soft">For a recording of this size, only its own labels are shown.</p>
       )}
     </div>
   );
@@ -140,11 +140,11 @@ const ICONS: Readonly<Record<Disagreement['kind'], IconName>> = {
 
 function Places({ names, of }: { names: Names; of: Pair }) {
   const found = groups.value;
-  if (found.length === 0) return <p class="soft">They agree on every object.</p>;
+  if (found.length === 0) return <p class="soft">Both people agree on all objects.</p>;
   return (
     <>
-      <span class="soft">{plural(found.length, 'place')} where they differ</span>
-      <ul class="findings" aria-label="Places where they differ">
+      <span class="soft">{plural(found.length, 'difference')}</span>
+      <ul class="findings" aria-label="Differences">
         {found.map((group) => (
           <Entry key={group.key} group={group} names={names} of={of} />
         ))}
@@ -170,7 +170,7 @@ function Entry({ group, names, of }: { group: Group; names: Names; of: Pair }) {
           {wordsOf(place!, names)}
           <span class="soft">
             {frames} · {shortCount(group.points)} points
-            {group.has !== null && ` · the recording is as ${names[group.has]}’s`}
+            {group.has !== null && ` · the recording matches ${names[group.has]}`}
           </span>
         </span>
       </button>
@@ -192,9 +192,9 @@ function Choice({ group, names, of }: { group: Group; names: Names; of: Pair }) 
       ))}
       {places.length > 1 && (
         <span class="group">
-          <Button icon="previous" tip="The frame before with this difference" small onClick={() => step(-1)} />
+          <Button icon="previous" tip="Previous frame with this difference" small onClick={() => step(-1)} />
           <span class="number soft">frame {frame}</span>
-          <Button icon="next" tip="The next frame with this difference" small onClick={() => step(1)} />
+          <Button icon="next" tip="Next frame with this difference" small onClick={() => step(1)} />
         </span>
       )}
     </div>
@@ -212,11 +212,15 @@ function TakeButton({ group, who, name, copy }: TakeProps) {
   const alone = group.places.length === 1;
   return (
     <Button
-      label={`Take ${name}’s`}
+      label={`Use ${name}’s`}
       kind="outlined"
       small
       pressed={group.has === who}
-      tip={alone ? 'Into the recording, in this place' : 'Into the recording, in all of its frames'}
+      tip={
+        alone
+          ? 'Copy these labels into the recording here'
+          : 'Copy these labels into the recording, in all frames of the difference'
+      }
       onClick={() => void take(copy, group)}
     />
   );
@@ -224,13 +228,13 @@ function TakeButton({ group, who, name, copy }: TakeProps) {
 
 function Whole({ names, of, people }: { names: Names; of: Pair; people: number }) {
   return (
-    <div class="group" role="group" aria-label="Take everything of">
-      <span class="soft">Take everything of</span>
+    <div class="group" role="group" aria-label="Use all labels of">
+      <span class="soft">Use all labels of</span>
       {[of.first, of.second].map((copy, who) => (
         <Button key={copy} label={names[who as Who]} kind="outlined" small onClick={() => void take(copy)} />
       ))}
       {people > 2 && (
-        <Button label="the majority" kind="outlined" small tip="Points that all call otherwise stay as they are" onClick={() => void take('majority')} />
+        <Button label="the majority" kind="outlined" small tip="Points without a majority keep their labels" onClick={() => void take('majority')} />
       )}
     </div>
   ); // prettier-ignore
@@ -240,17 +244,19 @@ function Scores() {
   const of = project.value;
   return (
     <section class="own-tasks" aria-label="Scores">
-      <h3>Scores by known truth</h3>
-      {scores.value.length === 0 && <p class="soft">Nobody has labelled frames of known truth.</p>}
+      <h3>Scores against ground truth</h3>
+      {scores.value.length === 0 && (
+        <p class="soft">No frames with ground truth have been labelled yet.</p>
+      )}
       {scores.value.length > 0 && (
         <table>
           <thead>
             <tr>
               <th>Person</th>
               <th data-tip="Mean IoU by class, of points">IoU</th>
-              <th data-tip="Objects of the truth that are there">Found</th>
-              <th data-tip="Objects of the truth that are not there">Missed</th>
-              <th data-tip="Objects that are not in the truth">Added</th>
+              <th data-tip="Ground truth objects that the person labelled">Found</th>
+              <th data-tip="Ground truth objects that the person missed">Missed</th>
+              <th data-tip="Labelled objects that are not in the ground truth">Added</th>
               <th>Frames</th>
             </tr>
           </thead>
@@ -271,10 +277,10 @@ function Scores() {
       )}
       {of && may(of, 'manager') && (
         <Button
-          label="Give this recording as known truth"
+          label="Use this recording as ground truth"
           kind="outlined"
           small
-          tip="Its labels are right: the next person labels it without them, and is scored"
+          tip="The next annotator gets a copy without labels and is scored against the labels of this recording"
           onClick={() => void giveAsTruth()}
         />
       )}

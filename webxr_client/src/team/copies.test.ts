@@ -61,7 +61,7 @@ test('what differs alike in several frames is one entry, the most points first',
 
 test('people are called by their names, and one who has not begun by nobody’s', () => {
   const names = [personOf('room-2'), personOf('room-3')] as const;
-  expect(names).toEqual(['ada', 'nobody yet']);
+  expect(names).toEqual(['ada', 'unassigned']);
   expect(wordsOf(place(0), names)).toBe('car 1: only ada has it');
 });
 

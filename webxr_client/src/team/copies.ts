@@ -92,7 +92,7 @@ export function grouped(places: readonly Disagreement[]): readonly Group[] {
 /** The people who label a copy. */
 export function personOf(copy: string): string {
   const own = tasks.value.filter(({ sequence, assignee }) => sequence === copy && assignee);
-  return [...new Set(own.map(({ assignee }) => assignee))].join(' and ') || 'nobody yet';
+  return [...new Set(own.map(({ assignee }) => assignee))].join(' and ') || 'unassigned';
 }
 
 /** A disagreement in words; `names`: of both people. */
@@ -111,7 +111,7 @@ export function wordsOf(place: Disagreement, [one, other]: readonly [string, str
     case 'renamed':
       return `${first}: ${other} calls it ${second}`;
     case 'outline':
-      return `${first}: other outlines`;
+      return `${first}: different outlines`;
   }
 }
 
@@ -149,10 +149,10 @@ export async function take(of: string, group?: Group, frame: number | null = nul
     labels: { [between.first]: first, [between.second]: second },
     frame,
   }; // prettier-ignore
-  await attempt('Nothing was merged', async () => {
+  await attempt('The labels were not merged', async () => {
     const body = { sequence: original.peek(), take: of, id: crypto.randomUUID() };
     await api('POST', path('merge'), region ? { ...body, region } : body);
-    if (!group) notify('success', 'Merged', 'One undo takes it back.');
+    if (!group) notify('success', 'Merged', 'One undo reverts the merge.');
   });
   await loadAgreement();
 }
@@ -160,7 +160,12 @@ export async function take(of: string, group?: Group, frame: number | null = nul
 /** Give the next person a copy without labels of this recording, whose own are right. */
 export async function giveAsTruth(): Promise<void> {
   const made = await addTasks({ recordings: [original.peek()!], every: null, truth: true });
-  if (made) notify('success', 'The next person labels a copy of it', 'Their score is told here.');
+  if (made)
+    notify(
+      'success',
+      'Ground truth task made',
+      'The next annotator gets a copy. The score appears here.',
+    );
 }
 
 const wanted = computed(() => (comparing.value && project.value ? original.value : null));

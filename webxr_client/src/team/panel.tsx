@@ -49,7 +49,7 @@ export function TeamButton() {
     <Button
       icon="people"
       label="Tasks"
-      tip="Tasks of the project: mine, the next, who has what"
+      tip="Tasks of the project: mine, the next, all by person"
       pressed={open}
       onClick={() => (open ? close() : openTeam())}
     />

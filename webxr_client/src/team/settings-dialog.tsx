@@ -80,8 +80,8 @@ function People({ of }: { of: Project }) {
     <>
       <p class="soft">
         {rows.length === 0
-          ? 'Everybody has their role of the workspace. With the first person here, it is theirs alone.'
-          : 'Only these people see the project, and managers of the workspace. Whoever has a lower role there keeps it.'}
+          ? 'All members have access with their role in the workspace. The first person that you add restricts the project to the people listed here.'
+          : 'Only these people and managers of the workspace see the project. A person with a lower role in the workspace keeps the lower role.'}
       </p>
       <ul class="settings-rows">
         {rows.map(([name, own]) => (
@@ -90,7 +90,7 @@ function People({ of }: { of: Project }) {
             <Role of={name} value={own} onChange={(next) => void setRole(name, next)} />
             <Button
               icon="close"
-              tip={`Take ${name} out of the project`}
+              tip={`Remove ${name} from the project`}
               small
               onClick={() => void setRole(name, null)}
             />
@@ -100,8 +100,8 @@ function People({ of }: { of: Project }) {
       <form class="settings-add" onSubmit={submit}>
         <input
           class="field"
-          aria-label="Account of a person"
-          placeholder="Name of an account"
+          aria-label="Account"
+          placeholder="Account name"
           maxLength={128}
           list="settings-people"
           value={account}
@@ -151,12 +151,12 @@ function Categories({ of: { categories } }: { of: Project }) {
     <>
       <p class="soft">
         {all.length === 0
-          ? 'The workspace has no categories yet: they come with labels that are exported or imported.'
-          : 'Labels get these categories and no others; what others have already, stays. Numbers are the workspace’s.'}
+          ? 'The workspace has no categories yet. An export or import of labels adds their categories.'
+          : 'New labels can have only these categories; existing labels keep theirs. The numbers belong to the workspace.'}
       </p>
       {categories !== null && (
         <Button
-          label={`All ${all.length}, and those to come`}
+          label={`All ${all.length} and future categories`}
           kind="outlined"
           onClick={() => void save({ categories: null })}
         />

@@ -91,7 +91,11 @@ function Import({ of: { id } }: { of: Project }) {
           Import
         </button>
       </form>
-      <Check label="Each file or folder in it is a recording" checked={each} onChange={setEach} />
+      <Check
+        label="Import each file or folder in it as a recording"
+        checked={each}
+        onChange={setEach}
+      />
     </section>
   );
 }
@@ -111,7 +115,7 @@ export function ProjectTasks({ of }: { of: Project }) {
     <>
       <form class="settings-tasks" onSubmit={submit}>
         <label>
-          Of
+          Recordings
           <select
             class="field"
             value={recording}
@@ -126,7 +130,7 @@ export function ProjectTasks({ of }: { of: Project }) {
           </select>
         </label>
         <label>
-          Frames of a task
+          Frames per task
           <input
             class="field"
             type="number"
@@ -137,18 +141,18 @@ export function ProjectTasks({ of }: { of: Project }) {
           />
         </label>
         <label>
-          For
+          Assignee
           <input
             class="field"
             maxLength={128}
-            placeholder="whoever asks first"
+            placeholder="first free annotator"
             list="settings-people"
             value={assignee}
             onInput={(event) => setAssignee(event.currentTarget.value)}
           />
         </label>
-        <label data-tip="Each gets a copy, and does not see the others'">
-          People who label the same
+        <label data-tip="Each annotator gets an own copy and does not see the other copies">
+          Annotators per task
           <input
             class="field"
             type="number"

@@ -86,7 +86,7 @@ export async function compare(snapshot: Snapshot, other = ''): Promise<void> {
 }
 
 export async function removeSnapshot(snapshot: Snapshot): Promise<void> {
-  await attempt('The snapshot was not forgotten', async () => {
+  await attempt('The snapshot was not deleted', async () => {
     await api('DELETE', path(`/${encodeURIComponent(snapshot.id)}`));
     await loadSnapshots();
   });

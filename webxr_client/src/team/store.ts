@@ -141,7 +141,7 @@ export async function begin(of: string, work: 'label' | 'review' = 'label'): Pro
       goToTask(task);
     } else {
       const what = work === 'label' ? 'label' : 'review';
-      notify('info', `Nothing is left to ${what}`, 'Everything is done, or somebody has it.');
+      notify('info', `No task is left to ${what}`, 'All tasks are done or taken.');
     }
   });
   await refresh();

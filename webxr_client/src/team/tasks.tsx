@@ -29,7 +29,7 @@ export const may = ({ role }: Project, least: string): boolean =>
 
 export function Tasks() {
   const of = project.value;
-  if (!of) return <p class="soft empty">Looking for the tasks…</p>;
+  if (!of) return <p class="soft empty">Loading the tasks…</p>;
   return (
     <>
       {may(of, 'annotator') && <Own />}
@@ -45,20 +45,20 @@ function Own() {
   return (
     <section class="own-tasks" aria-label="My task">
       <h3>My task</h3>
-      {task ? <Told task={task} /> : <p class="soft">None is begun.</p>}
+      {task ? <Told task={task} /> : <p class="soft">No task started.</p>}
       <div class="group">
         <Button
           label={task?.state === 'taken' ? 'Hand in, next task' : 'Next task'}
           kind="primary"
           keys="Shift N"
-          tip="Hand in the task of this recording, and begin the next one"
+          tip="Hand in the task of this recording and open the next task"
           onClick={() => void nextTask()}
         />
         {task?.state === 'taken' && (
           <Button
             label="Give back"
             kind="outlined"
-            tip="Somebody else takes it"
+            tip="Return the task to the queue for another annotator"
             onClick={() => void change(task, { state: 'open' })}
           />
         )}
@@ -131,7 +131,7 @@ function Verdict({ task }: { task: Task }) {
   return (
     <form class="review-form" aria-label="Verdict" onSubmit={(event) => event.preventDefault()}>
       <p>
-        {taskWords(task)}, by <strong>{task.assignee || 'nobody'}</strong>
+        {taskWords(task)}, by <strong>{task.assignee || 'no annotator'}</strong>
       </p>
       <label>
         Note
@@ -139,7 +139,7 @@ function Verdict({ task }: { task: Task }) {
           rows={2}
           maxLength={2000}
           value={note}
-          placeholder="What is to be mended?"
+          placeholder="Describe the correction"
           onInput={({ currentTarget }) => (draft.value = { ...draft.peek(), note: currentTarget.value })}
           onKeyDown={(event) => event.stopPropagation()}
         />
@@ -157,7 +157,7 @@ function Verdict({ task }: { task: Task }) {
           class="verdict-rejected"
           label="Send back"
           kind="outlined"
-          tip="Pinned to the place, or to the middle of the picture"
+          tip="Pin the note to the chosen place or to the centre of the view"
           disabled={!note.trim()}
           onClick={() => void back()}
         />
@@ -171,15 +171,15 @@ function ByPerson() {
   const people = [...new Set(tasks.value.map(({ assignee }) => assignee))].sort();
   if (people.length === 0) return <p class="soft empty">This project has no tasks.</p>;
   return (
-    <section class="own-tasks" aria-label="Who has what">
-      <h3>Who has what</h3>
+    <section class="own-tasks" aria-label="Tasks by person">
+      <h3>Tasks by person</h3>
       {people.map((person) => {
         const theirs = tasks.value.filter(({ assignee }) => assignee === person);
         const told = TASK_STATES.map((kind) => [kind, theirs.filter((task) => task.state === kind).length] as const).filter(([, count]) => count > 0); // prettier-ignore
         return (
           <details key={person} open={people.length <= 4}>
             <summary>
-              <strong>{person || 'Nobody yet'}</strong>{' '}
+              <strong>{person || 'Unassigned'}</strong>{' '}
               <span class="soft">
                 {told.map(([kind, count]) => `${count} ${TASK_WORDS[kind]}`).join(', ')}
               </span>
@@ -211,7 +211,7 @@ function Make() {
       <summary>Make tasks</summary>
       <form class="review-form" onSubmit={submit}>
         <label>
-          Of
+          Recordings
           <select
             value={all ? 'all' : ''}
             onChange={(event) => set({ all: event.currentTarget.value === 'all' })}
@@ -221,7 +221,7 @@ function Make() {
           </select>
         </label>
         <label>
-          Frames of a task
+          Frames per task
           <input
             type="number"
             min={1}
@@ -231,17 +231,17 @@ function Make() {
           />
         </label>
         <label>
-          For
+          Assignee
           <input
             type="text"
             maxLength={128}
-            placeholder="whoever asks first"
+            placeholder="first free annotator"
             value={assignee}
             onInput={(event) => set({ assignee: event.currentTarget.value.trim() })}
           />
         </label>
         <label>
-          People who label the same
+          Annotators per task
           <input
             type="number"
             min={1}

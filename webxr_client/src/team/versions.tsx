@@ -30,7 +30,7 @@ export function Versions() {
   return (
     <>
       {canManage.value && <Name />}
-      {snapshots.value.length === 0 && <p class="soft empty">No snapshot has been made yet.</p>}
+      {snapshots.value.length === 0 && <p class="soft empty">No snapshots yet.</p>}
       <ul class="findings">
         {snapshots.value.map((each) => (
           <li key={each.id} data-current={each.id === compared.value?.id || undefined}>
@@ -95,7 +95,7 @@ function Actions({ snapshot }: { snapshot: Snapshot }) {
   return (
     <div class="finding-actions snapshot-actions">
       <select
-        aria-label="Export this recording as it was"
+        aria-label="Export this recording from the snapshot"
         value=""
         disabled={!held}
         onChange={({ currentTarget }) => {
@@ -103,7 +103,7 @@ function Actions({ snapshot }: { snapshot: Snapshot }) {
           currentTarget.value = '';
         }}
       >
-        <option value="">Export this recording as…</option>
+        <option value="">Export from this snapshot as…</option>
         {groupFormats(exportFormats.value, true).map(({ purpose, formats }) => (
           <optgroup key={purpose} label={purpose}>
             {formats.map(({ format, title }) => (
@@ -117,7 +117,7 @@ function Actions({ snapshot }: { snapshot: Snapshot }) {
       {canManage.value && (
         <Button
           icon="trash"
-          tip={`Forget ${snapshot.name}; labels stay`}
+          tip={`Delete ${snapshot.name}; labels stay`}
           small
           onClick={() => void removeSnapshot(snapshot)}
         />
@@ -130,22 +130,22 @@ function Compared({ snapshot }: { snapshot: Snapshot }) {
   const others = snapshots.value.filter(({ id }) => id !== snapshot.id);
   return (
     <section class="own-tasks" aria-label="Difference">
-      <h3>What is different since {snapshot.name}</h3>
+      <h3>Changes since {snapshot.name}</h3>
       <select
         aria-label="Compare with"
         value={difference.value?.with ?? ''}
         onChange={(event) => void compare(snapshot, event.currentTarget.value)}
       >
-        <option value="">in the labels of now</option>
+        <option value="">current labels</option>
         {others.map((each) => (
           <option key={each.id} value={each.id}>
-            in {each.name}
+            {each.name}
           </option>
         ))}
       </select>
       {difference.value === null && <p class="soft">Comparing…</p>}
       {difference.value?.found.length === 0 && (
-        <p class="soft">Nothing: the labels are the same.</p>
+        <p class="soft">No changes: the labels are the same.</p>
       )}
       {difference.value?.found.map((each) => (
         <Table key={each.sequence} found={each} />
@@ -182,9 +182,9 @@ function Table({ found: { sequence, labels, frames } }: { found: Difference }) {
           <thead>
             <tr>
               <th>Frame</th>
-              <th data-tip="Points that got a label">Came</th>
-              <th data-tip="Points that lost theirs">Went</th>
-              <th data-tip="Points that have another">Changed</th>
+              <th data-tip="Points that got a label">Added</th>
+              <th data-tip="Points that lost their label">Removed</th>
+              <th data-tip="Points that got another label">Changed</th>
               <th>Objects</th>
             </tr>
           </thead>

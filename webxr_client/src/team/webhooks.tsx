@@ -15,9 +15,9 @@ import {
 } from './settings';
 
 const TOPICS = [
-  ['task', 'Steps of tasks'],
-  ['labels', 'Edits, by the minute'],
-  ['job', 'Jobs that ended'],
+  ['task', 'Task states'],
+  ['labels', 'Edits, once a minute'],
+  ['job', 'Finished jobs'],
 ] as const;
 /** Events of a webhook that are listed. */
 const LISTED = 5;
@@ -26,7 +26,7 @@ export function Webhooks({ of }: { of: Project }) {
   useEffect(() => void loadWebhooks(), [of.id]);
   return (
     <>
-      {webhooks.value.length === 0 && <p class="soft">No address is told what happens here.</p>}
+      {webhooks.value.length === 0 && <p class="soft">No webhooks yet.</p>}
       <ul class="settings-rows">
         {webhooks.value.map((each) => (
           <li key={each.id} class="webhook">
@@ -50,14 +50,14 @@ function Entry({ webhook }: { webhook: Webhook }) {
         <span class="soft">{webhook.topics.join(', ')}</span>
         <Button
           icon="trash"
-          tip={`Tell ${webhook.url} nothing more`}
+          tip={`Remove the webhook ${webhook.url}`}
           small
           onClick={() => void removeWebhook(webhook)}
         />
       </div>
       {own && (
         <p class="webhook-secret" role="status">
-          Its secret, which is told this once: <code>{own}</code>
+          Secret, shown only once: <code>{own}</code>
         </p>
       )}
       <details open={failing > 0}>
@@ -79,7 +79,7 @@ function Entry({ webhook }: { webhook: Webhook }) {
 
 function outcome({ delivered, attempts, error }: Delivery): string {
   if (delivered) return attempts > 1 ? `delivered at attempt ${attempts}` : 'delivered';
-  return error ? `${plural(attempts, 'attempt')}: ${error}` : 'waits';
+  return error ? `${plural(attempts, 'attempt')}: ${error}` : 'waiting';
 }
 
 function Add() {

@@ -12,14 +12,15 @@ import type { Way } from './ways';
 export function refusal(): readonly [title: string, detail: string] | null {
   const tool = peek(state.tool);
   if (peek(state.connection).state === 'refused') {
-    return ['The server refused this page', 'Open it again by a link that is valid.'];
+    return ['The server refused this page', 'Open the page with a valid link.'];
   }
-  if (!peek(canEdit)) return ['You are a viewer here', 'Ask for an annotator’s token to paint.'];
+  if (!peek(canEdit)) return ['Your role is viewer', 'Ask for an annotator’s token to paint.'];
   if (tool !== 'paint') return null;
   const label = peek(activeLabel);
-  if (!label) return ['Choose a label first', 'Make one with the + beside “Labels”, or press N.'];
-  if (label.locked) return ['This label is locked', 'Unlock it, or choose another one.'];
-  if (peek(activeLabelHidden)) return ['This label is hidden', 'Show it, or choose another one.'];
+  if (!label)
+    return ['Choose a label first', 'Press N, or the + beside “Labels”, to make a label.'];
+  if (label.locked) return ['This label is locked', 'Unlock it or choose another label.'];
+  if (peek(activeLabelHidden)) return ['This label is hidden', 'Show it or choose another label.'];
   return null;
 }
 

@@ -39,7 +39,7 @@ export class Going {
     if (this.wanted) return;
     const entry = state.palette.peek().find(({ id }) => id === label);
     if (!entry) {
-      notify('info', 'Choose a label first', 'Its object is what the camera goes to.');
+      notify('info', 'Choose a label first', 'The camera goes to the object of the label.');
       return;
     }
     const frame = this.deps.frame();
@@ -50,12 +50,16 @@ export class Going {
     }
     const nearest = nearestWith(state.timeline.peek().rows.get(label), state.frame.peek());
     if (nearest === null || nearest === frame?.index) {
-      notify('info', `“${entry.name}” has no points to go to`, 'Paint some, and go again.');
+      notify('info', `“${entry.name}” has no points to go to`, 'Paint some points first.');
       return;
     }
     this.wanted = { label, frame: nearest };
     this.deps.seek(nearest);
-    notify('info', `“${entry.name}” is in frame ${nearest}`, 'The nearest that has it.');
+    notify(
+      'info',
+      `“${entry.name}” is in frame ${nearest}`,
+      'This is the nearest frame with the label.',
+    );
   }
 
   /** Before each picture. */

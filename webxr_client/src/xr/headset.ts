@@ -29,8 +29,8 @@ type Offering = XRSystem & {
 };
 
 const NO_WEBXR = 'This browser has no WebXR. Open this page in the headset’s own browser.';
-const NOT_SECURE = 'Browsers allow WebXR over HTTPS only: serve with --tls, or open localhost.';
-const NO_HEADSET = 'No headset was found. Connect one, or open this page in the headset’s browser.';
+const NOT_SECURE = 'WebXR works only over HTTPS. Start the server with --tls, or open localhost.';
+const NO_HEADSET = 'Connect a headset, or open this page in the browser of the headset.';
 
 export class Headset {
   cockpit: Cockpit | null = null;
@@ -206,7 +206,7 @@ export class Headset {
       return;
     }
     const detail =
-      'The headset was taken off or went away. Every stroke is kept; enter again to go on.';
+      'The headset was taken off or disconnected. All strokes are kept; enter again to continue.';
     patch(state.xr, { session: 'lost', detail });
     notify('info', 'The headset session ended', detail);
   }

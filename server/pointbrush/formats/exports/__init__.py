@@ -241,7 +241,7 @@ def export(
         except DamagedError as error:
             if gaps is None:
                 raise
-            gaps.append(f"{error}; nothing was written of it, nor of what comes after it")
+            gaps.append(f"{error}; this frame and the following frames were not written")
         if gaps:
             with output.file(GAPS) as file:
                 file.write(json.dumps({"gaps": gaps}, indent=1, ensure_ascii=False).encode())

@@ -65,12 +65,12 @@ class Exports:
         if self._taken[person] >= self._per_person:
             raise TooManyRequestsError(
                 f"export: expected at most {self._per_person} exports of one person at once; "
-                "read or stop one of those under way first"
+                "finish or stop a running export first"
             )
         if self._taken.total() >= self._most:
             raise UnavailableError(
-                f"export: expected at most {self._most} exports at once, of all people; "
-                "try again when one has ended"
+                f"export: expected at most {self._most} exports on this server at once; "
+                "try again when an export has ended"
             )
         self._taken[person] += 1
         return Place(person)

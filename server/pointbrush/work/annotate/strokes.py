@@ -61,7 +61,7 @@ class LiveStroke:
             if recording[placement.frame].count
         ]
         if not self._painted:
-            raise BadInputError(f"frame {frame}: expected one with points to paint, it is empty")
+            raise BadInputError(f"frame {frame}: expected points to paint, the frame is empty")
         layers = [(one, layer) for one in self._painted for layer in one.layers()]
         self._of_layer = [one for one, _ in layers]
         self._selector = OverlaySelector([layer for _, layer in layers], self._brush)
@@ -168,4 +168,4 @@ def write_of(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
         case "restore":
             # Deleted points show whatever label they held, so that hiding it does not matter.
             return Write(numbers, deleted=False, living=False)
-    raise ConflictError(f"tool: expected one the workspace knows, got {brush.tool!r}")
+    raise ConflictError(f"tool: expected a known tool, got {brush.tool!r}")

@@ -43,8 +43,8 @@ class BoxPainting(Part):
         chosen = [f for f in parse_frames(frames, len(recording)) if f in drawn.poses]
         if not chosen:
             raise BadInputError(
-                f"frames: expected some of {min(drawn.poses)} to {max(drawn.poses)}, where the box "
-                f"is, got {frames}"
+                f"frames: expected frames of the box, {min(drawn.poses)} to {max(drawn.poses)}, "
+                f"got {frames}"
             )
         name = self._store.label(sequence, drawn.label).name
         only: Only = "unlabeled" if only_unlabeled else "any"

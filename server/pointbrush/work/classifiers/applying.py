@@ -167,7 +167,9 @@ class Predictions:
             _ = recording[frame]
         model = self._current(request.options.classifier)
         if not model.ready:
-            raise BadInputError("classifier: expected one that was taught, nothing is painted yet")
+            raise BadInputError(
+                "classifier: expected a trained classifier, no points are painted yet"
+            )
         found: list[Found] = []
         pending = _Pending(self._store, recording, model, request, found)
         work = PredictingWork(

@@ -97,7 +97,7 @@ class ImportWork:
             self._note_meaning(folder, source.listings[0].dataset)
         if said != ASSUMED or manifest.frames == 1:
             return []
-        return [f"the rate is assumed, {fps:g} frames a second: nothing in the files states it"]
+        return [f"the rate of {fps:g} frames a second is assumed: the files do not state one"]
 
 
 @dataclass(frozen=True)

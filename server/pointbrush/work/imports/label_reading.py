@@ -275,8 +275,8 @@ def _objects(boxes: Mapping[int, list[FrameBox]], key_of: Callable[[FrameBox], K
     tracks = tracked(sorted(whole.items()))
     if len(tracks) > MOST_BOXES:
         log.warning(
-            "%d boxes are not kept, a recording has %d at most: their format does not tell which "
-            "are of one object",
+            "%d boxes are not kept, a recording has %d at most: their format does not identify "
+            "objects across frames",
             len(tracks), MOST_BOXES,
         )  # fmt: skip
         return FoundBoxes(())

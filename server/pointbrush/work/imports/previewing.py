@@ -239,9 +239,7 @@ class Previews:
         except (BrokenExecutor, FutureTimeoutError) as error:
             self._end(pool)
             if isinstance(error, BrokenExecutor):
-                raise BadInputError(
-                    "expected files that can be read, their reader ended while it read them"
-                ) from None
+                raise BadInputError("expected readable files; the reader process crashed") from None
             raise UnavailableError(
                 f"the first frames could not be read within {SECONDS:.0f} s"
             ) from None

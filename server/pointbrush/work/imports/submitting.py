@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-WITHOUT_LABELS = "the recording is there, but its labels did not come in"
+WITHOUT_LABELS = "the recording was imported, but its labels were not imported"
 """Beginning of the error of an import that made a recording and not its labels."""
 
 

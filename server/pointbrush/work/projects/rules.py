@@ -80,7 +80,7 @@ def fulfilled(task: Task, wish: Wish, who: Person) -> Task:
             raise ForbiddenError(f"note: expected the role {DECIDES}, yours here is {who.role}")
         task = replace(task, note=wish.note, frame=wish.frame, place=wish.place)
     if task.state in ("taken", "done") and not task.assignee:
-        raise ConflictError(f"assignee: expected somebody for a task that is {task.state}")
+        raise ConflictError(f"assignee: expected a person for a task that is {task.state}")
     return task
 
 
@@ -101,16 +101,16 @@ def _require_step(task: Task, state: TaskState, who: Person) -> None:
     if maker == "reviewer":
         _require_reviewer(task, who)
     elif task.assignee != who.account and (maker == "assignee" or task.assignee):
-        raise ForbiddenError(f"task: expected one of yours, {task.number} is another person's")
+        raise ForbiddenError(f"task: expected your own task, {task.number} is another person's")
 
 
 def _require_reviewer(task: Task, who: Person) -> None:
     if not includes(who.role, DECIDES):
         raise ForbiddenError(f"state: expected the role {DECIDES}, yours here is {who.role}")
     if task.assignee == who.account:
-        raise ForbiddenError(f"task: expected another person's, {task.number} is your own work")
+        raise ForbiddenError(f"task: expected another person's task, {task.number} is your own")
     if task.state == "review" and task.reviewer not in ("", who.account):
-        raise ForbiddenError(f"task: somebody else is looking at {task.number}")
+        raise ForbiddenError(f"task: another person reviews {task.number}")
 
 
 def _stepped(task: Task, state: TaskState, who: Person) -> Task:

@@ -75,7 +75,7 @@ class Checker:
     ) -> tuple[Sketches, dict[int, Unsure], list[str]]:
         """Look at the frames that have labels, and at as many beside as are neighbours."""
         if recording.manifest.large:
-            return {}, {}, ["frames of an octree: places of points were not looked at"]
+            return {}, {}, ["positions of points in octree frames"]
         beside = self._options.window + 1
         near = range(max(0, frames.start - beside), min(len(recording), frames.stop + beside))
         found: Sketches = {}

@@ -147,7 +147,7 @@ def _require_undecided(overview: Overview, review: Review) -> None:
     else:
         there = list(states.overlapping(overview, review.first, review.last, review.label))
     if any(each.state == "accepted" for each in there):
-        raise ForbiddenError("expected a reviewer to take back what is accepted")
+        raise ForbiddenError("expected a reviewer to reopen accepted frames or labels")
 
 
 def _check_frames(review: Review, frames: int) -> None:

@@ -86,7 +86,7 @@ class TrackingWork:
                 channel.item(found)
                 channel.progress(min(done / len(order), 1.0), f"frame {found.frame}")
                 if chosen.stop_unsure and wants_look(found):
-                    channel.progress(1.0, f"frame {found.frame}: not sure")
+                    channel.progress(1.0, f"frame {found.frame}: doubtful")
                     break
         finally:
             store.close()

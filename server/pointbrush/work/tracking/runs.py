@@ -175,7 +175,7 @@ def _told(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dic
         {"label": number, "name": names.get(number, ""), "why": why}
         for number, why in left_out.items()
     ]
-    message = f"left out, changed while it was tracked: {', '.join(said)}"
+    message = f"left out, changed during tracking: {', '.join(said)}"
     return result | {"left_out": found, MESSAGE: message}
 
 

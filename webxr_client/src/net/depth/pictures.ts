@@ -77,7 +77,7 @@ class Drawn implements Picture {
       canvas = new OffscreenCanvas(width, height);
       context = canvas.getContext('2d', { alpha: false, willReadFrequently: true });
     }
-    if (!context) throw new Error('This browser gives no 2D canvas to a worker.');
+    if (!context) throw new Error('This browser has no 2D canvas in workers.');
     context.drawImage(this.image, 0, 0);
     target.set(context.getImageData(0, 0, width, height).data);
     return Promise.resolve();

@@ -44,7 +44,7 @@ export function ImportDialog() {
       <form onSubmit={submit}>
         <header>
           <h2>{draft.sequence ? 'Import labels' : 'Import a recording'}</h2>
-          {draft.busy && <div class="spinner small" role="status" aria-label="Looking" />}
+          {draft.busy && <div class="spinner small" role="status" aria-label="Reading the files" />}
         </header>
         <Target draft={draft} />
         {draft.error && (
@@ -54,7 +54,7 @@ export function ImportDialog() {
         )}
         {orderCounts(draft) && (
           <Check
-            label="Match files to frames in their order, whatever their names are"
+            label="Match files to frames by order, not by name"
             checked={draft.options.by_order ?? false}
             onChange={(checked) => correct({ by_order: checked || null })}
           />
@@ -81,7 +81,7 @@ function Target({ draft }: { draft: ImportDraft }) {
   if (!open || !draft.files) return null;
   const choose = (sequence: string | null): void => void actions.retargetImport(sequence);
   return (
-    <div class="group" role="group" aria-label="What the files are">
+    <div class="group" role="group" aria-label="Content of the files">
       <Button
         label="A new recording"
         pressed={draft.sequence === null}
@@ -161,7 +161,7 @@ function UpAxis({ found, options }: CorrectedProps) {
       <Choice
         value={options.up ?? ''}
         choices={[
-          ['', found ? `as found: ${signed(found.up)}` : 'as found'],
+          ['', found ? `automatic: ${signed(found.up)}` : 'automatic'],
           ...AXES.map((axis) => [axis, signed(axis)] as const),
         ]}
         onChange={(value) => correct({ up: value || null })}
@@ -175,7 +175,7 @@ function Poses({ found, options }: CorrectedProps) {
   if (!poses && !options.poses) return null;
   return (
     <Check
-      label={`Use the poses${poses ? ` of ${poses.source}` : ''}`}
+      label={`Use the poses${poses ? ` from ${poses.source}` : ''}`}
       checked={options.poses !== 'none'}
       onChange={(checked) => correct({ poses: checked ? null : 'none' })}
     />
@@ -186,12 +186,12 @@ function Poses({ found, options }: CorrectedProps) {
 function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft }) {
   return (
     <details class="import-more" open={error !== ''}>
-      <summary>Read the files another way</summary>
+      <summary>Reading options</summary>
       <div class="import-fields">
         <Row label="Format">
           <Choice
             value={options.format ?? ''}
-            choices={[['', 'as the files tell'], ...FORMATS]}
+            choices={[['', 'automatic'], ...FORMATS]}
             onChange={(value) => correct({ format: value || null })}
           />
         </Row>
@@ -209,18 +209,15 @@ function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft })
         <Row label="Delimiter">
           <Choice
             value={options.delimiter ?? ''}
-            choices={[
-              ['', 'as the files tell'],
-              ...DELIMITERS.map((each) => [each, each] as const),
-            ]}
+            choices={[['', 'automatic'], ...DELIMITERS.map((each) => [each, each] as const)]}
             onChange={(value) => correct({ delimiter: value || null })}
           />
         </Row>
-        <Row label="1,5 is">
+        <Row label="Read 1,5 as">
           <Choice
             value={options.decimal_comma === undefined ? '' : String(options.decimal_comma)}
             choices={[
-              ['', 'as the files tell'],
+              ['', 'automatic'],
               ['true', 'one and a half'],
               ['false', 'two values'],
             ]}

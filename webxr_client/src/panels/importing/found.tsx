@@ -31,7 +31,7 @@ export function Facts({ found }: { found: ImportPreview }) {
     ['Columns', found.columns.map(described).join(', ')],
     ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
     ['Cameras', found.cameras.map(camera).join(', ')],
-    ['Labels', found.labels ? 'come with the points' : ''],
+    ['Labels', found.labels ? 'included with the points' : ''],
   ];
   return (
     <>
@@ -106,7 +106,7 @@ function FactList({ rows }: { rows: readonly Fact[] }) {
 
 function described({ name, meaning }: ImportPreview['columns'][number]): string {
   if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
-  return `${name} (${meaning || 'left out'})`;
+  return `${name} (${meaning || 'ignored'})`;
 }
 
 function camera({ name, color, intrinsics }: ImportPreview['cameras'][number]): string {
@@ -119,7 +119,7 @@ export function Labels({ found }: { found: LabelsFound }) {
     ['Frames', `${found.matched} with labels, ${found.unmatched_frames.length} without`],
     ['Labels', `${Object.keys(found.labels).length}, ${found.new_labels.length} of them new`],
     ['Classes without a name', found.unknown_classes.slice(0, 12).join(', ')],
-    ['Files of no frame', found.unmatched_files.slice(0, 6).join(', ')],
+    ['Files without a frame', found.unmatched_files.slice(0, 6).join(', ')],
     [
       'Locked labels',
       found.locked.length > 0 ? `${found.locked.join(', ')} keep their points` : '',

@@ -65,7 +65,7 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
         )}
       </header>
       {(several || sequences.length >= SEARCHED_FROM) && <ConditionFields />}
-      {sought && rows.length === 0 && <p class="soft">No recording is like that</p>}
+      {sought && rows.length === 0 && <p class="soft">No recording matches the search</p>}
       <div class="projects">
         {grouped(rows, projects.value).map((group) =>
           sought && group.rows.length === 0 ? null : (
@@ -98,7 +98,7 @@ function ConditionFields() {
   useEffect(() => {
     let stale = false;
     const timer = setTimeout(() => {
-      void attempt('The search did not work', async () => {
+      void attempt('The search failed', async () => {
         const met = await search(value);
         if (!stale) found.value = met;
       });
@@ -179,7 +179,7 @@ function ProjectGroup({ group: { project, rows }, alone, opened }: GroupProps) {
             label="Next task"
             kind="outlined"
             small
-            tip={`Begin, or go on with, your next task of ${project.name}`}
+            tip={`Open your next task in ${project.name}`}
             onClick={() => void actions.nextTask(project.id)}
           />
         )}
@@ -205,7 +205,9 @@ function Rows({ rows }: { rows: readonly SequenceSummary[] }) {
           <Button label={`All ${plural(rows.length, 'recording')}`} onClick={() => setAll(true)} />
         </li>
       )}
-      {rows.length === 0 && <li class="soft">No recordings yet: import them, or move them here</li>}
+      {rows.length === 0 && (
+        <li class="soft">No recordings yet: import recordings or move them here</li>
+      )}
     </ul>
   );
 }

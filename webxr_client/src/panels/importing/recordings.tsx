@@ -41,7 +41,7 @@ export function Row({ row }: { row: SequenceSummary }) {
           <strong class="name">{row.name}</strong>
           {sound ? <Length row={row} /> : <span class="soft">Damaged: {row.damaged}</span>}
           {sound && row.labels_missing !== null && (
-            <span class="soft">Labels did not come in: {row.labels_missing}</span>
+            <span class="soft">Labels were not imported: {row.labels_missing}</span>
           )}
         </span>
         {sound && row.labels_missing === null && <Labelled row={row} />}
@@ -50,7 +50,7 @@ export function Row({ row }: { row: SequenceSummary }) {
       {sound && row.labels_missing !== null && canEdit.value && (
         <Button
           label="Try again"
-          tip={`Bring in the labels in the files of ${row.name}`}
+          tip={`Import the labels in the files of ${row.name}`}
           small
           onClick={() => void actions.importSourceLabels(row.id)}
         />

@@ -57,9 +57,9 @@ function Waiting({ text }: { text: string }) {
 
 /** Reasons why there is no session, as the address has them. */
 const REASONS: Readonly<Record<string, string>> = {
-  failed: 'Signing in did not succeed. Try again.',
-  out: 'Edits that were painted here are stored.',
-  forbidden: 'You are signed in there, but have no access here. Ask who leads the workspace.',
+  failed: 'The sign-in failed. Try again.',
+  out: 'Your edits are stored.',
+  forbidden: 'Your account has no access to this workspace. Ask a manager of the workspace.',
 };
 
 function Refused({ detail }: { detail: string }) {
@@ -93,7 +93,7 @@ function Away({ detail }: { detail: string }) {
     <div class="center message" role="alert">
       <Icon name="offline" />
       <h1>The server does not answer</h1>
-      <p>{detail || 'It may be stopped, or the network is away.'}</p>
+      <p>{detail || 'The server may be stopped, or the network is down.'}</p>
       <Button label="Try again" kind="primary" onClick={() => actions.reconnect()} />
     </div>
   );
@@ -187,7 +187,11 @@ function ImportBox() {
         </button>
       </form>
       <div class="import-into">
-        <Check label="Each file or folder in it is a recording" checked={each} onChange={setEach} />
+        <Check
+          label="Import each file or folder in it as a recording"
+          checked={each}
+          onChange={setEach}
+        />
         {projects.value.length > 1 && <Into />}
       </div>
       <p class="soft">

@@ -30,7 +30,7 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
       {confirm ? (
         <div class="confirm">
           <p>
-            {here} and {all} have “{label.name}” and will be unlabeled. This can be undone.
+            {here} and {all} will lose the label “{label.name}”. This can be undone.
           </p>
           <div class="form-end">
             <Button label="Keep" onClick={onClose} />
@@ -176,7 +176,7 @@ function LabelParts({ label, onClose }: LabelPartsProps) {
         type="button"
         class="menu-item"
         disabled={!may || here === 0}
-        data-tip="Each part that stands apart in this frame gets a label of its own"
+        data-tip="Each separate part in this frame gets its own label"
         onClick={() => {
           onClose();
           void actions.splitLabel(label.id);

@@ -64,8 +64,8 @@ function Menu() {
       </button>
       <hr />
       <Check
-        label="Colours for colour-blind eyes"
-        tip="New labels, and what can be chosen, have colours that are told apart without red, green or blue cones"
+        label="Colours for colour-blind users"
+        tip="New labels and the colour picker use colours that are distinct with every kind of colour blindness"
         checked={safeColours.value}
         onChange={chooseSafeColours}
       />
@@ -78,7 +78,7 @@ function Menu() {
           void actions.recolorAll();
         }}
       >
-        <Icon name="swap" /> Give all labels these colours
+        <Icon name="swap" /> Apply these colours to all labels
       </button>
       <hr />
       <button

@@ -87,7 +87,7 @@ function GroupHead({ category, labels }: { category: string; labels: readonly La
 function NothingFound() {
   return (
     <div role="row" class="no-labels">
-      <span role="gridcell">No label has “{search.value}”.</span>
+      <span role="gridcell">No label contains “{search.value}”.</span>
     </div>
   );
 }
@@ -109,7 +109,7 @@ function NewRow() {
 function NoLabels() {
   return (
     <div class="labels no-labels">
-      <p>A label is one thing to follow: a pin, a hand, a person.</p>
+      <p>A label stands for one object: a pin, a hand, a person.</p>
       <Button
         icon="plus"
         label="First label"

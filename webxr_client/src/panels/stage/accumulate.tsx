@@ -16,9 +16,9 @@ export function AccumulateButton() {
     <PopoverButton
       open={open}
       icon="frames"
-      tip="Lay the frames around this one over it, and paint them together"
+      tip="Overlay neighbouring frames and paint them together"
       pressed={accumulation.value.on}
-      label="Frames around this one"
+      label="Neighbouring frames"
       class="overlays"
     >
       <Around frames={info.frames} />
@@ -33,8 +33,8 @@ function Around({ frames }: { frames: number }) {
   return (
     <>
       <Check
-        label="Lay the frames around this one over it"
-        tip="By the recording's poses; tracked labels by their tracks"
+        label="Overlay neighbouring frames"
+        tip="Aligned by the poses of the recording; tracked labels are aligned by their tracks"
         checked={on}
         onChange={(wanted) => patch(accumulation, { on: wanted })}
       />
@@ -92,15 +92,15 @@ export function AccumulateSign() {
     <div class="sign" role="status">
       <span>
         {state.playing.value
-          ? 'Frames are laid over one another when time stands'
-          : `${plural(shown + 1, 'frame')} over one another`}
-        {canEdit.value && shown > 0 && <strong> · a stroke paints all of them</strong>}
-        {left > 0 && ` · ${left} left out: too many points`}
+          ? 'Frames are overlaid while playback is paused'
+          : `${plural(shown + 1, 'frame')} overlaid`}
+        {canEdit.value && shown > 0 && <strong> · strokes paint all of them</strong>}
+        {left > 0 && ` · ${left} skipped: too many points`}
       </span>
       <Button
         icon="close"
         small
-        tip="Show this frame alone"
+        tip="Show only this frame"
         onClick={() => patch(accumulation, { on: false })}
       />
     </div>

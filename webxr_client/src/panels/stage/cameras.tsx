@@ -118,7 +118,7 @@ function Camera({ picture, source, large }: CameraProps) {
   return (
     <figure class="camera" style={large ? { opacity: largeOpacity.value } : {}}>
       <div class="camera-picture" style={{ aspectRatio: `${picture.width} / ${picture.height}` }}>
-        <img src={source} alt={`What camera ${picture.name} saw`} draggable={false} />
+        <img src={source} alt={`Picture of camera ${picture.name}`} draggable={false} />
         <canvas
           ref={canvas}
           width={raster.width}
@@ -138,7 +138,9 @@ function Camera({ picture, source, large }: CameraProps) {
         <Button
           icon={large ? 'close' : 'rectangle'}
           tip={
-            large ? 'Close the large picture' : `Picture of ${picture.name} large, over the cloud`
+            large
+              ? 'Close the large picture'
+              : `Show the picture of ${picture.name} large, over the cloud`
           }
           small
           onClick={() => (largeCamera.value = large ? null : picture.name)}
@@ -155,7 +157,7 @@ function Opacity() {
       value={largeOpacity.value}
       min={0.15}
       max={1}
-      tip="Less lets the cloud through"
+      tip="A lower value shows more of the cloud"
       shown={percent(largeOpacity.value)}
       onInput={(opacity) => (largeOpacity.value = opacity)}
     />

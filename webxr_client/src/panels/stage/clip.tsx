@@ -13,7 +13,7 @@ type Kind = 'all' | 'box' | 'level' | 'across' | 'depth';
 
 const KINDS: readonly RadioOption<Kind>[] = [
   { value: 'all', icon: 'eye', label: 'Everything', tip: 'Show all points' },
-  { value: 'box', icon: 'box', label: 'Box', tip: 'Round the active object, or what one looks at' },
+  { value: 'box', icon: 'box', label: 'Box', tip: 'Around the active object or the centre of the view' },
   { value: 'level', icon: 'slice', label: 'Level', tip: 'A slab between two heights' },
   { value: 'across', icon: 'slice', label: 'Left to right', tip: 'A slab that runs along the view' },
   { value: 'depth', icon: 'slice', label: 'In depth', tip: 'A slab across the view' },
@@ -37,21 +37,21 @@ export function ClipButton() {
   return (
     <PopoverButton open={open}
         icon="slice"
-        tip="Clip: show and paint only what is in a box or a slab"
+        tip="Clip: show and paint only points inside a box or slab"
         keys="Y"
         pressed={clip.value !== null} label="Clip" class="overlays">
           <RadioGroup label="Shown" class="kinds" options={KINDS} value={kindNow()} onChoose={choose} />
           {clip.value && (
             <Check
               label="Follow the active object"
-              tip="The box goes along with the active label from frame to frame"
+              tip="The box follows the active label from frame to frame"
               checked={clip.value.follows}
               onChange={(follows) => clip.value && (clip.value = { ...clip.value, follows })}
             />
           )}
           <p class="soft">
-            Drag its faces. <span class="kbd">Alt</span> and the wheel, or{' '}
-            <span class="kbd">Page ↑ ↓</span>, moves it along its thinnest side.
+            Drag the faces. <span class="kbd">Alt</span> + wheel or{' '}
+            <span class="kbd">Page ↑ ↓</span> moves the box along its thinnest side.
           </p>
         </PopoverButton>
   ); // prettier-ignore
@@ -63,8 +63,8 @@ export function ClipSign() {
   return (
     <div class="sign" role="status">
       <span>
-        Only what is in the {clip.value.slab === null ? 'box' : 'slab'} is shown
-        {canEdit.value && <strong> · strokes reach nothing else</strong>}
+        {clip.value.slab === null ? 'Box' : 'Slab'} active: only points inside it are shown
+        {canEdit.value && <strong> and painted</strong>}
       </span>
       <Button icon="close" small tip="Show everything" onClick={() => (clip.value = null)} />
     </div>

@@ -73,9 +73,7 @@ function Running({ job, about }: { job: Job; about: string }) {
     <>
       <div class="job-head">
         <strong>{TITLE[job.kind]}</strong>
-        <span class="soft">
-          {job.state === 'queued' ? `waiting for its turn · ${about}` : about}
-        </span>
+        <span class="soft">{job.state === 'queued' ? `queued · ${about}` : about}</span>
         {job.progress > 0 && <span class="number">{Math.round(job.progress * 100)} %</span>}
       </div>
       <Progress share={job.progress} label={TITLE[job.kind]} />
@@ -90,9 +88,7 @@ function Running({ job, about }: { job: Job; about: string }) {
           )}
           <Button
             label="Cancel"
-            tip={
-              tracking ? 'Stop and leave every label as it was' : 'Stop, and leave nothing behind'
-            }
+            tip={tracking ? 'Stop and discard the tracked labels' : 'Stop and discard the result'}
             onClick={() => void actions.cancelJob(job.id)}
           />
         </div>

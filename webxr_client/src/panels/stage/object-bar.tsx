@@ -7,7 +7,7 @@ import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 
-const NOTHING = 'Nothing to take here';
+const NOTHING = 'No object here';
 const POINT = 'Point at an object: a click takes it';
 
 export function ObjectBar() {

@@ -68,7 +68,7 @@ function Opening() {
 function EmptyFrame() {
   return (
     <div class="center" role="status">
-      <p class="soft">No points in this frame: there is nothing to paint</p>
+      <p class="soft">This frame has no points to paint</p>
     </div>
   );
 }
@@ -91,8 +91,8 @@ function OfflineBanner() {
     <div class="banner" role="status">
       <Icon name="offline" />
       <span>
-        <strong>The server is away.</strong> You can go on painting
-        {pending > 0 ? `; ${plural(pending, 'stroke')} will be sent when it is back.` : '.'}
+        <strong>The server does not answer.</strong> You can continue to paint
+        {pending > 0 ? `; ${plural(pending, 'stroke')} will be sent when it answers.` : '.'}
       </span>
       <Retry at={retryAt} />
     </div>
@@ -111,7 +111,7 @@ function unsentText(unsent: readonly Unsent[]): string {
   const more = unsent.length > MOST_NAMED ? `, and ${unsent.length - MOST_NAMED} more` : '';
   return (
     `${plural(unsent.length, 'stroke')} not sent: ${told.join(', ')}${more}. ` +
-    'This browser keeps them, and sends them once the recording is opened by a link that is valid.'
+    'This browser keeps them and sends them when you open the recording with a valid link.'
   );
 }
 
@@ -124,7 +124,7 @@ function Retry({ at }: { at: number | null }) {
   const seconds = at === null ? 0 : Math.ceil((at - now) / 1000);
   return (
     <>
-      {seconds > 0 && <span class="number soft">Next try in {seconds} s</span>}
+      {seconds > 0 && <span class="number soft">Next attempt in {seconds} s</span>}
       <Button label="Try now" kind="outlined" onClick={() => actions.reconnect()} />
     </>
   );

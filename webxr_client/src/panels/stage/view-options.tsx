@@ -67,7 +67,7 @@ function ViewSliders({ class: extra }: { class?: string }) {
         value={view.labelBlend}
         min={0}
         max={1}
-        tip="From the recording's own colours to label colours only"
+        tip="Blend from source colours to label colours"
         shown={`${Math.round(view.labelBlend * 100)} %`}
         onInput={(labelBlend) => actions.setView({ labelBlend })}
       />
@@ -95,11 +95,15 @@ const OVERLAYS: readonly (readonly [
   string,
   string,
 ])[] = [
-  ['boxes', 'Boxes', 'A box round each labelled object'],
-  ['trails', 'Trails', 'The ways of the objects through the frames near this one'],
-  ['ghost', 'Ghost of the frame before', 'Where the objects were a frame before, faintly'],
-  ['eyeDome', 'Depth shading', 'Darken edges in depth, so that shapes stand out'],
-  ['showDeleted', 'Deleted points', 'Points deleted as noise, dark red; Restore shows them anyway'],
+  ['boxes', 'Boxes', 'A box around each labelled object'],
+  ['trails', 'Trails', 'Paths of the objects through neighbouring frames'],
+  ['ghost', 'Ghost of the previous frame', 'Faint objects at their places in the previous frame'],
+  ['eyeDome', 'Depth shading', 'Darken depth edges to emphasise shapes'],
+  [
+    'showDeleted',
+    'Deleted points',
+    'Show deleted points in dark red; the Restore tool always shows them',
+  ],
 ];
 
 function OverlayOptions() {
@@ -108,8 +112,8 @@ function OverlayOptions() {
     <PopoverButton
       open={overlaysOpen}
       icon="layers"
-      tip="Drawn over the recording: boxes, trails, shading"
-      label="Drawn over the recording"
+      tip="Overlays: boxes, trails, shading"
+      label="Overlays"
       class="overlays"
     >
       <ViewSliders />
@@ -147,7 +151,7 @@ const LEGENDS: Partial<Record<ColorMode, Legend>> = {
     ['#808000', 'faces the back'],
   ],
   confidence: [
-    [SURE, 'sure, or painted'],
+    [SURE, 'certain, or painted'],
     [BETWEEN, 'between'],
     [UNSURE, 'doubtful'],
     [UNKNOWN, 'not tracked here'],
@@ -168,7 +172,7 @@ function RampButton() {
     <PopoverButton
       open={rampOpen}
       icon="more"
-      tip={legend ? 'What the colours mean' : 'Ramp and range of the colours'}
+      tip={legend ? 'Legend of the colours' : 'Colour ramp and range'}
       label="Colours"
       class="overlays"
     >

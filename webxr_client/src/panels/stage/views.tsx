@@ -11,7 +11,7 @@ import { Button } from '../parts/controls';
 import { Popover } from '../parts/popover';
 
 const VIEWS: readonly (readonly [ViewPreset, string, string, string])[] = [
-  ['sensor', 'Sensor', 'Look from where the sensor stood', 'R'],
+  ['sensor', 'Sensor', 'Look from the position of the sensor', 'R'],
   ['top', 'Top', 'Plan from above, to scale', 'T'],
   ['front', 'Front', 'Elevation from the front, to scale', ''],
   ['left', 'Side', 'Elevation from the side, to scale', ''],
@@ -49,14 +49,14 @@ export function Views() {
       />
       <Button
         icon="track"
-        tip="Go along with the active label’s object from frame to frame"
+        tip="Follow the active label’s object from frame to frame"
         pressed={followsObject.value}
         onClick={() => (followsObject.value = !followsObject.value)}
       />
       <Button
         buttonRef={anchor}
         icon="bookmark"
-        tip="Views to come back to"
+        tip="Saved views"
         expanded={bookmarksOpen.value}
         onClick={() => (bookmarksOpen.value = !bookmarksOpen.value)}
       />
@@ -75,16 +75,16 @@ interface BookmarksProps {
 /** Views that were kept: go to one, rename it, drop it. */
 function Bookmarks({ anchor, onClose }: BookmarksProps) {
   return (
-    <Popover anchor={anchor} label="Views to come back to" onClose={onClose} class="bookmarks">
+    <Popover anchor={anchor} label="Saved views" onClose={onClose} class="bookmarks">
       {bookmarks.value.map((one, index) => (
         <Row key={`${index} ${one.name}`} one={one} index={index} />
       ))}
       {bookmarks.value.length === 0 && (
-        <p class="soft">A kept view brings back place, direction and frame.</p>
+        <p class="soft">A saved view restores camera position, direction and frame.</p>
       )}
       <Button
         icon="plus"
-        label="Keep this view"
+        label="Save this view"
         kind="outlined"
         onClick={() => actions.keepView()}
       />
@@ -105,7 +105,7 @@ function Row({ one, index }: { one: Bookmark; index: number }) {
         onChange={(event) => renameBookmark(index, event.currentTarget.value)}
       />
       <span class="soft number">frame {one.frame}</span>
-      <Button icon="trash" tip={`Drop ${one.name}`} onClick={() => removeBookmark(index)} />
+      <Button icon="trash" tip={`Delete ${one.name}`} onClick={() => removeBookmark(index)} />
     </div>
   );
 }

@@ -16,7 +16,7 @@ export function Doubt() {
       {labels.length > 0 && canReview.value && (
         <Button
           label="Confirm"
-          tip="Right as it is: its points count as painted"
+          tip="Confirm the labels: their points count as painted"
           keys="Shift Y"
           kind="outlined"
           small
@@ -46,8 +46,8 @@ function Continue({ doubtful }: { doubtful: boolean }) {
 }
 
 function textOf(labels: readonly number[], found: Stretch | null): string {
-  if (labels.length > 0) return `Not sure of ${namesOf(labels)} here`;
-  return found ? `Not sure of ${namesOf(found.labels)} beside` : 'Sure here';
+  if (labels.length > 0) return `Doubtful here: ${namesOf(labels)}`;
+  return found ? `Doubtful nearby: ${namesOf(found.labels)}` : 'Not doubtful here';
 }
 
 function OfStretch({ found }: { found: Stretch }) {
@@ -61,20 +61,20 @@ function OfStretch({ found }: { found: Stretch }) {
       {canReview.value && (
         <Button
           icon="check"
-          tip={`Confirm ${frames}: right as they are`}
+          tip={`Confirm ${frames} as correct`}
           small
           onClick={() => void actions.acceptStretch()}
         />
       )}
       <Button
         icon="trash"
-        tip={`Clear ${frames}: what was tracked there is wrong`}
+        tip={`Clear the tracked labels in ${frames}`}
         small
         onClick={() => void actions.clearStretch()}
       />
       <Button
         icon="track"
-        tip={`Track ${frames} again, from the sure frame beside`}
+        tip={`Track ${frames} again from the nearest certain frame`}
         small
         onClick={() => actions.trackStretch()}
       />

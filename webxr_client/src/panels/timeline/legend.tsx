@@ -12,16 +12,16 @@ type Sample = Pick<Run, 'kind' | 'sure'>;
 
 const LINES: readonly (readonly [Sample, string])[] = [
   [{ kind: 'painted' }, 'Painted or confirmed by a person'],
-  [{ kind: 'tracked', sure: 1 }, 'Tracked, sure'],
-  [{ kind: 'tracked', sure: 0.6 }, 'Tracked, less sure: paler'],
-  [{ kind: 'doubtful' }, 'Tracked, doubtful: have a look'],
-  [{ kind: 'occluded' }, 'Hidden behind something'],
-  [{ kind: 'lost' }, 'Lost: have a look'],
+  [{ kind: 'tracked', sure: 1 }, 'Tracked, certain'],
+  [{ kind: 'tracked', sure: 0.6 }, 'Tracked, less certain (paler)'],
+  [{ kind: 'doubtful' }, 'Tracked, doubtful: check these frames'],
+  [{ kind: 'occluded' }, 'Occluded'],
+  [{ kind: 'lost' }, 'Lost: check these frames'],
 ];
 
 export function StripLegend() {
   return (
-    <PopoverButton open={open} icon="help" tip="What the strips mean" label="What the strips mean">
+    <PopoverButton open={open} icon="help" tip="Legend of the strips" label="Legend of the strips">
       <ul class="strip-legend">
         {LINES.map(([sample, words]) => (
           <li key={words}>

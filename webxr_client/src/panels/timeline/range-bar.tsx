@@ -38,7 +38,7 @@ export function RangeBar({ span, frames, gutter }: RangeBarProps) {
         aria-valuemax={frames - 1}
         aria-valuenow={Math.floor(first)}
         aria-valuetext={`Frames ${Math.floor(first)} to ${last}`}
-        data-tip="Drag: which frames are shown; drag an end, or turn the wheel over the strips: how many"
+        data-tip="Drag to scroll; drag an end, or turn the wheel over the strips, to zoom"
         style={{ left: `${(100 * first) / frames}%`, width: `${(100 * length) / frames}%` }}
         onPointerDown={(event) => drag(event, span, frames)}
         onDblClick={() => (span.value = { first: 0, length: frames })}

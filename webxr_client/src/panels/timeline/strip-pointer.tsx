@@ -14,7 +14,7 @@ const KIND_WORDS: Readonly<Record<CellKind, string>> = {
   none: 'not labelled',
   painted: 'painted',
   tracked: 'tracked',
-  occluded: 'tracked, hidden behind something',
+  occluded: 'tracked, occluded',
   doubtful: 'tracked, doubtful',
   lost: 'lost',
 };
@@ -25,7 +25,7 @@ function cellWords(row: TimelineRow | undefined, frame: number): string {
   const words = [KIND_WORDS[kind]];
   const confidence = row.confidence[frame] ?? Number.NaN;
   if (kind !== 'painted' && kind !== 'none' && !Number.isNaN(confidence))
-    words.push(`${Math.round(confidence * 100)} % sure`);
+    words.push(`${Math.round(confidence * 100)} % confidence`);
   const points = row.points[frame] ?? 0;
   if (points > 0) words.push(plural(points, 'point'));
   return words.join(' · ');
@@ -149,10 +149,10 @@ function entries({ label, frame }: StripPlace, locked: boolean): readonly Entry[
   const clears = from === to ? 'Clear here' : `Clear frames ${from} – ${to}`;
   return [
     { icon: 'target', text: 'Go there', disabled: false, run: () => actions.seek(frame) },
-    { icon: 'track', text: 'Track on from here', disabled: busy || frame === last, run: () => track(last) },
-    { icon: 'swap', text: 'Track back from here', disabled: busy || frame === 0, run: () => track(0) },
+    { icon: 'track', text: 'Track forward from here', disabled: busy || frame === last, run: () => track(last) },
+    { icon: 'swap', text: 'Track backward from here', disabled: busy || frame === 0, run: () => track(0) },
     { icon: 'check', text: 'Confirm here', disabled: cannot || !canReview.value, run: () => void actions.acceptLabels([label], frame) },
-    { icon: 'layers', text: 'Copy from the frame before', disabled: cannot || frame === 0, run: () => void actions.copyLabels([label], frame - 1, frame) },
+    { icon: 'layers', text: 'Copy from the previous frame', disabled: cannot || frame === 0, run: () => void actions.copyLabels([label], frame - 1, frame) },
     { icon: 'trash', text: clears, disabled: cannot, run: () => void actions.clearLabels([label], from, to) },
   ]; // prettier-ignore
 }

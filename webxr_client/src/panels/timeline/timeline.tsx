@@ -105,7 +105,7 @@ function RangeChip() {
     <span class="chip number">
       Frames {from} – {to}
       <Button label="Track…" kind="outlined" small onClick={() => (trackOpen.value = true)} />
-      <Button icon="close" tip="Forget the range" small onClick={() => (frameRange.value = null)} />
+      <Button icon="close" tip="Clear the range" small onClick={() => (frameRange.value = null)} />
     </span>
   );
 }
@@ -171,7 +171,7 @@ function TimelineHandle() {
       aria-orientation="horizontal"
       aria-valuemin={TIMELINE_LEAST}
       aria-valuenow={height.value}
-      data-tip="Drag: height of the timeline"
+      data-tip="Drag to change the height of the timeline"
       onPointerDown={drag}
       onDblClick={() => setHeight(TIMELINE_DEFAULT)}
       onKeyDown={(event) => {

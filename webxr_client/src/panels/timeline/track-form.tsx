@@ -25,7 +25,7 @@ type Switch = { [K in keyof Choices]: Choices[K] extends boolean ? K : never }[k
 
 const OVERWRITE: readonly (readonly [Choices['overwrite'], string])[] = [
   ['tracked', 'Replace tracked points'],
-  ['never', 'Keep every label'],
+  ['never', 'Keep all labels'],
   ['all', 'Replace painted points too'],
 ];
 
@@ -33,18 +33,14 @@ const SWITCHES: readonly (readonly [Switch, string, string])[] = [
   [
     'continue_lost',
     'Look for lost labels to the end',
-    'A label that is lost ends there unless this is on',
+    'Without this option, tracking of a label ends at the frame where it is lost',
   ],
   [
     'until_painted',
     'Only up to the next painted frame',
-    'What comes after a frame that you painted stays as it is',
+    'Frames after the next painted frame stay unchanged',
   ],
-  [
-    'stop_unsure',
-    'Stop where it is unsure',
-    'Mend or accept that frame, and let it go on from there',
-  ],
+  ['stop_unsure', 'Stop at doubtful frames', 'Correct or confirm the frame, then continue from it'],
 ];
 
 /** Kept from run to run. */
@@ -111,7 +107,7 @@ function HowItGoes() {
         onChange={(value) => patch(choices, { method: value })}
       />
       <Select
-        label="On the way"
+        label="Overwrite"
         options={OVERWRITE}
         value={overwrite}
         onChange={(value) => patch(choices, { overwrite: value })}
@@ -174,7 +170,9 @@ function Painted({ frame, labels, chosen, onChange }: PaintedProps) {
   return (
     <fieldset>
       <legend>Painted in frame {frame}</legend>
-      {labels.length === 0 && <p class="soft">Nothing yet: paint an object in this frame first.</p>}
+      {labels.length === 0 && (
+        <p class="soft">No label yet: paint an object in this frame first.</p>
+      )}
       {labels.map((id) => (
         <LabelCheck key={id} id={id} checked={chosen.has(id)} onToggle={toggle} />
       ))}

@@ -48,7 +48,7 @@ class Avatar {
     );
     this.brush = body(tint(new SphereGeometry(1, 20, 14), color, 0.3), CLEAR);
     this.name = new Sign({ em: SIZES.name.em, order: 60 });
-    this.name.write(name || 'Someone');
+    this.name.write(name || 'Unnamed');
     this.plate.add(this.name.mesh);
     this.group.add(this.head, ...this.hands, this.brush, this.plate);
   }

@@ -69,7 +69,9 @@ describe('who comes and goes', () => {
     worn.go(0.5);
     expect(worn.said).toEqual([]);
     worn.go(0.6);
-    expect(worn.said).toEqual(['The right controller is away:\nswitch it on by its system button']);
+    expect(worn.said).toEqual([
+      'The right controller is disconnected:\npress its system button to switch it on',
+    ]);
   });
 
   it('is told within three seconds that nothing came, with what to do; once, and not where something points', () => {
@@ -81,7 +83,7 @@ describe('who comes and goes', () => {
     expect(worn.said).toEqual([]);
     worn.go(1.4);
     expect(worn.said).toEqual([
-      'No controller is seen yet:\nswitch one on by its system button,\nor hold a hand before the headset',
+      'No controller found:\npress a system button to switch it on,\nor hold a hand in front of the headset',
     ]);
     worn.go(5);
     expect(worn.said).toHaveLength(1);
@@ -149,7 +151,7 @@ describe('who comes and goes', () => {
   it('an input of a kind that is not known says so', () => {
     const worn = new Worn(new TestSource({ mode: 'brain-waves', profile: 'acme-cap' }));
     expect(worn.pointers.bodies).toHaveLength(0);
-    expect(worn.said).toEqual(['This kind of input is not known here:\nbrain-waves (acme-cap)']);
+    expect(worn.said).toEqual(['Unknown kind of input:\nbrain-waves (acme-cap)']);
   });
 
   it('a controller is missed once that the headset has not seen for a second', () => {
@@ -162,7 +164,7 @@ describe('who comes and goes', () => {
     expect([worn.pointers.brush?.tracked, worn.pointers.brush?.trigger]).toEqual([false, 0]);
     for (let i = 0; i < 5; i++) worn.go(0.4);
     expect(worn.said).toEqual([
-      'The headset does not see the right controller:\nhold it before the headset',
+      'The headset does not see the right controller:\nhold it in front of the headset',
     ]);
   });
 });

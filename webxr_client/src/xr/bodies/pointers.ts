@@ -16,10 +16,10 @@ import type { Object3D } from 'three';
 const MISSED = 1;
 /** Seconds of a session after which it is told that nothing points: hands and controllers wake in the first. */
 const NOBODY_CAME = 2;
-const NO_CONTROLLER = 'No controller is seen yet:\nswitch one on by its system button';
-const NOTHING = `${NO_CONTROLLER},\nor hold a hand before the headset`;
-const SWITCH_ON = 'switch it on by its system button';
-const SHOW = 'hold it before the headset';
+const NO_CONTROLLER = 'No controller found:\npress a system button to switch it on';
+const NOTHING = `${NO_CONTROLLER},\nor hold a hand in front of the headset`;
+const SWITCH_ON = 'press its system button to switch it on';
+const SHOW = 'hold it in front of the headset';
 
 /** A controller that has gone, and may be back in a moment: system menus take all of them. */
 interface Gone {
@@ -222,7 +222,7 @@ export class Pointers {
       const back = side !== 'none' && this.of(side) !== null;
       if (!back && since[0] < MISSED) continue;
       this.gone.splice(i, 1);
-      if (!back) this.changes.say(`The ${name} is away:\n${SWITCH_ON}`);
+      if (!back) this.changes.say(`The ${name} is disconnected:\n${SWITCH_ON}`);
     }
   }
 

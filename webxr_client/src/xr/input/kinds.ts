@@ -89,5 +89,5 @@ export function kindOf(source: XRInputSource): Kind | undefined {
 /** Notice about an input that no kind is for. */
 export function unknownInput({ targetRayMode, profiles }: XRInputSource): string {
   const named = profiles[0] ? ` (${profiles[0]})` : '';
-  return `This kind of input is not known here:\n${targetRayMode}${named}`;
+  return `Unknown kind of input:\n${targetRayMode}${named}`;
 }

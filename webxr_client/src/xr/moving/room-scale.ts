@@ -48,7 +48,7 @@ export class RoomScale {
     notify(
       'info',
       'Back at true scale',
-      'The recording stands on the floor, and you where you were.',
+      'The recording stands on the floor. You are back at your place.',
     );
   }
 }

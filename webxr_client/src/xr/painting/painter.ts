@@ -28,8 +28,7 @@ const PICK_RADIUS = 0.03;
 const DEPTH_EVERY_MS = 60;
 const DEPTH_RADIUS = 0.03;
 
-const GUESSED =
-  'Where it is would be a guess. Bring it where the headset sees it, and press again.';
+const GUESSED = 'Its position is only estimated. Move it into view of the headset and press again.';
 
 type Triple = [number, number, number];
 
@@ -158,7 +157,7 @@ export class Painter {
   private refuse(hand: Pointer): void {
     this.interrupt(hand);
     hand.disarm();
-    notify('info', 'Not painted: out of the headset’s sight', GUESSED);
+    notify('info', 'Not painted: out of view of the headset', GUESSED);
   }
 
   /** Nobody is there to paint. */

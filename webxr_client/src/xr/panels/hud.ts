@@ -73,7 +73,7 @@ function standing(): string {
   if (connection === 'refused') return 'The server refused this page';
   if (connection === 'offline') {
     const waiting = pending > 0 ? `\n${plural(pending, 'stroke')} waiting` : '';
-    return `The server is away: go on painting${waiting}`;
+    return `The server does not answer: continue to paint${waiting}`;
   }
   if (!state.sequence.value) return 'No recording is open';
   return '';

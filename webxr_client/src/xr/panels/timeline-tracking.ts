@@ -90,7 +90,7 @@ export function drawDoubt(words: Row, answers: Row): void {
   answers.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
     void actions.acceptHere();
   });
-  words.say(`${namesOf(unsure.peek())}: not sure. Mend it, or confirm it`, INK.warn);
+  words.say(`${namesOf(unsure.peek())}: doubtful. Correct or confirm it`, INK.warn);
 }
 
 export function drawMended(words: Row, answers: Row): void {
@@ -100,7 +100,7 @@ export function drawMended(words: Row, answers: Row): void {
       actions.continueRun();
     });
   }
-  words.say('Mended: the run can go on', INK.good);
+  words.say('Corrected: you can continue', INK.good);
 }
 
 function drawRange(row: Row): void {

@@ -132,7 +132,7 @@ def jumps(
             elif turned > options.box_turn:
                 told = f"turns by {turned:.0f}°"
             if told:
-                text = f"the box of “{names[box.label]}” {told} from the frame before"
+                text = f"the box of “{names[box.label]}” {told} from the previous frame"
                 yield _finding("box_jump", text, box, frame)
 
 

@@ -70,13 +70,13 @@ def unlike_neighbours(
     """
     empty = empty_frames(counts, frames, options)
     for frame in empty:
-        yield Finding("unlike", "no labels here, the frames beside have some", (), frame, frame)
+        yield Finding("unlike", "no labels here, but in the neighbouring frames", (), frame, frame)
     for label in palette:
         mine = counts[label.id]
         known = excused.get(label.id, set()) | set(empty)
         for frame in _holes(mine > 0, options.gap):
             if frame not in known:
-                text = f"“{label.name}” is missing here, the frames beside have it"
+                text = f"“{label.name}” is missing here, but not in the neighbouring frames"
                 yield Finding("unlike", text, (label.id,), frame, frame)
         yield from _odd_counts(label, mine, known, options)
 
@@ -107,7 +107,7 @@ def _odd_counts(
         if max(usual, mine[frame]) < options.sizable:
             continue
         if not options.share <= mine[frame] / usual <= 1 / options.share:
-            text = f"“{label.name}” has {mine[frame]:,} points here, about {usual:,.0f} beside"
+            text = f"“{label.name}” has {mine[frame]:,} points here, about {usual:,.0f} nearby"
             yield Finding("unlike", text, (label.id,), frame, frame)
 
 

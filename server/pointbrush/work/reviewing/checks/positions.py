@@ -139,5 +139,5 @@ def jumps(palette: Sequence[Label], sketches: Sketches, options: CheckOptions) -
             others = [steps[n] for n in near if n != frame and n in steps]
             usual = float(np.median(others)) if others else 0.0
             if step > max(options.jump, options.jump_factor * usual):
-                text = f"“{label.name}” jumps {step:.1f} m from the frame before"
+                text = f"“{label.name}” jumps {step:.1f} m from the previous frame"
                 yield Finding("jump", text, (label.id,), frame, frame, mine[frame].center)

@@ -21,7 +21,7 @@ const PITCH = 2.5;
 export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   const { em } = ui;
   const on = state.tool.peek() === 'boxes';
-  ui.check(x, top, inner, em * 2.2, 'Take hold of boxes', on, (wanted) =>
+  ui.check(x, top, inner, em * 2.2, 'Grab boxes', on, (wanted) =>
     actions.setTool(wanted ? 'boxes' : 'paint'),
   );
   const label = activeLabel.peek();
@@ -39,11 +39,11 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
 
 function told(box: ObjectBox | null, name: string | undefined): string[] {
   if (name === undefined) return ['Choose a label first'];
-  if (!box) return [`${name} has no box yet`, 'Fit finds it from the points'];
+  if (!box) return [`${name} has no box yet`, 'Fit makes it from the points'];
   const size = box.size.map(metres).join(' × ');
   const pose = box.poses[state.shown.peek().frame];
   if (!pose) return [`${name}: not in this frame`, size];
-  const how = pose.provenance === 'fitted' ? `fitted, ${percent(pose.confidence)} sure` : pose.provenance; // prettier-ignore
+  const how = pose.provenance === 'fitted' ? `fitted, ${percent(pose.confidence)} confidence` : pose.provenance; // prettier-ignore
   return [`${name}: ${how}`, size];
 }
 
@@ -56,11 +56,11 @@ function buttons(box: ObjectBox | null): Entry[] {
   return [
     [{ icon: 'target', text: 'Fit' }, fit],
     [{ icon: 'track', text: 'Track and fit', disabled: trackingJob.peek() !== null }, trackAndFit],
-    [{ icon: 'previous', text: 'Copy back', disabled: !here }, () => void copyToFrame(-1)],
-    [{ icon: 'next', text: 'Copy on', disabled: !here }, () => void copyToFrame(1)],
+    [{ icon: 'previous', text: 'Copy backward', disabled: !here }, () => void copyToFrame(-1)],
+    [{ icon: 'next', text: 'Copy forward', disabled: !here }, () => void copyToFrame(1)],
     [{ icon: 'frames', text: 'Interpolate', disabled: !box }, () => void interpolate()],
     here || !box
-      ? [{ icon: 'points', text: 'Points from it', disabled: !here }, () => void pointsFromBox(false)]
-      : [{ icon: 'pin', text: 'Bring it here' }, () => void bringHere()],
+      ? [{ icon: 'points', text: 'Points from box', disabled: !here }, () => void pointsFromBox(false)]
+      : [{ icon: 'pin', text: 'Copy here' }, () => void bringHere()],
   ]; // prettier-ignore
 }

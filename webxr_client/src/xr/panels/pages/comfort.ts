@@ -50,7 +50,7 @@ function checksOf({ hand, hands, move, vignette, seated, tips }: XrSettings): re
 const SHARPNESS = [0.8, 1, 1.2, 1.4] as const;
 const FOVEATION = [0, 0.5, 1] as const;
 const SOUNDS = {
-  instead: 'Sound where nothing is felt',
+  instead: 'Sound without vibration',
   always: 'Sound with each pulse',
   off: 'No sound',
 } as const;
@@ -62,12 +62,12 @@ function buttonsOf({
   foveation,
   sound,
 }: XrSettings): readonly (readonly [string, Partial<XrSettings>])[] {
-  const turn = snap > 0 ? `Turn ${snap}°` : 'Turn evenly';
+  const turn = snap > 0 ? `Turn ${snap}°` : 'Turn smoothly';
   const edges = EDGES[FOVEATION.indexOf(foveation as (typeof FOVEATION)[number])] ?? '';
   return [
     [turn, { snap: next<number>(TURNS, snap) }],
     [
-      `Sharpness ${Math.round(100 * sharpness)} %, when entered anew`,
+      `Sharpness ${Math.round(100 * sharpness)} %, on next entry`,
       { sharpness: next<number>(SHARPNESS, sharpness) },
     ],
     [SOUNDS[sound], { sound: next<XrSettings['sound']>(['instead', 'always', 'off'], sound) }],

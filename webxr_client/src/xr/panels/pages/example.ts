@@ -25,12 +25,12 @@ export const EXAMPLE = [
 ] as const; // prettier-ignore
 
 const PITCH = 2.6;
-const HOW = ['Paint a little of each class.', 'The rest of the recording follows.'];
+const HOW = ['Paint examples of each class.', 'A classifier labels the rest.'];
 
 export function drawExample(ui: Ui, x: number, top: number, inner: number): void {
   const { em } = ui;
   const line = (row: number): number => top + em * PITCH * row;
-  ui.check(x, line(0), inner, em * 2.2, 'Show what is predicted', exampleOpen.peek(), (on) =>
+  ui.check(x, line(0), inner, em * 2.2, 'Show the prediction', exampleOpen.peek(), (on) =>
     on ? void openExample() : closeExample(),
   );
   if (!exampleOpen.peek() || !classifier.peek()) {
@@ -39,7 +39,7 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
     });
     const disabled = !exampleOpen.peek() || classifiers.peek() === null || !canEdit.peek();
     ui.button(x, line(3), inner - em * 0.2, em * 2.2,
-      { icon: 'example', text: 'Learn from what is painted', on: true, disabled },
+      { icon: 'example', text: 'Learn from painted points', on: true, disabled },
       () => void makeClassifier()); // prettier-ignore
     return;
   }
@@ -61,7 +61,7 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
 function told(): string {
   const { points = 0, unsure = 0 } = predicted.peek() ?? {};
   if (asking.peek()) return 'Predicting…';
-  if (points === 0) return 'Nothing is predicted here yet';
+  if (points === 0) return 'No prediction in this frame yet';
   return `${plural(points, 'point')}, ${percent(unsure / points)} in doubt`;
 }
 

@@ -4,7 +4,7 @@ import { floorPlaces } from '../../../engine/floor';
 import { INK, type Ui } from '../../drawing/ui';
 
 const HOW = [
-  'Point at the floor, and press.',
+  'Point at the floor and press.',
   'The recording will stand on it.',
   'Two more places, far apart,',
   'level it better.',
@@ -24,7 +24,7 @@ export function drawFloor(ui: Ui, x: number, top: number, inner: number): void {
   const half = inner / 2;
   const look = { strong: true } as const;
   ui.button(x, top + em * 13, inner - em * 0.2, em * 2.2,
-    { icon: 'restore', text: 'As found at import', align: 'left', ...look },
+    { icon: 'restore', text: 'Reset to import', align: 'left', ...look },
     () => void actions.resetFloor()); // prettier-ignore
   ui.button(x + half, top + em * 15.6, half - em * 0.2, em * 2.2,
     { icon: 'check', text: 'Done', on: true }, () => actions.setTool('paint')); // prettier-ignore

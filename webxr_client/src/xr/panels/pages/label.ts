@@ -25,7 +25,7 @@ export function drawNew(
     actions.setTool('paint');
     back();
   };
-  ui.text('What is it?', x + em * 0.4, top + em * 0.8, { color: INK.quiet });
+  ui.text('Choose a name', x + em * 0.4, top + em * 0.8, { color: INK.quiet });
   drawNames(ui, [x, top + em * 1.9, inner], 5, color, make);
   const y = top + em * 14.4;
   const h = em * 2.1;

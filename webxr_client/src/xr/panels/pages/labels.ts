@@ -44,7 +44,7 @@ export class LabelsPage {
       drawLabel(ui, label, x, top + i * row, inner, row - em * 0.15);
     });
     if (palette.length === 0) {
-      ui.text('A label is one thing to follow.', x + em * 0.5, top + em * 1.5, {
+      ui.text('A label stands for one object.', x + em * 0.5, top + em * 1.5, {
         color: INK.quiet,
       });
     }

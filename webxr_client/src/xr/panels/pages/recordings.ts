@@ -28,7 +28,7 @@ export class RecordingsPage {
       ui.button(...place, { ...look, strong: true, align: 'left' }, () => actions.openSequence(id));
     });
     if (sound.length === 0) {
-      ui.text('No recording is there.', x + em * 0.5, top + em * 1.5, { color: INK.quiet });
+      ui.text('No recordings yet.', x + em * 0.5, top + em * 1.5, { color: INK.quiet });
     }
     this.drawBelow(ui, x, top + em * (PITCH * ROWS + 0.2), inner, sound.length > ROWS);
   }

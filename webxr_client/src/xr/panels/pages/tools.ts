@@ -93,7 +93,7 @@ function checksOf(way: Way): readonly CheckRow[] {
   if (way.samples === 'clicks') {
     return [
       ['Take from other labels', takeLabelled, (on) => patch(state.brush, { takeLabelled: on })],
-      ['Follow: track what is painted', follow, (on) => patch(state.brush, { follow: on })],
+      ['Follow: track painted labels', follow, (on) => patch(state.brush, { follow: on })],
       stops,
     ];
   }
