@@ -110,8 +110,8 @@ class Editor:
         if isinstance(edit, messages.StrokeBegin) and self._hub.load.overloaded:
             self._drop(edit)  # and what follows of it
             raise TooManyRequestsError(
-                f"expected at most {self._hub.load.most_waiting:,} waiting edits, got more: the server is "
-                "overloaded, paint this again in a moment"
+                f"expected at most {self._hub.load.most_waiting:,} waiting edits, got more: the "
+                "server is overloaded, paint this again in a moment"
             )
         while self._bytes >= WAITING_BYTES:
             self._fewer.clear()

@@ -249,7 +249,7 @@ class Hub:
             await self._dispatch_in(room, event)
 
     async def _dispatch_in(
-        self, room: Room, event: Commit | Prepared | Provisional | Retracted
+        self, room: Room, event: ClassesRenamed | Commit | Prepared | Provisional | Retracted
     ) -> None:
         if isinstance(event, Commit):
             await room.committed(event)
