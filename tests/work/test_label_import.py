@@ -174,6 +174,30 @@ def test_an_import_that_labels_nothing_is_an_error_unless_it_is_allowed(
         assert (job.result["matched"], job.result["edit"]) == (3, None)
 
 
+MANY = 65_535
+"""One more than a palette has labels."""
+
+
+def test_more_objects_than_labels_are_refused_before_they_are_sought(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "many.npy", np.random.default_rng(0).normal(0, 9, (MANY, 3)))
+    assert workspace.runner.wait(workspace.imports.begin([tmp_path / "many.npy"]).id, PATIENCE)
+    number = np.arange(MANY)
+    points, boxes = tmp_path / "points", tmp_path / "boxes"
+    points.mkdir()
+    (number % 2 + 1 | number // 2 << 16).astype("<u4").tofile(points / "many.label")
+    boxes.mkdir()
+    psr = dict.fromkeys(("position", "scale", "rotation"), dict.fromkeys("xyz", 1.0))
+    listed = [{"obj_type": "car", "obj_id": str(n + 1), "psr": psr} for n in number.tolist()]
+    (boxes / "many.json").write_text(json.dumps(listed))
+    for place in (points, boxes):
+        job = run(workspace, place, "many")
+        assert job.state == "failed"
+        assert "expected at most 65,534 classes and objects, got 65,535" in str(job.error)
+        assert workspace.labels.palette("many") == []
+
+
 def test_nuscenes_labels(workspace: Workspace, tmp_path: Path) -> None:
     category = [np.arange(count) % 2 * 17 for count in COUNTS]
     names = {17: ClassName("car", "#ff9e00")}

@@ -73,7 +73,8 @@ class FreeIds:
 
     def __init__(self, palette: Palette) -> None:
         self._taken = {label.id for label in palette.labels}
-        self._given, self._highest = palette.given, palette.highest
+        self._given = palette.given
+        self._highest = max([palette.highest, *self._taken])
         self._before: dict[Called, list[int]] = {}
         for number, called in sorted(palette.given.items(), reverse=True):
             self._before.setdefault(called, []).append(number)
@@ -85,6 +86,7 @@ class FreeIds:
         """
         number = wished if self._fits(wished, called) else self._again(called) or self._next()
         self._taken.add(number)
+        self._highest = max(self._highest, number)
         return number
 
     def _fits(self, number: int, called: Called) -> bool:
@@ -99,9 +101,8 @@ class FreeIds:
         return 0
 
     def _next(self) -> int:
-        number = max([self._highest, *self._taken]) + 1
-        if number <= HIGHEST:
-            return number
+        if self._highest < HIGHEST:
+            return self._highest + 1
         for known in (self._taken | self._given.keys(), self._taken):
             for number in range(1, HIGHEST + 1):
                 if number not in known:

@@ -6,13 +6,14 @@ itself, an instance of a class is a label, points of a class without an instance
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import ClassName
 from pointbrush.labels import Label
 from pointbrush.labels.class_names import ClassNames
-from pointbrush.labels.palette import Called, Palette, default_color
+from pointbrush.labels.palette import HIGHEST, Called, Palette, default_color
 from pointbrush.work.imports.naming import Key, Naming
 
 TOLD = 20
@@ -38,10 +39,14 @@ class Chosen:
 
     @classmethod
     def of(cls, palette: Palette, keys: Iterable[Key], naming: Naming) -> Chosen:
-        """Choose a label for each key: one of its name and category, or a new one."""
+        """Choose a label for each key: one of its name and category, or a new one.
+
+        Raises BadInputError for more keys than a palette has labels.
+        """
         meant = {key: _called(key, naming, palette.classes) for key in keys}
         categories = {key: called[1] for key, (called, _, _) in meant.items()}
         left_out = {key for key, category in categories.items() if not palette.admits(category)}
+        require_few(categories.keys() - left_out)
         by_name: dict[Called, list[int]] = {}
         for label in palette.labels:
             by_name.setdefault((label.name, label.category), []).append(label.id)
@@ -82,6 +87,14 @@ class Chosen:
             return []
         named = ", ".join(self.left_out[:TOLD])
         return [f"labels of categories that the project has not selected are left out: {named}"]
+
+
+def require_few(keys: Collection[Key]) -> None:
+    """Raise BadInputError for more classes and objects than a palette has labels."""
+    if len(keys) > HIGHEST:
+        raise BadInputError(
+            f"labels: expected at most {HIGHEST:,} classes and objects, got {len(keys):,}"
+        )
 
 
 def _called(key: Key, naming: Naming, classes: ClassNames) -> tuple[Called, str, int]:

@@ -44,6 +44,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of
 from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
@@ -152,6 +153,7 @@ class ReadLabelsWork:
         classes, chosen = ClassNumbers(), Corrections(columns=columns)
         options = ReadOptions(limits=self.limits, chosen=chosen, class_number=classes.number)
         frames = self._frames(files, recording)
+        keys: set[Key] = set()
         for done, (path, frame) in enumerate(zip(files.paths, frames, strict=True)):
             if frame >= len(recording):
                 channel.item(Unmatched(path.name))
@@ -159,7 +161,10 @@ class ReadLabelsWork:
                 labels = _of_places(files.read(path, options), recording, frame)
                 labels = _of_points(labels, recording, frame)
                 labels = _of_export(labels, files.export, recording, frame)
-                channel.item(_of_frame(labels, frame, recording.manifest.points[frame], files))
+                made = _of_frame(labels, frame, recording.manifest.points[frame], files)
+                keys.update(made.keys)
+                require_few(keys)
+                channel.item(made)
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
         if classes.names:
             names = dict(enumerate(map(ClassName, classes.names), start=1))
@@ -231,6 +236,7 @@ class ReadLabelsWork:
                 return figure.label, 0
             return number_of[figure.name], instance_of[figure.key]
 
+        require_few({key_of(figure) for figure in figures})
         # Without ids of labels (OpenPCDet's text) the palette beside says nothing of the numbers.
         own = files.own if any(figure.label for figure in figures) else {}
         channel.item(Naming(names, dict(own)))
