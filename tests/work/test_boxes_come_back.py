@@ -121,6 +121,29 @@ def test_whole_boxes_come_into_a_copy(workspace: Workspace, tmp_path: Path, kind
     assert workspace.labels.palette("again") == []
 
 
+@pytest.mark.parametrize("kind", ["sustechpoints", "kitti-tracking", "argoverse2"])
+def test_boxes_that_are_there_are_not_doubled(
+    workspace: Workspace, tmp_path: Path, kind: str
+) -> None:
+    workspace.export("drive", kind, tmp_path / "some", frames="0:2")
+    workspace.export("drive", kind, tmp_path / "all")
+    assert bring(workspace, tmp_path / "some")["box_poses"] == 4
+    for poses, known in ((2, 4), (0, 6)):
+        trial = bring(workspace, tmp_path / "all", dry_run=True)
+        assert (trial["box_poses"], trial["box_poses_known"]) == (poses, known)
+        result = bring(workspace, tmp_path / "all")
+        assert (result["box_poses"], result["box_poses_known"]) == (poses, known)
+        boxes = workspace.labels.boxes.listing("again").boxes
+        assert sum(len(box.poses) for box in boxes) == 6
+    # A box that has moved is another one.
+    box = boxes[0]
+    workspace.labels.boxes.change("again", "bob", box.id, {"size": [9.0, 9.0, 9.0]})
+    assert bring(workspace, tmp_path / "all")["box_poses"] == len(box.poses)
+    while workspace.labels.stacks("again", "bob")[0]:
+        workspace.labels.undo("again", "bob")
+    assert workspace.labels.boxes.listing("again").boxes == ()
+
+
 def test_boxes_are_kept_alone_or_become_points(workspace: Workspace, tmp_path: Path) -> None:
     workspace.export("drive", "sustechpoints", tmp_path / "out")
     trial = bring(workspace, tmp_path / "out", boxes="keep", dry_run=True)

@@ -14,7 +14,6 @@ from pointbrush.formats import Limits
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
-from pointbrush.labels.box_maps import box_of, fields_of
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.types import IMPORTED
 from pointbrush.oriented_box import OrientedBox
@@ -29,6 +28,7 @@ from pointbrush.work.imports.label_reading import (
     Unmatched,
 )
 from pointbrush.work.imports.naming import Naming, learn_numbers
+from pointbrush.work.imports.new_boxes import box_report, new_boxes
 from pointbrush.work.imports.requests import drop_upload
 
 TOLD = 100
@@ -94,8 +94,11 @@ class LabelImports:
             if cancelled:
                 return {}
             locked = _locked(self._store, recording, found)
-            chosen, commit = self._write(recording, request, job, found, objects[0], called[0])
-            report = _report(recording, found, unmatched, chosen) | _told_boxes(objects[0])
+            chosen, made, commit = self._write(
+                recording, request, job, found, objects[0], called[0]
+            )
+            report = _report(recording, found, unmatched, chosen)
+            report |= box_report(objects[0], made, chosen)
             told = [*warnings, *chosen.warnings()]
             refused = "" if request.allow_empty else _emptiness(found, objects[0], chosen)
             told += [refused] if refused else []
@@ -114,17 +117,20 @@ class LabelImports:
         found: list[FrameLabels],
         boxes: FoundBoxes,
         naming: Naming,
-    ) -> tuple[Chosen, Commit | None]:
-        """Make what was found an edit, unless it is a trial or nothing; return its labels too.
+    ) -> tuple[Chosen, Sequence[OrientedBox], Commit | None]:
+        """Make what was found an edit, unless it is a trial or nothing.
 
+        Returns its labels and its boxes, too, or those that it would have.
         Raises BadInputError for nothing, unless the request allows it.
         """
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
         naming = naming.in_workspace(self._store)
         chosen = Chosen.of(self._store.choosing(sequence), keys, naming)
+        known = self._store.boxes.listing(sequence).boxes
+        made = new_boxes(boxes, chosen, known)
         nothing = _emptiness(found, boxes, chosen)
         if request.dry_run or (nothing and request.allow_empty):
-            return chosen, None
+            return chosen, made, None
         if nothing:
             raise BadInputError(nothing)
         learn_numbers(self._store, naming, chosen.classes)
@@ -137,9 +143,9 @@ class LabelImports:
             return chosen.fresh, _writes(recording, found, chosen)
 
         def kept() -> list[OrientedBox]:
-            tracks = ((chosen.ids[key], track) for key, track in boxes.tracks)
-            made = (track.box(label) for label, track in tracks if label)
-            return [box_of(0, fields_of(box)) for box in made if box.label not in locked]
+            nonlocal made
+            made = [box for box in new_boxes(boxes, chosen, known) if box.label not in locked]
+            return made
 
         commit = self._store.apply(
             sequence,
@@ -151,7 +157,7 @@ class LabelImports:
             identity=recording.identity,
             boxes=kept,
         )
-        return chosen, commit
+        return chosen, made, commit
 
 
 def _emptiness(found: Sequence[FrameLabels], boxes: FoundBoxes, chosen: Chosen) -> str:
@@ -193,17 +199,6 @@ def _locked(store: LabelStore, recording: Recording, found: list[FrameLabels]) -
         label[stored.source_index] = kept["label"]
         ids |= locked.keys() & np.unique(label[frame.rows]).tolist()
     return [locked[each] for each in sorted(ids)]
-
-
-def _told_boxes(found: FoundBoxes) -> dict[str, Any]:
-    """Report boxes that are kept, and the objects whose size is a median of several."""
-    resized = [f"{track.name} {track.key}".strip() for _, track in found.tracks if track.resized]
-    return {
-        "boxes": len(found.tracks),
-        "box_poses": sum(len(track.poses) for _, track in found.tracks),
-        "boxes_resized": resized[:TOLD],
-        "boxes_empty": found.empty,
-    }
 
 
 def _report(
