@@ -111,10 +111,10 @@ def floor(headset: Headset, server: Served, place: list[float]) -> Image.Image:
     before = look(headset)
     headset.trigger(1)
     headset.trigger(0)
-    headset.until("pb.state.notices.value.at(-1)?.title === 'The recording stands on it'", PATIENCE)
+    headset.until("pb.state.notices.value.at(-1)?.title === 'Floor set'", PATIENCE)
     headset.frames(6)
     after = look(headset)
-    headset.click("palette", "As found at import")
+    headset.click("palette", "Reset to import")
     headset.click("palette", "Done")
     half = SIZE[0] // 2
     both = Image.new("RGB", SIZE, "white")
