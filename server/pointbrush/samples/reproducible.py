@@ -34,7 +34,7 @@ COSINE, SINE = (tuple(-1 / (k * (k + 1)) for k in range(last, 0, -2)) for last i
 HALVINGS, ARC_TERMS = 4, 12
 """Halvings of an angle before the series of its arc tangent, and terms of this."""
 NORMAL_TAIL, EXPONENTIAL_TAIL = 3.65, 7.69
-"""Where NumPy's tails begin (ziggurat), rounded down."""
+"""Starts of the tails in NumPy's ziggurat tables, rounded down."""
 
 
 def matmul(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
