@@ -26,7 +26,7 @@ from tests.waiting import eventually
 def test_without_a_headset_the_desk_says_why_and_one_that_comes_is_offered(desk: Desk) -> None:
     assert desk.page.get_by_role("button", name="Enter VR").count() == 0
     desk.page.get_by_role("button", name="No headset").click()
-    desk.page.get_by_text("Connect one, or open this page").first.wait_for()
+    desk.page.get_by_text("Connect a headset, or open this page").first.wait_for()
     desk.ask(
         """(() => {
           navigator.xr.isSessionSupported = async (mode) => mode === 'immersive-vr';
