@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.names import composed
 from pointbrush.options import WORKSPACE
 from pointbrush.printable import Entry
 from pointbrush.settings import CLIENTS, LOCAL, REMOTE, STORAGE, Settings, options
@@ -87,10 +88,11 @@ def labels_named(text: str | None, palette: Callable[[], Iterable[Entry]]) -> li
         return None
     listed = list(palette())
     ids = {str(label.id): label.id for label in listed} | {label.name: label.id for label in listed}
-    for part in text.split(","):
+    wanted = composed(text).split(",")
+    for part in wanted:
         if part not in ids:
             raise BadInputError(f"--labels: expected names or ids of the palette, got {part!r}")
-    return [ids[part] for part in text.split(",")]
+    return [ids[part] for part in wanted]
 
 
 class Snapshot(Named, Protocol):

@@ -1,8 +1,10 @@
-"""Characters that no name may hold: they hide, or change how the text around them is read."""
+"""Names: characters that none may hold, as they change how text is read, and equal spellings."""
 
 from __future__ import annotations
 
 import re
+import unicodedata
+from pathlib import Path
 
 from pointbrush.errors import BadInputError
 
@@ -24,6 +26,20 @@ def require_visible(field: str, name: str) -> None:
 def spelled_out(name: str) -> str:
     r"""Return a name with each of the characters written as its escape, such as ``\u202e``.
 
-    Names that come in files are kept so: the file is not refused, and nobody is misled.
+    Names that come in files are kept so: the file is not refused, and nobody is misled.  The name
+    is composed, too.
     """
-    return _HIDDEN.sub(lambda found: found[0].encode("unicode_escape").decode(), name)
+    return _HIDDEN.sub(lambda found: found[0].encode("unicode_escape").decode(), composed(name))
+
+
+def composed(name: str) -> str:
+    """Return a name with accents composed (NFC): macOS writes é as two characters, Linux as one."""
+    return name if name.isascii() else unicodedata.normalize("NFC", name)
+
+
+def stored_as(path: Path) -> Path:
+    """Return the path of an existing file whose name is equal once composed, else ``path``."""
+    if path.exists() or path.name.isascii() or not path.parent.is_dir():
+        return path
+    name = composed(path.name)
+    return next((each for each in path.parent.iterdir() if composed(each.name) == name), path)

@@ -20,6 +20,7 @@ from pointbrush.formats.palette import labels_of_packed, own_palette
 from pointbrush.formats.record_width import is_xyz, sample
 from pointbrush.formats.unnamed import unnamed
 from pointbrush.frame import PointFrame
+from pointbrush.names import stored_as
 
 RECORD = 16
 WIDE = (5, 6, 7)
@@ -187,7 +188,7 @@ def _is_xyzrgb(data: bytes) -> bool:
 def find_label(path: Path) -> Path | None:
     """The ``.label`` file that belongs to a ``.bin``, or None."""
     candidates = (path.with_suffix(".label"), path.parent.parent / "labels" / f"{path.stem}.label")
-    return next((candidate for candidate in candidates if candidate.is_file()), None)
+    return next((found for found in map(stored_as, candidates) if found.is_file()), None)
 
 
 def read_label(path: Path, options: ReadOptions) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:

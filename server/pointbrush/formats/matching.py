@@ -15,6 +15,7 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import NEAR
 from pointbrush.formats.timing import seconds_in_names, time_in_name
+from pointbrush.names import composed
 
 log = logging.getLogger(__name__)
 POINT_ENDINGS = frozenset(
@@ -78,7 +79,7 @@ Rule = Callable[[Sequence[FrameName], Sequence[FrameName]], list[int | None]]
 
 def stem_of(name: str) -> str:
     """The name of a file without folders and endings, of which ``000001.pcd.json`` has two."""
-    path = PurePath(PurePath(name).name.lower())
+    path = PurePath(composed(PurePath(name).name).lower())
     stem = PurePath(path.stem)
     return stem.stem if stem.suffix in POINT_ENDINGS else path.stem
 
@@ -217,7 +218,7 @@ def _by_name(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[in
     known = _only(frames)
     stems = [file.stem for file in files]
     if len(set(stems)) == 1 < len(files):
-        stems = [PurePath(file.file).parent.name.lower() for file in files]
+        stems = [composed(PurePath(file.file).parent.name).lower() for file in files]
     return [known.get(stem) for stem in stems]
 
 

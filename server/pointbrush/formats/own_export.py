@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.exports import EXPORTS
 from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT, TIMES
+from pointbrush.names import stored_as
 
 MAX_BYTES = 64 << 20
 LEVELS = 4
@@ -131,7 +132,7 @@ def _place(told: Path, name: str, alone: Path | None) -> Path:
     if alone is not None:
         beside = alone.with_name(f"{alone.stem}.{name.replace('/', '.')}")
         return alone if name.endswith(alone.suffix) else beside
-    path = told.parent / name
+    path = stored_as(told.parent / name)
     if not path.resolve().is_relative_to(told.parent.resolve()):
         raise ValueError(f"a file outside the export: {name[:80]}")
     return path

@@ -19,6 +19,7 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.inside import is_inside
 from pointbrush.formats.matching import FrameName, match
 from pointbrush.formats.options import Limits
+from pointbrush.names import stored_as
 
 log = logging.getLogger(__name__)
 Matrix = NDArray[np.float64]
@@ -188,7 +189,7 @@ def read_cameras_file(path: Path, names: Sequence[str], limits: Limits) -> Pictu
             raise BadInputError(f"{where}: expected a name of its own, got {camera.name!r} again")
         cameras.append(camera)
         for index, file in _files_of(where, entry.get("files"), names):
-            rows[index][camera] = path.parent / file
+            rows[index][camera] = stored_as(path.parent / file)
     return of_files(path.parent, rows, cameras, limits)
 
 

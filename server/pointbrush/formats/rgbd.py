@@ -28,6 +28,7 @@ from pointbrush.formats.poses import Poses, named_file, pose_of, read_poses
 from pointbrush.formats.time_order import order_by_time
 from pointbrush.formats.timing import rate_of, stated_rate
 from pointbrush.frame import PointFrame
+from pointbrush.names import stored_as
 
 log = logging.getLogger(__name__)
 POSE_FOLDERS = ("pose", "poses")
@@ -127,7 +128,7 @@ def _timed(folder: Path, name: str) -> list[tuple[float, Path]]:
         if not words:
             continue
         try:
-            time, path = float(words[0]), folder / words[1]
+            time, path = float(words[0]), stored_as(folder / words[1])
         except (ValueError, IndexError):
             raise BadInputError(
                 f"{name} line {number}: expected a time and a file, got another line"

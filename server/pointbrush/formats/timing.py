@@ -13,6 +13,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.time_order import TimeOrder, order_by_time, read_fractions
+from pointbrush.names import composed
 
 TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", "times.csv")
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
@@ -166,7 +167,8 @@ def read_times(path: Path, names: Sequence[str]) -> list[float]:
     """
     bare: list[float] = []
     by_name: dict[str, float] = {}
-    known = {name: name for name in names} | {Path(name).stem: name for name in names}
+    known = {composed(name): name for name in names}
+    known |= {Path(name).stem: told for name, told in known.items()}
     for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
         words = line.replace(",", " ").replace(";", " ").replace("\t", " ").split()
         if not words or words[0].startswith("#"):
@@ -203,7 +205,7 @@ def lines_of(where: str, what: str, lines: int, names: Sequence[str]) -> Sequenc
 
 def _parse(words: list[str], known: dict[str, str]) -> tuple[float | None, str | None]:
     for i, word in enumerate(words if len(words) > 1 else []):
-        base = word.replace("\\", "/").rsplit("/", 1)[-1]
+        base = composed(word.replace("\\", "/").rsplit("/", 1)[-1])
         if base in known:
             return _time(words[:i] + words[i + 1 :]), known[base]
     return _time(words), None

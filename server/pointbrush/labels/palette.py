@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.schema import IN_FORCE, edit_labels, edits
 from pointbrush.labels.types import Label
-from pointbrush.names import require_visible
+from pointbrush.names import composed, require_visible
 
 HIGHEST = 65_534
 """The greatest label id; 65535 means *deleted* on the wire."""
@@ -115,6 +115,7 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
     given = {name: value for name, value in fields.items() if value is not None}
     for name, value in given.items():
         _check_kind(name, value)
+    given |= {name: composed(given[name]) for name in ("name", "category") if name in given}
     if not 0 <= given.get("instance", 0) <= MOST_INSTANCE:
         raise BadInputError(
             f"label instance: expected 0 to {MOST_INSTANCE}, got {given['instance']}"

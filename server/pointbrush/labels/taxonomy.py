@@ -21,7 +21,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label
-from pointbrush.names import require_visible
+from pointbrush.names import composed, require_visible
 
 LONGEST = 256
 """Characters of a name."""
@@ -143,6 +143,7 @@ class Taxonomy:
         of range or given twice, ConflictError for a name that has another number: numbers never
         change; or for a number of a dataset that another category has.
         """
+        wanted = [replace(each, name=composed(each.name)) for each in wanted]
         _check(wanted)
         numbers = {each.number for each in wanted}
         with self._changing() as classes:

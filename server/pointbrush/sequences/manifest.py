@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.names import require_visible
+from pointbrush.names import composed, require_visible
 from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, Lattice
 from pointbrush.sequences.files import replace_file
 
@@ -232,7 +232,7 @@ def changed_manifest(
         if not name.strip():
             raise BadInputError("name: expected some text, got none")
         require_visible("name", name)
-        manifest = replace(manifest, name=name)
+        manifest = replace(manifest, name=composed(name))
     if fps is not None:
         if not (np.isfinite(fps) and fps > 0):
             raise BadInputError(f"fps: expected a positive number, got {fps}")

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Known
+from pointbrush.names import composed
 from pointbrush.sequences import Manifest, read_manifest, update_manifest
 from pointbrush.sequences.files import sync_folder
 
@@ -108,5 +109,5 @@ def _manifest_or_none(folder: Path) -> Manifest | None:
 
 def ids_for(name: str) -> Iterator[str]:
     """Readable, URL-safe ids made from ``name``, the best first."""
-    slug = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:48] or "recording"
+    slug = re.sub(r"[^a-z0-9]+", "-", composed(name).lower()).strip("-")[:48] or "recording"
     return itertools.chain([slug], (f"{slug}-{number}" for number in itertools.count(2)))

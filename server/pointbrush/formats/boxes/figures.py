@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.names import spelled_out
 from pointbrush.oriented_box import Attributes
 
 Floats = NDArray[np.float64]
@@ -43,6 +44,10 @@ class FrameBox:
     margin: float = 0.0
     """Metres beyond its faces that are inside too, where its numbers are rounded."""
 
+    def __post_init__(self) -> None:
+        """Write out characters that no name may hold, and compose others."""
+        object.__setattr__(self, "name", spelled_out(self.name))
+
     def moved_back(self, T_boxes_points: Floats) -> FrameBox:
         """Move a box to the coordinates of the points; ``T_boxes_points`` (4, 4)."""
         R, t = T_boxes_points[:3, :3], T_boxes_points[:3, 3]
@@ -75,6 +80,10 @@ class PointFigure:
     rows: NDArray[np.int64]
     label: int = 0
     total: int = 0
+
+    def __post_init__(self) -> None:
+        """Write out characters that no name may hold, and compose others."""
+        object.__setattr__(self, "name", spelled_out(self.name))
 
 
 Figure = FrameBox | PointFigure

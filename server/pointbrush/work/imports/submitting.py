@@ -23,7 +23,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.guards import Guard
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.lazy import once
-from pointbrush.names import require_visible
+from pointbrush.names import composed, require_visible
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.events import Event, SequencesChanged
@@ -282,4 +282,5 @@ class Imports:
 
 
 def _request(paths: Sequence[Path], fields: dict[str, Any]) -> ImportRequest:
-    return ImportRequest(tuple(path.absolute() for path in paths), **fields)
+    named = {"name": composed(fields["name"])} if fields.get("name") else {}
+    return ImportRequest(tuple(path.absolute() for path in paths), **fields | named)
