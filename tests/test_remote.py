@@ -50,7 +50,9 @@ def test_the_whole_way_on_a_server(
     folder = drift(tmp_path / "drift")
     assert "frames     3, by number" in run("import", folder, "--dry-run")
     assert run("info") == ""
-    assert run("import", folder, "--fps", "5") == "imported drift: 3 frames, 6,000 points\n"
+    imported = run("import", folder, "--fps", "5").splitlines()
+    assert imported[0] == "imported drift: 3 frames, 6,000 points"
+    assert imported[1] == "up is -y, guessed from the points; --up changes it"
     assert run("info").startswith("drift\t3 frames\t5 fps\t6,000 points")
     np.full(2000, 40, "<u4").tofile(tmp_path / "000000.label")
     named = tmp_path / "names.txt"

@@ -71,7 +71,9 @@ def preview(found: Mapping[str, Any]) -> Answer:
         "name": found["name"],
         "format": f"{found['format']} ({found['title']})",
         "frames": f"{frames}, {found['order']}",
-        "rate": f"{found['fps']:g} frames/s, {rate_from}",
+        "rate": f"none, {source}"
+        if source == "a single scan"
+        else f"{found['fps']:g} frames/s, {rate_from}",
         "points": f"{points} in the first frames"
         + (f", {left_out:,} invalid left out" if left_out else ""),
         "columns": columns,
@@ -83,13 +85,19 @@ def preview(found: Mapping[str, Any]) -> Answer:
         "cameras": ", ".join(map(_camera, found["cameras"])),
         "poses": found["poses"]["source"] if found["poses"] else "none",
         "units": f"{found['units']['name']}, {wide}",
-        "up": found["up"],
+        "up": _up(found),
         "labels": "come with the points" if found["labels"] else "none",
     }
     lines = [f"{name:10} {value}" for name, value in shown.items() if value]
     lines += [f"warning    {warning}" for warning in found["warnings"]]
     lines.append("dry run: nothing was imported")
     return Answer(found, lines)
+
+
+def _up(found: Mapping[str, Any]) -> str:
+    """Say which axis is up, and whether that is a guess."""
+    guess = ", guessed from the points; --up changes it" if found["up_from"] == "guessed" else ""
+    return f"{found['up']}{guess}"
 
 
 def _camera(camera: Mapping[str, Any]) -> str:
@@ -106,8 +114,9 @@ def imported(result: Mapping[str, Any]) -> Answer:
     dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
     frames = "1 frame" if result["frames"] == 1 else f"{result['frames']} frames"
     points = "1 point" if result["points"] == 1 else f"{result['points']:,} points"
-    line = f"imported {result['sequence']}: {frames}, {points}{dropped}"
-    return Answer(result, [line], _warnings(result))
+    lines = [f"imported {result['sequence']}: {frames}, {points}{dropped}"]
+    lines += [f"up is {_up(result)}"] if result.get("up_from") == "guessed" else []
+    return Answer(result, lines, _warnings(result))
 
 
 def together(answers: Iterable[Answer]) -> Answer:

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import read, text
+from pointbrush.formats import open_source, read, reported, text
+from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.table import Table
 from pointbrush.formats.text import write_csv
 
@@ -53,6 +54,68 @@ def test_columns_by_number_and_content(tmp_path, name, line, rgb, intensity):
     assert frame.xyz.tolist() == [[1, 2, 3]]
     assert (None if frame.rgb is None else frame.rgb[0].tolist()) == rgb
     assert (None if frame.intensity is None else frame.intensity[0]) == intensity
+
+
+VALUES = [[1.5, -2.25, 3000.125, 7], [4, 5.5, 6, 8]]
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        *("x [m],y [m],z [m],intensity [-]", "X(m),Y(m),Z(m),Intensity", "x / m,y / m,z / m,i"),
+        *("x m,y m,z m,i", "X_m,Y_m,Z_m,i", '"x [m]","y [m]","z [m]","i [counts]"'),
+    ],
+)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_units_in_a_header_are_no_part_of_its_names(
+    tmp_path: Path, header: str, separator: str
+) -> None:
+    rows = [separator.join(map(str, row)) for row in VALUES]
+    frame = one(tmp_path / "a.csv", "\n".join([header.replace(",", separator), *rows]))
+    assert np.c_[frame.xyz, frame.intensity].tolist() == VALUES
+    assert not frame.other
+
+
+def test_units_between_spaces_are_no_columns(tmp_path: Path) -> None:
+    rows = [" ".join(map(str, row)) for row in VALUES]
+    frame = one(tmp_path / "a.txt", "\n".join(["x [m] y [m] z (m) i", *rows]))
+    assert np.c_[frame.xyz, frame.intensity].tolist() == VALUES
+
+
+def test_another_unit_than_metres_is_named(tmp_path: Path) -> None:
+    body = "x [mm],y [mm],z [mm]\n1,2,3\n"
+    with reported() as warnings:
+        assert one(tmp_path / "a.csv", body).xyz.tolist() == [[1, 2, 3]]
+    assert list(warnings) == ["the header gives coordinates in mm: scale 0.001 makes them metres"]
+    with reported() as warnings, open_source([tmp_path], chosen=Corrections(scale=0.001)) as source:
+        assert next(source.frames).xyz.tolist() == [[0.001, 0.002, 0.003]]
+    assert not warnings
+
+
+def test_a_name_that_is_whole_goes_before_one_with_a_unit(tmp_path: Path) -> None:
+    frame = one(tmp_path / "a.csv", "x [px],x,y,z,class (old)\n9,1,2,3,4\n")
+    assert frame.xyz.tolist() == [[1, 2, 3]]
+    assert frame.label is None
+
+
+@pytest.mark.parametrize("first", ["", "sep=;\n"])
+@pytest.mark.parametrize(
+    ("separator", "quote"), [(";", ""), ("\t", ""), (" ", ""), (",", '"'), (";", '"')]
+)
+@pytest.mark.parametrize("whole", [0, 60])
+def test_decimal_commas(tmp_path: Path, separator: str, quote: str, whole: int, first: str) -> None:
+    def line(row: list[float]) -> str:
+        return separator.join(f"{quote}{str(v).replace('.', ',')}{quote}" for v in row)
+
+    rows = [*[[1, 2, 3, 4]] * whole, *VALUES]
+    head = separator.join(["x", "y", "z", "i"])
+    frame = one(tmp_path / "a.csv", first + "\n".join([head, *map(line, rows)]))
+    assert np.c_[frame.xyz, frame.intensity].tolist() == rows
+
+
+def test_decimal_commas_between_spaces_beside_a_word(tmp_path: Path) -> None:
+    frame = one(tmp_path / "a.txt", "1,5 2,25 3,125 tree\n4,0 5,5 6,0 pole\n")
+    assert frame.xyz.tolist() == [[1.5, 2.25, 3.125], [4, 5.5, 6]]
 
 
 @pytest.mark.parametrize("counts", [(2, 1), (1, 0, 3), (0, 2)])

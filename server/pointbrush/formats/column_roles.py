@@ -51,6 +51,10 @@ ROLES: dict[str, tuple[str, ...]] = {
         *("treeid", "tree_id", "object"),
     ),
 }
+UNIT = re.compile(r"[\s_/]*(?:\[[^\]]*\]|\([^)]*\)|(?<=[\s/_])(?:mm|cm|dm|m|km|ft|in))$", re.ASCII)
+"""End of a column's name that is its unit: ``x [m]``, ``y(mm)``, ``z / m``, ``x_cm``."""
+MEASURED = ("x", "y", "z", "intensity")
+"""Roles of columns that may have a unit."""
 LIKE_LABELS = re.compile(
     r"label|class|segm|semantic|instance|category|annot|obj(ect)?_?(id|tag|idx)|^tag$", re.ASCII
 )
@@ -58,17 +62,29 @@ LIKE_LABELS = re.compile(
 
 
 def roles(names: Iterable[str]) -> dict[str, str]:
-    """Role → the name in the file that plays it; the earliest synonym in ROLES wins."""
+    """Role → the name in the file that plays it; the earliest synonym in ROLES wins.
+
+    Names without their units play what no name plays as it is.
+    """
     by_lower: dict[str, str] = {}
     for name in names:
         by_lower.setdefault(name.strip().strip("\"'").lower(), name)
+    without_unit: dict[str, str] = {}
+    for lower, name in by_lower.items():
+        without_unit.setdefault(UNIT.sub("", lower), name)
     found: dict[str, str] = {}
     for role, synonyms in ROLES.items():
-        for synonym in synonyms:
-            if synonym in by_lower:
-                found[role] = by_lower[synonym]
-                break
+        tables = (by_lower, without_unit) if role in MEASURED else (by_lower,)
+        named = (table[each] for table in tables for each in synonyms if each in table)
+        if name := next(named, ""):
+            found[role] = name
     return found
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that a column's name ends in, "" without one."""
+    match = UNIT.search(name.strip().strip("\"'").lower())
+    return match[0].strip(" /_[()]") if match else ""
 
 
 def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -> None:

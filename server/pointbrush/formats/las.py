@@ -7,6 +7,7 @@ decoded in a child process (``laz_child.py``), since native decoders can crash o
 from __future__ import annotations
 
 import base64
+import logging
 import os
 import selectors
 import subprocess
@@ -32,6 +33,8 @@ from pointbrush.formats.las_header import (
 )
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.frame import PointFrame, Scaling
+
+log = logging.getLogger(__name__)
 
 Array = NDArray[Any]
 OURS = ("label", "instance")
@@ -76,6 +79,7 @@ def _records(
 ) -> Iterator[NDArray[Any]]:
     """Point records in blocks of ``chunk``; views of the file where it is not compressed."""
     if header.count == 0:
+        log.warning("%s: the file is empty: its header says 0 points", path.name)
         yield _empty(header)
         return
     if header.laszip is None:

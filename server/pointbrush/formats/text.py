@@ -10,8 +10,9 @@ import csv
 import io
 import logging
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.column_roles import roles
+from pointbrush.formats.column_roles import roles, unit_of
 from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.corrections import Corrections, meanings
 from pointbrush.formats.numbers import is_number, parse_numbers
@@ -45,7 +46,12 @@ ECHOED = "messages as 'rostopic echo' prints them; import their bag, or a table 
 EXACT = 2.0**53
 """Whole numbers from which on float64 rounds."""
 log = logging.getLogger(__name__)
+METRES = {"mm": 0.001, "cm": 0.01, "dm": 0.1, "km": 1000.0, "ft": 0.3048, "in": 0.0254}
+"""Metres of units in headers."""
+_EXCEL = re.compile(r"\"?sep=.\"?", re.IGNORECASE)
+"""First line by which a spreadsheet names the separator."""
 _COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", re.ASCII)
+_QUOTED = re.compile(rf'"\s*{_COMMA.pattern}\s*"', re.ASCII)
 _CSV_ROWS = 65536
 
 
@@ -74,7 +80,10 @@ def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     numbers = [
         i
         for i, line in enumerate(lines)
-        if line and not line.isspace() and not (commented and _is_comment(line))
+        if line
+        and not line.isspace()
+        and not (commented and _is_comment(line))
+        and not (i == 0 and _EXCEL.fullmatch(line))
     ]
     if not numbers:
         raise BadInputError(f"{name}: expected lines of numbers, got none")
@@ -176,7 +185,7 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
         if _is_count(line) and not counted:
             counted = left[:1]
         elif header is None and _is_header(words):
-            header = [word.strip().strip("\"'") for word in words]
+            header = _header(line, separator)
         else:
             break
         left = left[1:]
@@ -188,11 +197,36 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
             f"{name}: expected numbers, or a header with x, y and z, got "
             + (ECHOED if header == [ECHO_START] else "other words")
         )
-    sample = [word for i in left[:SAMPLE] for word in _words(lines[i], separator)]
+    _name_units(header or (), chosen)
     comma = chosen.decimal_comma
     if comma is None:
-        comma = separator != "," and any(_COMMA.fullmatch(word) for word in sample)
+        comma = _has_decimal_commas(lines, left, separator)
     return Layout(separator, comma, header, left)
+
+
+def _header(line: str, separator: str | None) -> list[str]:
+    """Names of columns; where spaces separate them, none is within a name and its unit."""
+    words = _words(line if separator else re.sub(r"\s+(?=[\[(])", "", line), separator)
+    return [word.strip().strip("\"'") for word in words]
+
+
+def _name_units(header: Sequence[str], chosen: Corrections) -> None:
+    """Warn of coordinates whose header says that they are not metres."""
+    found = roles(header)
+    units = {unit_of(found[axis]) for axis in "xyz" if axis in found} & METRES.keys()
+    for unit in units if chosen.scale == 1.0 else ():
+        log.warning(
+            "the header gives coordinates in %s: scale %g makes them metres", unit, METRES[unit]
+        )
+
+
+def _has_decimal_commas(lines: list[str], rows: list[int], separator: str | None) -> bool:
+    """Whether values have decimal commas, by the first rows with a comma in a value."""
+    if separator == ",":  # then such values are in quotes
+        return any(_QUOTED.search(lines[row]) for row in rows if '"' in lines[row])
+    sample = islice((lines[row] for row in rows if "," in lines[row]), SAMPLE)
+    table = csv.reader(sample, delimiter=separator or " ")
+    return any(_COMMA.fullmatch(word.strip()) for words in table for word in words)
 
 
 def _is_count(line: str) -> bool:
@@ -227,7 +261,7 @@ def _separator(line: str) -> str | None:
         return None
     # 1,5 2,25 3,125: the commas are decimal ones, and spaces separate.
     words = line.split()
-    decimal = [_COMMA.fullmatch(word) is not None or is_number(word) for word in words]
+    decimal = [_COMMA.fullmatch(word) is not None or is_number(word) for word in words[:3]]
     return None if len(words) >= 3 and all(decimal) else ","
 
 

@@ -23,6 +23,8 @@ ASSUMED = "assumed"
 CAMERA_FPS = 30.0
 SPINNING_FPS = 10.0
 """Turns per second of the scanners of KITTI, SemanticKITTI, Argoverse and most others."""
+SURVEY_FORMATS, SURVEY_FPS = ("las", "e57", "ptx"), 1.0
+"""Formats of scans that are hardly ever a film."""
 SPINNING_FORMATS = ("kitti", "bin", "nuscenes", "feather")
 SPINNING_FOLDERS = ("velodyne", "velodyne_points", "lidar", "lidar_top", "ouster", "hesai")
 NANOSECONDS = (18, 19)
@@ -260,7 +262,10 @@ def rate_of(times: Sequence[float] | None) -> float | None:
 
 
 def assumed_rate(format: str, folder: Path) -> float:
-    """Frames per second where nothing tells them: a spinning scanner's, else a depth camera's."""
+    """Frames per second where nothing tells them: a spinning scanner's, one scan a second of a
+    scanner on a tripod or an aircraft, else a depth camera's."""
+    if format in SURVEY_FORMATS:
+        return SURVEY_FPS
     spins = format in SPINNING_FORMATS or folder.name.lower() in SPINNING_FOLDERS
     return SPINNING_FPS if spins else CAMERA_FPS
 

@@ -19,6 +19,12 @@ def axis_of(name: str) -> NDArray[np.float64]:
     return axis
 
 
+def nearest_axis(direction: NDArray[np.float64]) -> str:
+    """The axis, "x", "-x", … "-z", that is nearest to a direction (3,)."""
+    largest = int(np.abs(direction).argmax())
+    return "-" * bool(direction[largest] < 0) + "xyz"[largest]
+
+
 class RoomFinder:
     """Collects samples of a recording's frames, however long it is, and places the room."""
 

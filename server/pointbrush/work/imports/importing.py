@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from collections.abc import Sequence as ListOf
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,19 +13,24 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.las_header import read_header
-from pointbrush.formats.matching import Origin
+from pointbrush.formats.matching import Origin, listed
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.palette import own_labels
 from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
-from pointbrush.sequences.manifest import note_meaning
+from pointbrush.sequences.manifest import note_meaning, update_manifest
+from pointbrush.sequences.room import nearest_axis
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
 PART_POINTS = 1_000_000
 """Points of a large scan that are in memory at once, per step."""
+SINGLE_FPS = 1.0
+"""Rate of a single scan, which is no film."""
+GUESSED = "guessed"
+"""Origin of the axis that is up, where neither a person nor the kind of points tells it."""
 SAMPLE = "sample recording"
 """Beginning of the sample's source in its manifest."""
 
@@ -72,7 +78,7 @@ class ImportWork:
                 map(self.chosen.applied, read_chunks(scan, PART_POINTS, options)),
                 folder,
                 name=self.name or scan.stem,
-                fps=self.fps or 1.0,
+                fps=self.fps or SINGLE_FPS,
                 total_points=read_header(scan, limits).count,
                 progress=channel.progress,
                 origins=[Origin(scan.name)],
@@ -83,7 +89,7 @@ class ImportWork:
         with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
             fps, said = source.rate(self.fps)
             manifest = import_frames(
-                _limited(source.frames, self.max_points),
+                _limited(source.frames, self.max_points, source.origins),
                 folder,
                 name=self.name or source.name,
                 fps=fps,
@@ -95,7 +101,10 @@ class ImportWork:
                 **about,
             )
             self._note_meaning(folder, source.listings[0].dataset)
-        if said != ASSUMED or manifest.frames == 1:
+        if said != ASSUMED:
+            return []
+        if manifest.frames == 1:
+            update_manifest(folder, fps=SINGLE_FPS)
             return []
         return [f"the rate of {fps:g} frames a second is assumed: the files do not state one"]
 
@@ -152,10 +161,12 @@ def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> l
     return []
 
 
-def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFrame]:
-    total = number = 0
+def _limited(
+    frames: Iterator[PointFrame], max_points: int, origins: ListOf[Origin]
+) -> Iterator[PointFrame]:
+    total = dropped = 0
     for number, frame in enumerate(frames):
-        total += len(frame)
+        total, dropped = total + len(frame), dropped + frame.dropped
         if len(frame) > max_points:
             raise TooLargeError(
                 f"frame {number}: expected at most {max_points:,} points, got {len(frame):,}"
@@ -163,13 +174,28 @@ def _limited(frames: Iterator[PointFrame], max_points: int) -> Iterator[PointFra
         yield frame
     # One empty frame is a moment without returns; nothing but empty ones is a wrong file.
     if total == 0:
-        raise BadInputError(f"expected points, got none in {number + 1} frame(s)")
+        raise no_points(origins, dropped)
 
 
-def result(recording: Sequence, warnings: list[str]) -> dict[str, Any]:
-    """Return the report of a finished import job."""
+def no_points(origins: ListOf[Origin], dropped: int) -> BadInputError:
+    """Return the error of frames without a point, ``dropped`` of which had no place."""
+    files = listed(list(dict.fromkeys(origin.file for origin in origins)))
+    why = f"{dropped:,} are NaN, infinite or at 0 0 0" if dropped else "the file says 0 points"
+    return BadInputError(f"{files}: expected points, got none in {len(origins)} frame(s): {why}")
+
+
+def up_source(given: str | None, *, camera: bool, far: bool) -> str:
+    """Return the origin of the axis that is up: ``given``, the kind of the points, or a guess."""
+    return "given" if given else "depth camera" if camera else "map" if far else GUESSED
+
+
+def result(recording: Sequence, warnings: list[str], up: str | None = None) -> dict[str, Any]:
+    """Return the report of a finished import job; ``up`` is the axis that was given."""
     manifest = recording.manifest
+    camera, far = "pixel" in manifest.fields, any(manifest.shift)
     return {
+        "up": nearest_axis(manifest.T_found_room_local[1, :3]),
+        "up_from": up_source(up, camera=camera, far=far),
         "sequence": manifest.id,
         "frames": manifest.frames,
         "fps": manifest.fps,

@@ -18,15 +18,21 @@ from pointbrush.formats.alignment import agree_better_without
 from pointbrush.formats.bag import SENSOR
 from pointbrush.formats.las import read_chunks
 from pointbrush.formats.listing import Listing
-from pointbrush.formats.names import AXES
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.pictures import PictureSource
 from pointbrush.formats.registry import format_named
 from pointbrush.formats.source import Source, open_source, reported
+from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
-from pointbrush.sequences.room import axis_of
-from pointbrush.work.imports.importing import PART_POINTS, large_scan
+from pointbrush.sequences.room import nearest_axis
+from pointbrush.work.imports.importing import (
+    PART_POINTS,
+    SINGLE_FPS,
+    large_scan,
+    no_points,
+    up_source,
+)
 from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.worker import local_processes
 
@@ -34,6 +40,8 @@ TOLD = 100
 """Files that are told of."""
 FRAMES = 3
 """Frames that are read."""
+SINGLE = "a single scan"
+"""Origin of the rate of one frame."""
 SURVEYS = ("las", "e57")
 """Formats whose coordinates are metres, or a map's, by definition."""
 DEPTHS = ("rgbd",)
@@ -77,6 +85,7 @@ class Preview:
     poses: dict[str, Any] | None
     units: dict[str, Any]
     up: str
+    up_from: str
     labels: bool
     corrections: dict[str, Any]
     warnings: list[str]
@@ -100,12 +109,17 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
     ):
         frames = _first_frames(request, limits, source.frames)
         if not any(len(frame) for frame in frames):
-            raise BadInputError(f"expected points, got none in the first {len(frames)} frame(s)")
+            raise no_points(source.origins, sum(frame.dropped for frame in frames))
         listing = source.listings[0]
         first = next(frame for frame in frames if len(frame))
         poses = _poses(listing, frames, warnings)
         units = guess_units(first.xyz, listing.format)
+        # Of a file with several frames all would have to be read.
+        count = None if any(each.place for each in source.origins) else source.count
         fps, fps_from = source.rate(request.fps)
+        if count == 1 and fps_from == ASSUMED:
+            fps, fps_from = SINGLE_FPS, SINGLE
+        up, up_from = _up(first, chosen.up)
         if chosen.scale == 1.0 and units.scale != 1.0:
             warnings.setdefault(
                 f"the first frame is {max(units.extent):,.0f} units wide: they seem to be "
@@ -115,8 +129,7 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
             name=request.name or source.name,
             format=listing.format,
             title=format_named(listing.format).title,
-            # Of a file with several frames all would have to be read.
-            frames=None if any(each.place for each in source.origins) else source.count,
+            frames=count,
             fps=fps,
             fps_from=fps_from,
             order=listing.order,
@@ -127,7 +140,8 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
             cameras=_cameras(listing, source.pictures),
             poses=poses,
             units={"name": units.name, "scale": units.scale, "extent": list(units.extent)},
-            up=chosen.up or _up(first),
+            up=up,
+            up_from=up_from,
             labels=any(frame.label is not None and frame.label.any() for frame in frames),
             corrections={k: v for k, v in asdict(chosen).items() if v not in (None, ())},
             warnings=list(warnings),
@@ -153,15 +167,16 @@ def _first_frames(
     return [next(map(request.chosen.applied, read_chunks(scan, PART_POINTS, options)))]
 
 
-def _up(frame: PointFrame) -> str:
-    """The axis of the coordinates that is nearest to up, as an import finds it."""
+def _up(frame: PointFrame, given: str | None) -> tuple[str, str]:
+    """The axis of the coordinates that is nearest to up, as an import finds it, and its origin."""
     step = -(-len(frame) // SAMPLE)
     points = frame.xyz[::step].astype(np.float64)
     viewpoints = np.empty((0, 3)) if frame.viewpoint is None else frame.viewpoint[None]
     far = float(np.abs(points).max()) > FAR
-    kind: Kind = "camera" if frame.pixel is not None else "survey" if far else "unknown"
-    found = find_floor(points, viewpoints, kind).up
-    return max(AXES, key=lambda name: float(axis_of(name) @ found))
+    camera = frame.pixel is not None
+    kind: Kind = "camera" if camera else "survey" if far else "unknown"
+    found = given or nearest_axis(find_floor(points, viewpoints, kind).up)
+    return found, up_source(given, camera=camera, far=far)
 
 
 def _topics(listing: Listing) -> list[dict[str, Any]]:

@@ -197,7 +197,7 @@ class Imports:
         if job.sequence is not None and self._library.has(job.sequence):
             recording = self._library.recording(job.sequence)
             if recording.manifest.source.startswith(source):
-                return importing.result(recording, [])
+                return importing.result(recording, [], _given_up(job))
         if request is None:
             self._begin_sample(kept["frames"], kept["seed"], kept.get("kind", "juggling"), job)
         else:
@@ -262,7 +262,7 @@ class Imports:
                 raise PointbrushError(f"{WITHOUT_LABELS}: {error}") from error
             finally:
                 self._publish(SequencesChanged(sequence))
-            return importing.result(recording, warnings)
+            return importing.result(recording, warnings, _given_up(job))
 
         def done(ended: Job) -> None:
             self._store.guards.end(guard)
@@ -279,6 +279,12 @@ class Imports:
         except BaseException:
             self._store.guards.end(guard)
             raise
+
+
+def _given_up(job: Job) -> str | None:
+    """The axis that is up, where the request of an import says it."""
+    up = (job.request or {}).get("chosen", {}).get("up")
+    return None if up is None else str(up)
 
 
 def _request(paths: Sequence[Path], fields: dict[str, Any]) -> ImportRequest:

@@ -26,7 +26,7 @@ export function Facts({ found }: { found: ImportPreview }) {
   const rows: readonly Fact[] = [
     ['Format', found.title],
     ['Frames', `${found.frames?.toLocaleString('en') ?? 'unknown'}, ${found.order}`],
-    ['Rate', `${found.fps} per second, ${found.fps_from}`],
+    ['Rate', found.frames === 1 ? '' : `${found.fps} per second, ${found.fps_from}`],
     ['Points', `${first?.points.toLocaleString('en') ?? '0'} in the first frame`],
     ['Columns', found.columns.map(described).join(', ')],
     ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
