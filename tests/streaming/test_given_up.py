@@ -77,7 +77,7 @@ def test_an_empty_frame_takes_no_strokes(served: Served, brush: dict[str, object
             await client.open("wall", frame=0)
             stroke = await begin(client, frame=1, **brush)
             refused = await client.until("error", about=stroke)
-            assert "it is empty" in refused["detail"]
+            assert "the frame is empty" in refused["detail"]
 
     run(scenario)
 

@@ -129,7 +129,7 @@ def test_a_path_is_of_this_machine_unless_it_is_named_as_the_servers(tmp_path: P
     for folder, frames in ((inbox, 1), (mine, 2)):
         folder.mkdir()
         for i in range(frames):
-            np.save(folder / f"{i}.npy", np.zeros((20, 3), np.float32))
+            np.save(folder / f"{i}.npy", np.ones((20, 3), np.float32))
     settings = settings_in(tmp_path, import_roots=str(inbox))
     with serving(settings) as served, Client(served.url, TOKEN) as client:
         assert client.preview(str(mine))["frames"] == client.preview(mine)["frames"] == 2

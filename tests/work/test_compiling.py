@@ -10,16 +10,16 @@ import pytest
 
 from pointbrush.compiled import compiled
 from pointbrush.errors import CancelledError
-from pointbrush.work import prepare
+from pointbrush.work import loop_steps
 from pointbrush.work.compiling import (
     STEPS,
     Progress,
     StepName,
     are_compiled,
-    ensure_compiled,
     hold,
 )
-from pointbrush.work.prepare import Step, estimate
+from pointbrush.work.loop_steps import Step, estimate
+from pointbrush.work.prepare import ensure_compiled
 from tests.waiting import eventually
 
 
@@ -31,7 +31,7 @@ def nothing_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def run_by(monkeypatch: pytest.MonkeyPatch, runs: dict[StepName, Callable[[], None]]) -> None:
     """Have steps do something short."""
     steps = {name: Step(run, ("loops_of_a_test",), 10) for name, run in runs.items()}
-    monkeypatch.setattr(prepare, "RUNS", steps)
+    monkeypatch.setattr(loop_steps, "RUNS", steps)
 
 
 def test_steps_are_done_once_in_the_order_of_their_first_use(

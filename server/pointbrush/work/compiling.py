@@ -12,7 +12,6 @@ import fcntl
 import json
 import os
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -61,35 +60,6 @@ def progress_of(step: StepName) -> Progress:
 def are_compiled(steps: Iterable[StepName] = STEPS) -> bool:
     """Return whether the loops of some steps are compiled; True where that cannot be known."""
     return all(progress_of(step).share >= 1 for step in steps)
-
-
-def ensure_compiled(steps: Iterable[StepName], report: Report = lambda _: None) -> None:
-    """Have the loops of some steps compiled, in order, by this process or another, and wait.
-
-    Raises the errors of ``report``; then another process can go on.
-    """
-    for step in steps:
-        while not are_compiled([step]):
-            if not _compile(step, report):
-                report(progress_of(step))
-                time.sleep(LOOK_SECONDS)
-
-
-def _compile(step: StepName, report: Report) -> bool:
-    """Compile the loops of a step unless another process does, which returns False."""
-    with hold(step) as note:
-        if note is None:
-            return False
-        if not are_compiled([step]):
-            from pointbrush.work.prepare import run_step  # imports all that has loops
-
-            def on_progress(progress: Progress) -> None:
-                note(progress)
-                report(progress)
-
-            run_step(step, on_progress)
-            note(DONE)
-    return True
 
 
 @contextlib.contextmanager

@@ -15,10 +15,10 @@ from pointbrush.work.compiling import (
     Progress,
     StepName,
     are_compiled,
-    ensure_compiled,
     progress_of,
 )
 from pointbrush.work.events import Compiling
+from pointbrush.work.prepare import ensure_compiled
 from pointbrush.worker import end_processes, local_processes
 
 logger = logging.getLogger(__name__)

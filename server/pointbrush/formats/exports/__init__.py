@@ -75,7 +75,7 @@ GAPS = "gaps.json"
 
 _PROVENANCE = "provenance"
 _FIELDS = "other point fields"
-_WIDE = "whole numbers beyond 2^53"
+_WIDE = "integers beyond 2^53"
 _SINGLE = "coordinates beyond 32-bit floats"
 _COLORS = "colours"
 _BOXES = "point labels"

@@ -24,7 +24,8 @@ from pointbrush.tracking import (
     TrackState,
 )
 from pointbrush.tracking.permissions import FEWEST
-from pointbrush.work.compiling import Progress, StepName, ensure_compiled
+from pointbrush.work.compiling import Progress, StepName
+from pointbrush.work.prepare import ensure_compiled
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.worker import Channel
