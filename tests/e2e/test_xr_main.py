@@ -226,7 +226,8 @@ def test_makes_chooses_locks_and_picks_labels(
     count = painted(server, 0, 1)
     headset.click("palette", "Pick")
     target = headset.ask(f"hs.place({truth(0, PERSON)})")
-    headset.move("right", [target[0], target[1], target[2] + 0.3], target)
+    # From within the painted ball: nothing else of the person is before it.
+    headset.move("right", [target[0], target[1], target[2] + 0.06], target)
     # Pressed slowly: half of the way picks, and the rest of it does not paint.
     headset.trigger(0.4)
     headset.until("pb.state.activeLabel.value === 1 && pb.state.tool.value === 'paint'")
