@@ -95,7 +95,7 @@ def preview(found: Mapping[str, Any]) -> Answer:
 
 
 def _up(found: Mapping[str, Any]) -> str:
-    """Say which axis is up, and whether that is a guess."""
+    """Describe the up axis; a guess is called one."""
     guess = ", guessed from the points; --up changes it" if found["up_from"] == "guessed" else ""
     return f"{found['up']}{guess}"
 
