@@ -180,7 +180,13 @@ def search(desk: BrowserPage, address: str) -> None:
         results = desk.locator(".md-search-result__item > a:first-child")
         wanted = desk.locator(f".md-search-result__item > a[href*='/{page}.html']")
         wanted.first.wait_for()
-        first = [each.get_attribute("href") or "" for each in results.all()[:AMONG_THE_FIRST]]
+        first: list[str] = []
+        for _ in range(50):  # the results of the last key may still be on their way
+            links = results.all()[:AMONG_THE_FIRST]
+            first = [each.get_attribute("href") or "" for each in links]
+            if any(f"/{page}.html" in each for each in first):
+                break
+            desk.wait_for_timeout(200)
         assert any(f"/{page}.html" in each for each in first), f"{words}: {first}"
 
 
