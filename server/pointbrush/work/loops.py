@@ -31,6 +31,7 @@ class Loops:
         self._publish = publish
         self._lock = threading.Lock()
         self._missing: dict[StepName, Progress] = {}
+        self._ready: set[StepName] = set()
         self._thread: threading.Thread | None = None
         self._closed = threading.Event()
 
@@ -50,9 +51,12 @@ class Loops:
 
     def ensure(self, step: StepName) -> None:
         """Wait until the loops of a step are compiled; by this process only if no other does."""
+        if step in self._ready:  # a click asks often, and a look at the disk takes its time
+            return
         while step in self.missing():
             time.sleep(LOOK_SECONDS)
         ensure_compiled([step])
+        self._ready.add(step)
 
     def close(self) -> None:
         """End the process and the thread; what is compiled stays."""
