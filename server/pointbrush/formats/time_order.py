@@ -19,8 +19,12 @@ FEW = 3
 LEAST_STEP = 1e-4
 """Seconds; least plausible step of frames whose names have counts of nanoseconds."""
 
-MILLI, MICRO, NANO = 3, 6, 9
-"""Digits of the parts of a second."""
+MILLI = 3
+"""Digits of a count of milliseconds."""
+MICRO = 6
+"""Digits of a count of microseconds."""
+NANO = 9
+"""Digits of a count of nanoseconds."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,10 +31,14 @@ HALF_PI = (1.5707963267341256, 6.077100506506192e-11)
 """Upper 33 bits of pi / 2, and the rest: multiples of the first are exact."""
 COSINE, SINE = (tuple(-1 / (k * (k + 1)) for k in range(last, 0, -2)) for last in (15, 16))
 """Ratios of the terms of the cosine's series and of the sine's, last first; enough to pi / 4."""
-HALVINGS, ARC_TERMS = 4, 12
-"""Halvings of an angle before the series of its arc tangent, and terms of this."""
-NORMAL_TAIL, EXPONENTIAL_TAIL = 3.65, 7.69
-"""Starts of the tails in NumPy's ziggurat tables, rounded down."""
+HALVINGS = 4
+"""Halvings of an angle before the series of its arc tangent."""
+ARC_TERMS = 12
+"""Terms of the series of the arc tangent."""
+NORMAL_TAIL = 3.65
+"""Start of the tail in NumPy's ziggurat table of the normal distribution, rounded down."""
+EXPONENTIAL_TAIL = 7.69
+"""Start of the tail in NumPy's ziggurat table of the exponential distribution, rounded down."""
 
 
 def matmul(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
