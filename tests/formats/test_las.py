@@ -198,3 +198,18 @@ def test_values_that_a_file_declares_to_be_none_cost_their_points(
     made = frame.label if columns else frame.instance
     assert made.tolist() == [7, 0, 12, 0]
     assert "numbers" not in caplog.text
+
+
+def test_a_renamed_field_keeps_its_values_beside_a_scaled_one(tmp_path):
+    header = laspy.LasHeader(version="1.4", point_format=6)
+    header.add_extra_dim(laspy.ExtraBytesParams("amplitude", "u2", scales=[0.01], offsets=[0.0]))
+    header.add_extra_dim(laspy.ExtraBytesParams("ring", "u2"))
+    las = laspy.LasData(header)
+    las.x = las.y = las.z = np.arange(4.0)
+    las.amplitude, las.ring, las.user_data = np.arange(4) / 100, np.arange(4) + 60, np.arange(4) + 9
+    las.write(tmp_path / "a.las")
+    chosen = Corrections(columns=("ring=user_data",))
+    with open_source([tmp_path / "a.las"], chosen=chosen) as source:
+        (frame,) = source.frames
+    assert frame.other["user_data"].tolist() == [60, 61, 62, 63]
+    assert frame.other["amplitude"].tolist() == [0, 1, 2, 3]

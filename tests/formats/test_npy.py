@@ -145,3 +145,14 @@ def test_real_lidar_frames(shared):
     assert [len(frame) for frame in frames] == [40733, 40523, 40239]
     assert all(frame.label is None for frame in frames)
     assert all(frame.instance.max() > 5 and frame.pose.shape == (4, 4) for frame in frames)
+
+
+def test_arrays_of_an_archive_that_are_of_no_points_are_not_loaded(tmp_path):
+    path = tmp_path / "a.npz"
+    mark = np.full((700, 500), 0x5A5A5A5A, np.int32)
+    np.savez(path, xyz=np.ones((9, 3), np.float32), ring=np.arange(9), picture=mark)
+    data = path.read_bytes()
+    path.write_bytes(data.replace(mark.tobytes(), bytes(mark.nbytes)))  # its checksum is wrong now
+    (frame,) = read(path)
+    assert frame.other["ring"].tolist() == list(range(9))
+    assert list(frame.other) == ["ring"]

@@ -122,20 +122,20 @@ def _other(
 ) -> dict[str, Array]:
     """Return the fields of numbers that a PointFrame does not hold as they are.
 
-    Labels and instances become labels of a workspace, so that their columns stay, too; but for
-    columns that are called as exports call them.
+    Labels and instances become labels of a workspace.  Their columns are kept as fields as well,
+    unless they have the names that exports use for labels.
     """
-    held = {found[axis]: None for axis in "xyz" if axis in found} | {"xyz": None}
-    exact: dict[str, Array | None] = {}
+    held = {found[axis] for axis in "xyz" if axis in found} | {"xyz"}
+    exact: dict[str, Array] = {}
     if intensity is not None:
         exact[found["intensity"]] = intensity
     colors = ("red", "green", "blue")
     if rgb is not None and all(color in found for color in colors):
         exact |= {found[color]: rgb[:, i] for i, color in enumerate(colors)}
     elif rgb is not None:
-        held[found["rgb"]] = None
+        held.add(found["rgb"])
     if "label" in found:
-        held |= {found[role]: None for role in LABELS if found.get(role) == role}
+        held |= {role for role in LABELS if found.get(role) == role}
     other = {}
     for name, values in columns.items():
         if name in held or values.ndim != 1 or values.dtype.kind not in "fiu":
@@ -148,9 +148,9 @@ def _other(
     return other
 
 
-def _is_same(values: Array, held: Array | None) -> bool:
+def _is_same(values: Array, held: Array) -> bool:
     """Whether the values of a column follow from the intensities or colours that are held."""
-    if held is None or np.array_equal(values, held):
+    if np.array_equal(values, held):
         return True
     if values.dtype.kind == "f":
         # Of float64 the digits of float32 are held.

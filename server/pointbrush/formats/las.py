@@ -140,9 +140,9 @@ def _frame(
         for field, values in further_fields(header, rows).items()
         if field.lower() not in OURS
     }
-    stored = columns.copy()
-    for field in header.scalings.keys() & role_columns(path.name, columns, options):
-        columns[field] = header.scalings[field].values(stored[field])
+    scaled = header.scalings.keys() & role_columns(path.name, columns, options)
+    stored = {field: columns[field] for field in scaled}
+    columns |= {field: header.scalings[field].values(stored[field]) for field in scaled}
     if "red" in (rows.dtype.names or ()):
         columns["rgb"] = rgb = np.empty((len(rows), 3), np.uint8)
         for i, color in enumerate(COLORS):
@@ -151,8 +151,8 @@ def _frame(
     scaling = Scaling(header.scales, header.offsets)
     frame = frame_from_columns(path.name, columns, options, zeros=True)
     kept = slice(None) if frame.rows is None else frame.rows
-    other = {name: stored.get(name, values)[kept] for name, values in frame.other.items()}
-    return replace(frame, other=other, header=records, scaling=scaling)
+    whole = {field: values[kept] for field, values in stored.items() if field in frame.other}
+    return replace(frame, other={**frame.other, **whole}, header=records, scaling=scaling)
 
 
 def decoded_records(

@@ -29,8 +29,12 @@ EXTRA_BYTES = (b"LASF_Spec", 4)
 UNDOCUMENTED = "ExtraBytes"
 """Laspy's name for bytes of a record that no field is documented for."""
 Array = NDArray[Any]
-NO_DATA, SCALED, SHIFTED = 1, 8, 16
-"""Bits of an extra byte's options: which of its values hold (LAS 1.4, table 24)."""
+NO_DATA = 1
+"""Bit of the options of extra bytes: the value for no data is set (LAS 1.4, table 24)."""
+SCALED = 8
+"""Bit of the options of extra bytes: the scale is set."""
+SHIFTED = 16
+"""Bit of the options of extra bytes: the offset is set."""
 MOST_RECORDS = 64 << 20
 """Bytes of the records after the points (EVLRs) that are kept."""
 _LEGACY_BYTES = {
@@ -236,7 +240,7 @@ def _records(between: bytes) -> Iterator[tuple[bytes, int, bytes, bool]]:
 
 def is_las(header: bytes) -> bool:
     """Whether a source's header, as readers keep it, is of LAS."""
-    return split_records(header)[0][:4] == b"LASF"
+    return header[8:12] == b"LASF"
 
 
 def scalings_of(records: bytes) -> dict[str, FieldScale]:
@@ -278,7 +282,7 @@ def _scalings(data: bytes) -> dict[str, FieldScale]:
         if not 1 <= kind <= 30 or not options & (NO_DATA | SCALED | SHIFTED):
             continue
         name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1")
-        # A value for no data has 8 bytes of its class; only single numbers declare it alike.
+        # The value for no data has 8 bytes, whatever the width of the field's type.
         of_class = f"<{EXTRA_TYPES[(kind - 1) % 10][0]}8"
         for part in range((kind - 1) // 10 + 1):
             none, scale, offset = (

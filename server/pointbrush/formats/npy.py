@@ -5,7 +5,7 @@ from __future__ import annotations
 import lzma
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO, cast
@@ -67,13 +67,17 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     ``timestamp`` and ``viewpoint``.  ``deleted`` points are not left out: they are points.
     Raises BadInputError for missing points, other shapes, a truncated file or a pickle.
     """
-    _require_sane_zip(path, options)
+    shapes = _shapes_of_zip(path, options)
+    lengths = {shape[0] for key, shape in shapes.items() if key in KNOWN_ARRAYS and shape}
     arrays: dict[str, Array] = {}
     archive = _load(path)
     if isinstance(archive, np.ndarray):
         raise BadInputError(f"{path.name}: expected an archive of arrays, got a single array")
     with archive:
         for key in archive.files:
+            wanted = key in KNOWN_ARRAYS or len(archive.files) == 1
+            if not wanted and not _is_column(shapes.get(key, ()), lengths):
+                continue
             try:
                 arrays[key] = np.asarray(archive[key])
             except READ_ERRORS:
@@ -96,12 +100,17 @@ def read_npz(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     further = {
         key: array
         for key, array in arrays.items()
-        if key not in KNOWN_ARRAYS and array.shape in ((count,), (count, 1))
+        if key not in KNOWN_ARRAYS and _is_column(array.shape, {count})
     }
     columns = {key: array.reshape(-1) for key, array in further.items()} | columns
     columns |= _beside(path.name, arrays, count)
-    name_left_out(path.name, [key for key in arrays if key not in (points, *columns)], {})
+    name_left_out(path.name, [key for key in archive.files if key not in (points, *columns)], {})
     yield frame_from_columns(path.name, columns, options, extras=_extras(path.name, arrays))
+
+
+def _is_column(shape: tuple[int, ...], lengths: Collection[int]) -> bool:
+    """Whether an array has a number for each of as many points as one of ``lengths``."""
+    return len(shape) in (1, 2) and shape[0] in lengths and shape[1:] in ((), (1,))
 
 
 def _load(path: Path) -> Any:
@@ -122,7 +131,8 @@ def require_array_header(path: Path, options: ReadOptions) -> None:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
 
 
-def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> None:
+def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> tuple[int, ...]:
+    """Check the header of an array; return its shape."""
     if size == 0:
         raise BadInputError(f"{name}: expected a NumPy array, got an empty file (0 bytes)")
     try:
@@ -152,9 +162,12 @@ def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> Non
         )
     if shape:
         require_count(name, int(shape[0]), options.limits)
+    return tuple(map(int, shape))
 
 
-def _require_sane_zip(path: Path, options: ReadOptions) -> None:
+def _shapes_of_zip(path: Path, options: ReadOptions) -> dict[str, tuple[int, ...]]:
+    """Check the entries of an archive; return the shapes of its arrays by name."""
+    shapes: dict[str, tuple[int, ...]] = {}
     try:
         size = path.stat().st_size
         if size == 0:
@@ -170,7 +183,9 @@ def _require_sane_zip(path: Path, options: ReadOptions) -> None:
                 if entry.filename.endswith(".npy"):
                     with archive.open(entry) as file:
                         where = f"{path.name}: '{entry.filename}'"
-                        _require_array(where, file, entry.file_size, options)
+                        shape = _require_array(where, file, entry.file_size, options)
+                    shapes[entry.filename.removesuffix(".npy")] = shape
+        return shapes
     except FileNotFoundError:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
     except BadInputError:

@@ -97,15 +97,16 @@ def _by_frame(
     name: str, columns: Mapping[str, Array], options: ReadOptions
 ) -> Iterator[PointFrame]:
     """Yield the frames of a table, in the order of their numbers."""
-    key = next((column for column in columns if column.strip().lower() in FRAMES), None)
-    numbers = np.unique(columns[key]) if key is not None else np.empty(0)
-    if not 1 < len(numbers) <= len(columns[key or ""]) / LEAST_POINTS or np.any(numbers % 1):
+    named = (columns[column] for column in columns if column.strip().lower() in FRAMES)
+    values = next(named, np.empty(0))
+    numbers = np.unique(values)
+    if not 1 < len(numbers) <= len(values) / LEAST_POINTS or np.any(numbers % 1):
         yield frame_from_columns(name, columns, options)
         return
-    for number in numbers:
-        rows = np.flatnonzero(columns[key or ""] == number)
-        part = {column: values[rows] for column, values in columns.items()}
-        yield frame_from_columns(f"{name} frame {number:g}", part, options)
+    order = np.argsort(values, kind="stable")
+    for rows in np.split(order, np.searchsorted(values[order], numbers[1:])):
+        part = {column: each[rows] for column, each in columns.items()}
+        yield frame_from_columns(name, part, options)
 
 
 def _read_at_once(name: str, data: bytes, options: ReadOptions) -> dict[str, Array] | None:
