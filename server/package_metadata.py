@@ -37,7 +37,7 @@ LINK = re.compile(r"\]\((?!\w+:|#)([^)]+)\)")
 
 
 class PackageMetadata(MetadataHookInterface):
-    """Adds the fields; ``classifiers`` and ``readme`` of the hook are those of the one package."""
+    """Adds the common fields, and ``classifiers`` and ``readme`` of the package's hook."""
 
     def update(self, metadata: dict[str, Any]) -> None:
         """Fill in ``classifiers``, ``urls`` and ``readme``."""

@@ -243,7 +243,7 @@ class Server(Part[L]):
 
     @steps
     def merge_categories(self, number: int, others: Sequence[int]) -> Steps[None]:
-        """Make the labels of other classes labels of this one; those classes go."""
+        """Merge other classes into this one: it gets their labels, and they are deleted."""
         body = {"categories": list(others)}
         yield from send(Request("POST", f"/taxonomy/{number}/merge", {"json": body}))
 

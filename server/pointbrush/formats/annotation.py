@@ -50,7 +50,7 @@ class LabelFiles:
 
     @property
     def file_names(self) -> list[str]:
-        """Names by which the files are matched to frames, with those of their folders."""
+        """Names by which the files are matched to frames, each with the name of its folder."""
         rooms = (path.parent if path.name == OBJECTS else path for path in self.paths)
         return [f"{path.parent.name}/{path.name}" for path in rooms]
 

@@ -29,7 +29,7 @@ ENDINGS = (".zip", ".tar", ".tar.gz", ".tgz", ".tar.bz2", ".tbz2", ".tar.xz", ".
 # Small archives may pack well; above this size unpacked, the ratio counts.
 RATIO_FROM = 1 << 28
 MOST_NESTED = 3
-"""Archives in each other that are unpacked."""
+"""Greatest depth of nested archives."""
 BLOCK = 1 << 20
 """Bytes that are written at once."""
 DAMAGED = (
@@ -89,9 +89,10 @@ Entry = tuple[str, int | None, Callable[[], IO[bytes]]]
 
 @dataclass
 class _Unpacking:
-    """The files and bytes of an archive, and of those in it, that are written so far.
+    """Counts of the files and bytes that are unpacked so far, nested archives included.
 
-    ``name`` is the archive's that the user named, of ``packed`` bytes; ``free`` bytes were on disk.
+    ``name`` is the name of the outermost archive, which has ``packed`` bytes; ``free`` bytes were
+    free on the disk.
     """
 
     name: str
@@ -102,7 +103,7 @@ class _Unpacking:
     total: int = 0
 
     def fill(self, archive: Path, target: Path, level: int = 0) -> None:
-        """Write the files of an archive, and of those in it, below a folder."""
+        """Unpack an archive into a folder, then the archives inside it."""
         where = f"{self.name}: expected a whole archive" + (f" {archive.name!r}" if level else "")
         try:
             written = [self._write(entry, target) for entry in _entries(archive)]
@@ -119,7 +120,7 @@ class _Unpacking:
     def _fill_from(self, inner: Path, level: int) -> None:
         if level > MOST_NESTED:
             raise TooLargeError(
-                f"{self.name}: expected at most {MOST_NESTED} archives in each other, got more "
+                f"{self.name}: expected archives nested at most {MOST_NESTED} deep, got more "
                 f"({inner.name})"
             )
         lower = inner.name.lower()
@@ -149,7 +150,7 @@ class _Unpacking:
         destination.parent.mkdir(parents=True, exist_ok=True)
         left = size
         with opened() as source, destination.open("wb") as file:
-            # The size was counted against the limits: what an entry holds beyond it is not written.
+            # The stated size was counted against the limits; bytes beyond it are not written.
             while block := source.read(BLOCK if left is None else min(left, BLOCK)):
                 file.write(block)
                 if left is None:

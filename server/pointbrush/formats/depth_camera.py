@@ -33,9 +33,9 @@ class Intrinsics:
     scale: float | None = None
     """Depth values per metre, where it is stated."""
     source: str = ""
-    """The file they come from, "" for those of a known camera."""
+    """The file that states them, "" for a known camera."""
     assumed: str = ""
-    """The known camera whose they are, where no file states any."""
+    """The known camera whose intrinsics are assumed, "" if a file states them."""
 
 
 @dataclass(frozen=True, slots=True)

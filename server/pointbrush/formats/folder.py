@@ -152,7 +152,7 @@ def _warn_of_others(
     *,
     images: bool = True,
 ) -> None:
-    """Name the folders with points, or depth images, beside what is read, as of another sensor."""
+    """Warn of folders with points or depth images that are not read, such as another sensor's."""
     others = []
     for place in folders_in(folder):
         if place != taken and not NO_SENSOR.search(place.name.lower()):

@@ -29,7 +29,7 @@ COLOR_MODES = ("RGB", "RGBA")
 MOST_STREAMS = 64
 """Streams in a folder beyond which its names differ in more than numbers."""
 _KINDS = re.compile(r"depth|rgb|colou?rs?|registered|images?|img|pose|raw")
-"""Words of a file name that tell what its image is of, and not when."""
+"""Words of a file name that describe the content of its image, not its moment."""
 _OTHERS = re.compile(
     r"(?<![a-z])(labels?|seg|segm[a-z]*|masks?|inst[a-z]*|sem[a-z]*|class|classes|normals?|thermal"
     r"|infra[a-z]*|ir)(?![a-z])"
@@ -58,9 +58,10 @@ class FoundPairs:
 
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """Images of a folder whose names differ in numbers only: the first's name, mode and size.
+    """Images of a folder with names that differ in numbers only.
 
-    The name has a folder before it where the images are not in the recording's own.
+    ``name``, ``mode`` and ``size`` are of the first image.  The name begins with a folder if the
+    images are not in the recording's own folder.
     """
 
     files: tuple[Path, ...]
@@ -118,7 +119,7 @@ def find_pairs(folder: Path, options: ReadOptions) -> FoundPairs | None:
 
 
 def streams_in(folder: Path) -> tuple[list[Stream], list[Stream]]:
-    """Return the streams of images of a folder, and those of the folders in it."""
+    """Return the streams of images in a folder, and the streams in its subfolders."""
     beside = (stream for place in folders_in(folder) for stream in _streams(place, inside=True))
     return _streams(folder), list(beside)
 
@@ -132,7 +133,7 @@ def find_depths(folder: Path, own: Sequence[Stream], beside: Sequence[Stream]) -
     else:
         streams = [each for each in own if "depth" in each.name.lower()]
     if streams:
-        # Of mixed streams those in colour are pictures, or depth for the eye.
+        # Colour images among depth images are pictures, or renderings of the depth.
         streams = [each for each in streams if not each.is_color] or streams
         files = [path for each in streams for path in each.files]
         return sorted((p for p in files if p.suffix.lower() in DEPTH_IMAGES), key=natural_key)
@@ -240,7 +241,7 @@ def _partners(depths: Sequence[Path], colors: Sequence[Path], by_order: bool) ->
 def _paired(
     depths: Sequence[Path], colors: Sequence[Path], by_order: bool
 ) -> Sequence[Path | None]:
-    """Find the colour image of each depth image; those without a partner are told in warnings.
+    """Find the colour image of each depth image; a warning counts images without a partner.
 
     Raises BadInputError as ``partners``.
     """

@@ -231,7 +231,7 @@ def give_large_blocks_back() -> None:
 
 
 def expect_tracking(workspace: Workspace, after: float = READY_AFTER) -> None:
-    """Have a worker begin some seconds ``after`` somebody first labels: tracking is mostly next."""
+    """Start a worker some seconds ``after`` the first edit: tracking usually follows."""
 
     def labelled(event: Event) -> None:
         if isinstance(event, Commit):

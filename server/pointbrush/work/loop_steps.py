@@ -86,7 +86,7 @@ def _as_octree(made: PointFrame) -> None:
 
 
 def select_object() -> None:
-    """Click on a frame, with and without a viewpoint, and correct what was taken."""
+    """Click on a frame, with and without a viewpoint, and correct the selection."""
     made = generate("tabletop", 1, 1).frame(0)
     views: tuple[tuple[SensorKind, NDArray[np.float64] | None], ...] = (
         ("lidar", made.viewpoint),
@@ -144,7 +144,7 @@ def track(recording: Recording, method: str, moved: float = 0.0, leaves: int = 0
 
 
 def track_things() -> None:
-    """Track what is moved on a table."""
+    """Track moving objects on a table."""
     track(generate("tabletop", 1, 3), "auto")
 
 

@@ -59,7 +59,7 @@ class Loops:
         self._ready.add(step)
 
     def close(self) -> None:
-        """End the process and the thread; what is compiled stays."""
+        """End the process and the thread; compiled loops are kept."""
         self._closed.set()
         if self._thread is not None:
             self._thread.join()

@@ -146,9 +146,9 @@ def _annotated(
 def _marked(
     file: str, label: Mapping[str, Any], categories: Mapping[int, Any], place: str
 ) -> Iterator[PointFigure]:
-    """Read the points of annotations, whose ids ``point_annotations`` has, one a point.
+    """Read the points of each annotation; ``point_annotations`` has an annotation's id per point.
 
-    Annotations without a track are objects of the frame; ``place`` tells it from others.
+    An annotation without a track is an object of this frame alone; ``place`` names the frame.
     """
     if "point_annotations" not in label:
         return

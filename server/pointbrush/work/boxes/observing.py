@@ -30,7 +30,7 @@ def observed(
         place = sensor_of(recording).place
     view = store.view(manifest.id)
     times = np.array([np.nan if t is None else t for t in manifest.timestamps], np.float64)
-    # Equal times, and those of a clock that was set back, tell no motion: the rate does.
+    # Equal or decreasing times give no speed; frames are then spaced by the rate.
     if not (np.diff(times) > 0).all() or np.isnan(times).any():
         times = np.arange(manifest.frames) / manifest.fps
     for index in frames:

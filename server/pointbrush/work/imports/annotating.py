@@ -118,9 +118,9 @@ class LabelImports:
         boxes: FoundBoxes,
         naming: Naming,
     ) -> tuple[Chosen, Sequence[OrientedBox], Commit | None]:
-        """Make what was found an edit, unless it is a trial or nothing.
+        """Apply the found labels and boxes as one edit, unless this is a trial or none were found.
 
-        Returns its labels and its boxes, too, or those that it would have.
+        Returns also the labels and boxes of the edit, or of the edit that a trial would make.
         Raises BadInputError for nothing, unless the request allows it.
         """
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}

@@ -53,7 +53,7 @@ def _place(box: OrientedBox, frame: int) -> NDArray[np.float64]:
 
 
 def box_report(found: FoundBoxes, made: Sequence[OrientedBox], chosen: Chosen) -> dict[str, Any]:
-    """Report boxes that are kept, those that were there, and objects whose size is a median."""
+    """Report new boxes, boxes that were there before, and objects with a median size."""
     resized = [f"{track.name} {track.key}".strip() for _, track in found.tracks if track.resized]
     poses = sum(len(track.poses) for key, track in found.tracks if chosen.ids[key])
     return {

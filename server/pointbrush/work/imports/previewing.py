@@ -193,7 +193,7 @@ def _topics(listing: Listing) -> list[dict[str, Any]]:
 
 
 def _cameras(listing: Listing, pictures: PictureSource | None) -> list[dict[str, Any]]:
-    """List the cameras: that of depth images, with the facts about these, and those of pictures."""
+    """List the depth camera with the facts about its images, or else the cameras of pictures."""
     if listing.depth is not None:
         return [{"name": "depth", "projects": True, **asdict(listing.depth)}]
     return [

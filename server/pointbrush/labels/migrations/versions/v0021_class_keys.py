@@ -64,7 +64,7 @@ def _follows(number: int, known: dict[int, Any]) -> bool:
 
 
 def _bring_back(connection: Any, word: str, number: int, known: dict[int, Any]) -> None:
-    """Merge what labels kept as the first name of a renamed class into it."""
+    """Merge the categories that labels kept under a renamed class's first name into the class."""
     used = connection.execute(sa.select(LABELS.c.category).distinct()).scalars()
     for key in [each for each in used if plain(each) == word]:
         other = next((row.number for row in known.values() if row.key == key), None)
