@@ -178,12 +178,9 @@ def search(desk: BrowserPage, address: str) -> None:
         desk.keyboard.press("Control+A")
         desk.keyboard.type(words)
         results = desk.locator(".md-search-result__item > a:first-child")
-        wanted = desk.locator(f".md-search-result__item > a[href*='/{page}.html']")
-        wanted.first.wait_for()
         first: list[str] = []
-        for _ in range(50):  # the results of the last key may still be on their way
-            links = results.all()[:AMONG_THE_FIRST]
-            first = [each.get_attribute("href") or "" for each in links]
+        for _ in range(150):  # the results of the last key may still be on their way
+            first = results.evaluate_all("all => all.map(({ href }) => href)")[:AMONG_THE_FIRST]
             if any(f"/{page}.html" in each for each in first):
                 break
             desk.wait_for_timeout(200)
