@@ -52,13 +52,16 @@ def check(browser: Browser, server: LiveServer) -> Iterator[Check]:
 
 
 def stroke(headset: Headset, truth: Truth) -> None:
+    """Change labels with one stroke, until the server has answered it."""
     x, y, z = truth(0, PERSON)
+    undo = headset.ask("pb.state.undo.value")
     if headset.bare:
         headset.hand_to("right", headset.ask(f"hs.place({[x, y, z]})"))
         headset.trigger(1)
         headset.trigger(0)
     else:
         headset.paint([[x, y, z]])
+    headset.until(f"pb.state.undo.value !== {json.dumps(undo)}")
     headset.settled()
 
 
@@ -88,7 +91,6 @@ def quest(headset: Headset, truth: Truth) -> None:
     gripped(headset, 0, 1, "thumbstick")
     headset.button("a-button")
     stroke(headset, truth)
-    headset.until("pb.state.undo.value !== null")
     headset.button("b-button")
     headset.until("pb.state.redo.value !== null")
     press(headset, 1, 0, "thumbstick")
@@ -101,7 +103,6 @@ def vive(headset: Headset, truth: Truth) -> None:
     press(headset, 0, 0.9, "touchpad", "left")
     gripped(headset, 0, -0.9, "touchpad")
     stroke(headset, truth)
-    headset.until("pb.state.undo.value !== null")
     gripped(headset, -0.9, 0, "touchpad")
     headset.until("pb.state.redo.value !== null")
     press(headset, 0.9, 0, "touchpad")
@@ -114,7 +115,6 @@ def hands(headset: Headset, truth: Truth) -> None:
     headset.click("palette", "Tools")
     headset.click("palette", "Erase")
     stroke(headset, truth)
-    headset.until("pb.state.undo.value !== null")
     headset.click("palette", headset.ask("pb.state.undo.value"))
     headset.until("pb.state.redo.value !== null")
     headset.click("timeline", "forward")
