@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import io
-import urllib.error
-import urllib.request
-import zipfile
-from collections.abc import Mapping
+import threading
+from collections import defaultdict
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
-from urllib.parse import urlsplit
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError, UnavailableError
+from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
+from pointbrush.npz import Arrays, checked, read_npz
+from pointbrush.outgoing import Bounds, exchange, parse_url
 
-Arrays = Mapping[str, NDArray[Any]]
 MEDIA_TYPE = "application/x-npz"
+AT_ONCE = 4
+"""Calls of one service at a time: one that hangs keeps no more threads of this process."""
+_calls: defaultdict[str, threading.BoundedSemaphore] = defaultdict(
+    lambda: threading.BoundedSemaphore(AT_ONCE)
+)
 
 
 @dataclass(frozen=True, slots=True)
 class NpzService:
-    """A service at ``address``; ``role`` is what error messages call it.
+    """A service at ``address``; ``role`` is its name in error messages.
 
-    ``most_bytes``: of an answer.  Raises BadInputError for what is no address.
+    ``most_bytes``: of an answer, packed and unpacked.  Raises BadInputError for an invalid address.
     """
 
     address: str
@@ -36,48 +39,45 @@ class NpzService:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "address", self.address.rstrip("/"))
-        if urlsplit(self.address).hostname is None:
-            got = repr(self.address)
-            raise BadInputError(f"{self.role}: expected http://host[:port][/path], got {got}")
+        try:
+            parse_url(self.address)
+        except BadInputError as error:
+            raise BadInputError(f"{self.role}: {error}") from None
 
     def ask(self, call: str, arrays: Arrays, seconds: float) -> Arrays:
         """Send arrays to ``{address}/v1/{call}``; raises UnavailableError for no good answer."""
         body = io.BytesIO()
         np.savez(body, **arrays)  # type: ignore[arg-type]  # numpy's stub takes no mapping
-        request = urllib.request.Request(  # noqa: S310 – the operator's own address
-            f"{self.address}/v1/{call}",
-            data=body.getvalue(),
-            headers={"Content-Type": MEDIA_TYPE},
-            method="POST",
-        )
+        calls = _calls[self.address]
+        if not calls.acquire(blocking=False):
+            raise self._unanswered(call, f"{AT_ONCE} calls of it wait already")
         try:
-            with urllib.request.urlopen(request, timeout=seconds) as response:  # noqa: S310
-                data = response.read(self.most_bytes + 1)
-        except urllib.error.HTTPError as error:
-            if error.code == HTTPStatus.GONE:
-                raise self.gone(f"{self.role}: the frame must be prepared anew") from None
-            raise self._unanswered(call, error) from None
-        except OSError as error:
-            raise self._unanswered(call, error) from None
-        if len(data) > self.most_bytes:
-            raise UnavailableError(
-                f"{self.role}: expected an answer of at most {self.most_bytes} bytes"
+            answer = exchange(
+                "POST",
+                f"{self.address}/v1/{call}",
+                Bounds(seconds, self.most_bytes),
+                headers={"Content-Type": MEDIA_TYPE},
+                body=body.getvalue(),
             )
+        except PointbrushError as error:
+            raise self._unanswered(call, error) from None
+        finally:
+            calls.release()
+        if answer.status == HTTPStatus.GONE:
+            raise self.gone(f"{self.role}: the frame must be prepared anew")
+        if not answer.success:
+            raise self._unanswered(call, f"status {answer.status}")
         try:
-            with np.load(io.BytesIO(data), allow_pickle=False) as answer:
-                return dict(answer.items())
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-            raise UnavailableError(f"{self.role}: expected an .npz answer: {error}") from None
+            return read_npz(answer.body, self.most_bytes)
+        except BadInputError as error:
+            raise self._unanswered(call, error) from None
 
     def array(self, answer: Arrays, name: str, dtype: type) -> NDArray[Any]:
         """Return a flat array of an answer; raises UnavailableError for another."""
-        found = answer.get(name)
-        if found is None or found.ndim != 1 or found.dtype != dtype:
-            got = "none" if found is None else f"{found.dtype} {found.shape}"
-            raise UnavailableError(
-                f"{self.role}: expected {name} {np.dtype(dtype)} (n,), got {got}"
-            )
-        return found
+        try:
+            return checked(answer, name, dtype, (None,))
+        except BadInputError as error:
+            raise UnavailableError(f"{self.role}: {error}") from None
 
-    def _unanswered(self, call: str, error: Exception) -> UnavailableError:
-        return UnavailableError(f"{self.role}: expected an answer to {call}: {error}")
+    def _unanswered(self, call: str, reason: object) -> UnavailableError:
+        return UnavailableError(f"{self.role}: expected an answer to {call}: {reason}")

@@ -97,9 +97,14 @@ def test_a_file_gives_the_classifier_back() -> None:
     [
         ("left", np.int32(-5)),
         ("left", np.int32(10**6)),
+        ("left", np.int32(2**31 - 1)),
         ("feature", np.int16(30_000)),
         ("roots", np.int32(10**6)),
         ("chance", np.float32(np.nan)),
+        ("chance", np.float32(1e30)),
+        ("threshold", np.float32(np.inf)),
+        ("example_spreads", np.float64(np.nan)),
+        ("example_classes", np.uint8(3)),
     ],
 )
 def test_links_that_lead_nowhere_are_refused(name: str, value: np.generic) -> None:
@@ -118,3 +123,17 @@ def test_no_pickle_and_no_rubbish_is_read() -> None:
     for data in (b"", b"PK\x03\x04rubbish", out.getvalue(), to_file(TAUGHT)[:-40]):
         with pytest.raises(BadInputError, match="classifier"):
             from_file(data)
+
+
+def test_trees_that_would_take_minutes_are_refused() -> None:
+    with np.load(io.BytesIO(to_file(TAUGHT))) as stored:
+        arrays = {key: stored[key].copy() for key in stored}
+    length = 1000
+    arrays["feature"] = np.append(np.zeros(length, np.int16), np.int16([-1, -1]))
+    arrays["left"] = np.append(np.arange(1, length + 1), [0, 0]).astype(np.int32)
+    arrays["threshold"] = np.zeros(length + 2, np.float32)
+    arrays["roots"] = np.zeros(1, np.int32)
+    out = io.BytesIO()
+    np.savez(out, **arrays)
+    with pytest.raises(BadInputError, match="at most 64 nodes"):
+        from_file(out.getvalue())

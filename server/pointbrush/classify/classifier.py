@@ -7,27 +7,31 @@ from __future__ import annotations
 
 import io
 import json
-import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from pointbrush.classify.features import Described, ExampleFrame, feature_names
-from pointbrush.classify.forest import Trees, learn, probabilities
+from pointbrush.classify.forest import Trees, is_shallow, learn, probabilities
 from pointbrush.classify.models import BUILT_IN, Model, chances_of
 from pointbrush.classify.options import (
+    LARGEST,
+    LARGEST_CELL,
     MOST_BYTES,
     MOST_CLASSES,
+    MOST_DEPTH,
+    MOST_TREES,
     NAME_LENGTH,
+    SMALLEST_CELL,
     FeatureOptions,
     ForestOptions,
 )
 from pointbrush.classify.smoothing import Chances, smoothed, voted
 from pointbrush.errors import BadInputError
+from pointbrush.npz import Arrays, checked, read_npz
 
 Floats = NDArray[np.float64]
 
@@ -244,68 +248,53 @@ def to_file(classifier: Classifier) -> bytes:
 def from_file(data: bytes) -> Classifier:
     """Return the classifier of a file.  Raises BadInputError for anything else."""
     try:
-        arrays = _arrays(data)
-        told = json.loads(arrays["about"].tobytes())
-        return _checked(told, arrays)
-    except BadInputError:
-        raise
-    except (OSError, ValueError, EOFError, LookupError, TypeError, zipfile.BadZipFile) as error:
+        arrays = read_npz(data, MOST_BYTES)
+        about = json.loads(checked(arrays, "about", np.uint8, (None,)).tobytes())
+        return _checked(about, arrays)
+    except BadInputError as error:
+        raise BadInputError(f"classifier: {error}") from None
+    except (ValueError, LookupError, TypeError, RecursionError, OverflowError) as error:
         raise BadInputError(f"classifier: expected a file of one, got {error}"[:300]) from None
 
 
-def _arrays(data: bytes) -> dict[str, NDArray[Any]]:
-    """Read the arrays of a file; what they would take is looked at first."""
-    with zipfile.ZipFile(io.BytesIO(data)) as archive:
-        if sum(each.file_size for each in archive.infolist()) > MOST_BYTES:
-            raise BadInputError(f"classifier: expected at most {MOST_BYTES} bytes, got more")
-        found = {}
-        for each in archive.infolist():
-            with archive.open(each) as member:
-                array = npy_format.read_array(member, allow_pickle=False)
-                found[each.filename.removesuffix(".npy")] = array
-    return found
-
-
-def _checked(told: Any, arrays: Mapping[str, NDArray[Any]]) -> Classifier:
-    if told["version"] != VERSION:
-        raise BadInputError(f"classifier: expected version {VERSION}, got {told['version']}")
+def _checked(about: Any, arrays: Arrays) -> Classifier:
+    if about["version"] != VERSION:
+        raise BadInputError(f"expected version {VERSION}, got {about['version']}")
     names = feature_names(FeatureOptions())
-    if tuple(told["features"]) != names:
-        raise BadInputError("classifier: expected the features of this version, got others")
-    classes = check_classes(told["classes"])
-    size = float(told["size"])
-    _require(0 <= size < 1e6, "a size in metres")
-    score = None if told["score"] is None else float(told["score"])
-    _require(score is None or 0 <= score <= 1, "a score from 0 to 1")
-    recordings = tuple(check_name(each) for each in told["recordings"])
-    examples = _examples(told["examples"], arrays, len(names), len(classes))
+    if tuple(about["features"]) != names:
+        raise BadInputError("expected the features of this version, got others")
+    classes = check_classes(about["classes"])
+    size = float(about["size"])
+    _require(size == 0 or SMALLEST_CELL <= size <= LARGEST_CELL, "a cell size in metres", size)
+    score = None if about["score"] is None else float(about["score"])
+    _require(score is None or 0 <= score <= 1, "a score from 0 to 1", score)
+    recordings = tuple(check_name(each) for each in about["recordings"])
+    examples = _examples(about["examples"], arrays, len(names), len(classes))
     trees = _trees(arrays, len(names), len(classes)) if "roots" in arrays else None
-    name = check_name(told["name"])
-    state = arrays["state"].astype(np.uint8).tobytes() if "state" in arrays else None
-    model = told.get("model") and check_name(told["model"])
+    name = check_name(about["name"])
+    state = checked(arrays, "state", np.uint8, (None,)).tobytes() if "state" in arrays else None
+    model = about.get("model") and check_name(about["model"])
     return Classifier(
         name, classes, size, recordings, examples, trees, score, model or BUILT_IN, state,
-        bool(told.get("imported")),
+        bool(about.get("imported")),
     )  # fmt: skip
 
 
 def _examples(
-    told: Sequence[Any], arrays: Mapping[str, NDArray[Any]], width: int, kinds: int
+    rows: Sequence[Any], arrays: Arrays, width: int, kinds: int
 ) -> dict[tuple[str, int], Examples]:
-    if not told:
+    if not rows:
         return {}
-    lengths = [int(count) for _, _, count, _, _ in told]
+    lengths = [int(count) for _, _, count, _, _ in rows]
     total = sum(lengths)
-    _require(min(lengths) >= 0, "examples")
-    features = _array(arrays, "example_features", np.float32, (total, width))
-    classes = _array(arrays, "example_classes", np.uint8, (total,))
-    places = _array(arrays, "example_places", np.int64, (total,))
-    spreads = _array(arrays, "example_spreads", np.float64, (len(told), width))
-    _require(bool(np.isfinite(features).all() and np.isfinite(spreads).all()), "finite features")
-    _require(bool((classes < kinds).all()), "classes that there are")
+    _require(min(lengths) >= 0, "numbers of examples", min(lengths))
+    features = checked(arrays, "example_features", np.float32, (total, width), -LARGEST, LARGEST)
+    classes = checked(arrays, "example_classes", np.uint8, (total,), 0, kinds - 1)
+    places = checked(arrays, "example_places", np.int64, (total,))
+    spreads = checked(arrays, "example_spreads", np.float64, (len(rows), width), 0, LARGEST)
     ends = np.cumsum(lengths)
     found = {}
-    for k, (recording, frame, n, identity, revision) in enumerate(told):
+    for k, (recording, frame, n, identity, revision) in enumerate(rows):
         part = slice(ends[k] - n, ends[k])
         found[str(recording)[:NAME_LENGTH], int(frame)] = Examples(
             features[part], classes[part], places[part], spreads[k], str(identity), int(revision)
@@ -313,42 +302,29 @@ def _examples(
     return found
 
 
-def _trees(arrays: Mapping[str, NDArray[Any]], width: int, kinds: int) -> Trees:
-    """Check trees: the loops that read them trust every number."""
-    n, leaves = len(arrays["feature"]), len(arrays["chance"])
-    feature = _array(arrays, "feature", np.int16, (n,))
-    threshold = _array(arrays, "threshold", np.float32, (n,))
-    left = _array(arrays, "left", np.int32, (n,))
-    roots = _array(arrays, "roots", np.int32, (len(arrays["roots"]),))
-    chance = _array(arrays, "chance", np.float32, (leaves, kinds))
+def _trees(arrays: Arrays, width: int, kinds: int) -> Trees:
+    """Check trees: the loops that read them index without checks."""
+    feature = checked(arrays, "feature", np.int16, (None,), -1, width - 1)
+    chance = checked(arrays, "chance", np.float32, (None, kinds), 0, 1)
+    n, leaves = len(feature), len(chance)
+    threshold = checked(arrays, "threshold", np.float32, (n,), -LARGEST, LARGEST)
+    left = checked(arrays, "left", np.int32, (n,), 0, max(n, leaves) - 1)
+    roots = checked(arrays, "roots", np.int32, (None,), 0, n - 1)
+    _require(0 < len(roots) <= MOST_TREES, f"1 to {MOST_TREES} trees", len(roots))
     inner = feature >= 0
-    number = np.arange(n)
-    good = (
-        len(roots) > 0
-        and bool((feature < width).all())
-        and bool(((roots >= 0) & (roots < n)).all())
-        # Children come after their node, so that every way ends.
-        and bool((left[inner] > number[inner]).all() and (left[inner] + 1 < n).all())
-        and bool(((left[~inner] >= 0) & (left[~inner] < leaves)).all())
-        and bool(np.isfinite(chance).all() and np.isfinite(threshold).all())
-    )
-    _require(good, "trees whose links lead somewhere")
-    return Trees(feature, threshold, left, roots, chance)
+    # int64: the sum of an int32 link and 1 could overflow.
+    links, number = left.astype(np.int64), np.arange(n)
+    good = (links[inner] > number[inner]).all() and (links[inner] + 1 < n).all()
+    _require(bool(good), "links from each node to two later ones", "others")
+    _require(bool((links[~inner] < leaves).all()), "leaves with a row of chances", "others")
+    trees = Trees(feature, threshold, left, roots, chance)
+    _require(is_shallow(trees, MOST_DEPTH), f"at most {MOST_DEPTH} nodes from root to leaf", "more")
+    return trees
 
 
-def _array(
-    arrays: Mapping[str, NDArray[Any]], name: str, dtype: type, shape: tuple[int, ...]
-) -> NDArray[Any]:
-    found = arrays[name]
-    if found.dtype != dtype or found.shape != shape:
-        wanted, got = f"{np.dtype(dtype)} {shape}", f"{found.dtype} {found.shape}"
-        raise BadInputError(f"classifier: expected {name} {wanted}, got {got}")
-    return np.ascontiguousarray(found)
-
-
-def _require(good: bool, what: str) -> None:
+def _require(good: bool, expected: str, got: object) -> None:
     if not good:
-        raise BadInputError(f"classifier: expected {what}")
+        raise BadInputError(f"expected {expected}, got {got}")
 
 
 def check_name(name: Any) -> str:

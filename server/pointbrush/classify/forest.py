@@ -101,6 +101,18 @@ def _joined(made: Sequence[Grown]) -> Trees:
     )
 
 
+def is_shallow(trees: Trees, most: int) -> bool:
+    """Return whether at most ``most`` nodes lie on any way from a root to a leaf."""
+    nodes = np.unique(trees.roots)
+    for _ in range(most):
+        nodes = nodes[trees.feature[nodes] >= 0]
+        if not len(nodes):
+            return True
+        children = trees.left[nodes]
+        nodes = np.unique(np.concatenate([children, children + 1]))
+    return False
+
+
 @innermost
 def _random(state: NDArray[np.uint64]) -> float:
     """Return the next number of a generator (xorshift), 0 to 1."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.features import Described, ExampleFrame
 from pointbrush.classify.grid import means
+from pointbrush.classify.options import MOST_CLASSES, NAME_LENGTH
 from pointbrush.errors import BadInputError, UnavailableError
 from pointbrush.npz_service import NpzService
 
@@ -85,10 +86,15 @@ class HttpModel:
         self._seconds = (options or HttpOptions()).seconds
         most = (options or HttpOptions()).answer_bytes
         self._service = NpzService(address, "model", most)
-        told = self._service.ask("about", {"version": np.array(1)}, self._seconds)
-        self.takes, self.learns = str(told.get("takes")), bool(told.get("learns", False))
-        known: Any = told.get("classes", np.empty(0, str))
-        self.classes = tuple(str(name) for name in known.ravel())
+        about = self._service.ask("about", {"version": np.array(1)}, self._seconds)
+        self.takes, self.learns = str(about.get("takes")), bool(np.all(about.get("learns", False)))
+        known: Any = about.get("classes", np.empty(0, str))
+        if known.dtype.kind != "U" or known.size > MOST_CLASSES:
+            raise UnavailableError(
+                f"model: expected at most {MOST_CLASSES} names of classes, got {known.dtype} "
+                f"{known.shape}"
+            )
+        self.classes = tuple(str(name)[:NAME_LENGTH] for name in known.ravel())
 
     def learn(self, features: Features, classes: NDArray[np.int64], names: Sequence[str]) -> bytes:
         """Have the service learn; see ``Model``."""

@@ -12,6 +12,16 @@ MOST_BYTES = 64 * 2**20
 MOST_CLASSES = 64
 NAME_LENGTH = 128
 """Characters in a name of a classifier or class."""
+MOST_TREES = 1_024
+"""Trees in a classifier's file."""
+MOST_DEPTH = 64
+"""Nodes from a root to a leaf in a classifier's file: longer ways would take minutes a frame."""
+SMALLEST_CELL = 1e-6
+"""Metres, in a classifier's file."""
+LARGEST_CELL = 1e6
+"""Metres, in a classifier's file."""
+LARGEST = 1e30
+"""Absolute value of a feature, threshold or deviation in a classifier's file."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,12 @@ import json
 import secrets
 import uuid
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 from sqlalchemy import Connection, Row, and_, delete, func, select, update
 
-from pointbrush.errors import NotFoundError
+from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import (
     projects,
@@ -37,6 +37,10 @@ KEPT_SECONDS = 8 * 86_400.0
 JOBS_SECONDS = 7 * 86_400.0
 FIRST_WAIT, LONGEST_WAIT = 5.0, 3600.0
 """Seconds until an event is sent again, doubled each time."""
+FAILED_EVENTS = 3
+"""Events that have failed and wait; with so many, no other event of the webhook is sent."""
+MOST_WEBHOOKS = 50
+"""Of a project."""
 MOST_ATTEMPTS = 30
 """After so many, a day later, an event is given up; it stays in the list."""
 _ENDED = ("done", "failed", "cancelled")
@@ -44,7 +48,10 @@ _ENDED = ("done", "failed", "cancelled")
 
 @dataclass(frozen=True, slots=True)
 class Webhook:
-    """An address that is told events of ``topics`` of a project, signed with ``secret``."""
+    """An address that receives events of ``topics`` of a project, signed with ``secret``.
+
+    ``paused_until``: time of the next attempt while its receiver is away, otherwise None.
+    """
 
     id: str
     project: str
@@ -52,6 +59,7 @@ class Webhook:
     topics: tuple[Topic, ...]
     secret: str
     created: float
+    paused_until: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +90,9 @@ class Webhooks:
             there = select(projects.c.id).where(projects.c.id == project)
             if connection.execute(there).first() is None:
                 raise NotFoundError(f"project: expected a known id, got {project!r}")
+            count = select(func.count()).where(webhooks.c.project == project)
+            if connection.execute(count).scalar_one() >= MOST_WEBHOOKS:
+                raise BadInputError(f"webhooks: expected at most {MOST_WEBHOOKS} in a project")
             made = Webhook(
                 secrets.token_hex(8),
                 project,
@@ -90,7 +101,7 @@ class Webhooks:
                 secrets.token_urlsafe(32),
                 self._database.now(connection),
             )
-            row = {name: getattr(made, name) for name in Webhook.__dataclass_fields__}
+            row = {column.name: getattr(made, column.name) for column in webhooks.c}
             new = insert(webhooks, sqlite=self._database.sqlite)
             connection.execute(new.values(row | {"topics": json.dumps(made.topics)}))
         return made
@@ -101,7 +112,10 @@ class Webhooks:
         if project is not None:
             chosen = chosen.where(webhooks.c.project == project)
         with self._database.read() as connection:
-            return [_webhook(row) for row in connection.execute(chosen)]
+            waiting = connection.execute(_waiting(self._database.now(connection))).all()
+            until = {row.webhook: row.until for row in waiting}
+            rows = connection.execute(chosen).all()
+            return [replace(_webhook(row), paused_until=until.get(row.id)) for row in rows]
 
     def remove(self, project: str, webhook: str) -> None:
         """Remove one with what is on its way; raises NotFoundError."""
@@ -292,8 +306,26 @@ def _event_row(
 
 
 def _due(now: float) -> Any:
+    """Select the events that can be sent, none of a paused webhook."""
     events = webhook_events.c
-    return and_(events.delivered.is_(None), events.due <= now, events.attempts < MOST_ATTEMPTS)
+    paused = select(_waiting(now).subquery().c.webhook).scalar_subquery()
+    return and_(_undelivered(events), events.due <= now, events.webhook.not_in(paused))
+
+
+def _waiting(now: float) -> Any:
+    """Select the paused webhooks, and when each is tried again.
+
+    A webhook is paused while ``FAILED_EVENTS`` of its events have failed and wait for their next
+    attempt: the receiver is away then, where one event could be the receiver's fault.
+    """
+    events = webhook_events.c
+    failed = and_(_undelivered(events), events.error != "", events.due > now)
+    chosen = select(events.webhook, func.min(events.due).label("until")).where(failed)
+    return chosen.group_by(events.webhook).having(func.count() >= FAILED_EVENTS)
+
+
+def _undelivered(events: Any) -> Any:
+    return and_(events.delivered.is_(None), events.attempts < MOST_ATTEMPTS)
 
 
 def _events() -> Any:

@@ -33,6 +33,7 @@ from pointbrush.web.context import known_query
 from pointbrush.web.cookies import Cookie
 from pointbrush.web.roles import PREFIX, ROUTES, call_of
 from pointbrush.web.sessions import SESSION_DAYS, WebSessions
+from pointbrush.web.sign_ins import SignIns
 from pointbrush.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ class Gate:
         self._hosts = host_names(settings)
         self._local = is_loopback(settings.host)
         self.clients = Clients(settings.trusted_proxies)
+        self.sign_ins = SignIns()
         self.sessions = WebSessions(workspace.labels, token)
         self._browsers = BrowserAccounts(workspace.labels.signing_keys)
         issuer = settings.oidc_issuer

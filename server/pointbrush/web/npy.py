@@ -14,6 +14,7 @@ from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.npz import read_header
 from pointbrush.streaming.shared.status import MalformedError
 
 MEDIA_TYPE = "application/x-npy"
@@ -33,7 +34,12 @@ def parse(body: bytes | bytearray, dtype: np.dtype[Any], count: int) -> NDArray[
     A view on ``body`` where possible; nothing is unpickled.
     Raises MalformedError (no .npy) or BadInputError (another type or shape).
     """
-    shape, found, offset = _header(body)
+    stream = io.BytesIO(body)
+    try:
+        shape, _, found = read_header(stream)
+    except BadInputError as error:
+        raise MalformedError(f"body: {error}, {len(body)} bytes long") from error
+    offset = stream.tell()
     if found.hasobject or found.newbyteorder("=") != dtype:
         raise BadInputError(f"array: expected {dtype}, got {found}")
     if shape != (count,):
@@ -85,27 +91,6 @@ def _frame_of(name: str, frames: int, found: Container[int]) -> int:
     if int(number) in found:
         raise BadInputError(f"array: expected frame {number} once, got it again")
     return int(number)
-
-
-def _header(body: bytes | bytearray) -> tuple[tuple[int, ...], np.dtype[Any], int]:
-    stream = io.BytesIO(body)
-    try:
-        version = npy_format.read_magic(stream)
-        readers = {
-            (1, 0): npy_format.read_array_header_1_0,
-            (2, 0): npy_format.read_array_header_2_0,
-        }
-        if version not in readers:
-            raise MalformedError(f"body: expected .npy version 1.0 or 2.0, got {version}")
-        shape, _order, dtype = readers[version](stream)
-    except MalformedError:
-        raise
-    # numpy's reader evaluates the header as a literal: junk raises almost anything.
-    except Exception as error:
-        raise MalformedError(
-            f"body: expected a .npy array, got {len(body)} bytes that are none ({error})"[:300]
-        ) from error
-    return shape, dtype, stream.tell()
 
 
 def stream_array(

@@ -7,19 +7,21 @@ times and nonce are right.
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import hmac
+import json
 import logging
 import secrets
 import threading
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import quote, urlsplit
+from urllib.parse import quote, urlencode, urlsplit
 
-import httpx
 from authlib.oauth2.rfc6749.parameters import prepare_grant_uri
 from authlib.oauth2.rfc7636 import create_s256_code_challenge
 from authlib.oidc.core import CodeIDToken
@@ -35,6 +37,7 @@ from pointbrush.errors import (
     UnavailableError,
 )
 from pointbrush.labels.signing_keys import SigningKeys
+from pointbrush.outgoing import Answer, Bounds, exchange
 from pointbrush.roles import ROLES, Role
 from pointbrush.settings import Settings
 from pointbrush.web.clients import is_loopback
@@ -45,8 +48,8 @@ PURPOSE = "oidc"
 SCOPE = "openid profile email"
 FLOW_SECONDS = 600
 """For which a sign-in that was begun can be ended."""
-ANSWER_SECONDS = 10.0
-"""For which the provider is waited for."""
+BOUNDS = Bounds(seconds=10.0, answer_bytes=1 << 20)
+"""Of one call of the provider."""
 LEEWAY_SECONDS = 60
 """By which the provider's clock may be off."""
 KNOWN_SECONDS = 3600.0
@@ -119,6 +122,7 @@ class Provider:
         self.name = urlsplit(self._issuer).netloc
         self._keys = keys
         self._known: _Known | None = None
+        self._reading: Future[_Known] | None = None
         self._tried = -AGAIN_SECONDS
         self._lock = threading.Lock()
 
@@ -174,17 +178,19 @@ class Provider:
             "code_verifier": verifier,
         }
         ways = endpoints.get("token_endpoint_auth_methods_supported", ["client_secret_basic"])
-        auth = None
+        headers = {"Content-Type": "application/x-www-form-urlencoded"}
         if self._secret and "client_secret_basic" in ways:
-            auth = httpx.BasicAuth(quote(self._client, safe=""), quote(self._secret, safe=""))
+            pair = f"{quote(self._client, safe='')}:{quote(self._secret, safe='')}"
+            headers["Authorization"] = f"Basic {base64.b64encode(pair.encode()).decode()}"
         elif self._secret:
             form["client_secret"] = self._secret
-        with _client(auth) as client, _asked():
-            answer = client.post(endpoints["token_endpoint"], data=form)
-            if 400 <= answer.status_code < 500:
+        with _asked():
+            address, body = endpoints["token_endpoint"], urlencode(form).encode()
+            answer = exchange("POST", address, BOUNDS, headers=headers, body=body)
+            if 400 <= answer.status < 500:
                 raise UnauthorizedError(
                     "code: expected one that the provider takes, got one that it refused",
-                    private=answer.text[:200],
+                    private=answer.body[:200].decode(errors="replace"),
                 )
             return _object(answer)
 
@@ -239,46 +245,62 @@ class Provider:
         return found[-1]
 
     def _look(self, oldest: float = KNOWN_SECONDS) -> _Known:
-        """Return the provider's description and keys, read anew once older than ``oldest`` s.
+        """Return the provider's description and keys, read again once older than ``oldest`` s.
 
-        What is known stays where the provider is away.  Raises UnavailableError.
+        One caller reads them.  Others get the known ones at once, or wait for it where none are
+        known.  Known ones are kept where the provider is away.  Raises UnavailableError.
         """
         with self._lock:
-            now, known = time.monotonic(), self._known
-            if known is not None and now - known.read < oldest:
+            now, known, reading = time.monotonic(), self._known, self._reading
+            if known is not None and (now - known.read < oldest or reading is not None):
                 return known
-            if now - self._tried < AGAIN_SECONDS:
-                if known is None:
-                    raise UnavailableError("sign-in: expected the provider to answer, it did not")
-                return known
-            self._tried = now
-            try:
-                self._known = known = self._read(now)
-            except PointbrushError as error:
-                if known is None:
-                    raise
+            if reading is None:
+                if now - self._tried < AGAIN_SECONDS:
+                    if known is None:
+                        raise UnavailableError(
+                            "sign-in: expected the provider to answer, it did not"
+                        )
+                    return known
+                self._tried, mine = now, Future[_Known]()
+                self._reading = mine
+        return reading.result() if reading is not None else self._read_again(mine, known, now)
+
+    def _read_again(self, reading: Future[_Known], known: _Known | None, now: float) -> _Known:
+        """Read the provider's description and keys for all callers that wait."""
+        try:
+            reading.set_result(self._read(now))
+        except PointbrushError as error:
+            if known is None:
+                reading.set_exception(error)
+            else:
                 log.warning("%s", error.whole)
-            return known
+                reading.set_result(known)
+        with self._lock:
+            self._reading = None
+            self._known = known if reading.exception() else reading.result()
+        return reading.result()
 
     def _read(self, now: float) -> _Known:
         """Ask the provider for its description and keys."""
-        with _client() as client, _asked():
-            place = f"{self._issuer.rstrip('/')}/.well-known/openid-configuration"
-            described = _object(client.get(place).raise_for_status())
+        with _asked():
+            described = _fetch(f"{self._issuer.rstrip('/')}/.well-known/openid-configuration")
             if described.get("issuer") != self._issuer:
                 raise ValueError(f"issuer {described.get('issuer')!r}")
             for name in ENDPOINTS:
                 _require_private(name, described[name])
-            told = _object(client.get(described["jwks_uri"]).raise_for_status())
+            found = _fetch(described["jwks_uri"])
             # Keys to encrypt with, or of kinds that do not count, are none to sign with.
-            usable = [key for key in told["keys"] if key.get("use", "sig") == "sig"]
+            usable = [key for key in found["keys"] if key.get("use", "sig") == "sig"]
             kinds = [key for key in usable if key.get("kty") in ("RSA", "EC")]
             return _Known(described, KeySet.import_key_set({"keys": kinds}), now)
 
 
-def _client(auth: httpx.BasicAuth | None = None) -> httpx.Client:
-    """Return a client that follows no redirect; each answer is waited for a while."""
-    return httpx.Client(auth=auth, timeout=ANSWER_SECONDS, follow_redirects=False)
+def _fetch(address: str) -> dict[str, Any]:
+    """Return the JSON object at an address of the provider."""
+    answer = exchange("GET", address, BOUNDS)
+    if not answer.success:
+        raise ValueError(f"status {answer.status}")
+    return _object(answer)
 
 
 @contextmanager
@@ -286,18 +308,20 @@ def _asked() -> Iterator[None]:
     """Say of a provider that is away, or answers what it should not, that it is unavailable."""
     try:
         yield
-    except (httpx.HTTPError, JoseError, ValueError, KeyError, TypeError, AttributeError) as error:
-        if isinstance(error, PointbrushError):
-            raise
+    except UnauthorizedError:
+        raise
+    except (
+        PointbrushError, JoseError, ValueError, KeyError, TypeError, AttributeError, RecursionError,
+    ) as error:  # fmt: skip
         raise UnavailableError(
             "sign-in: expected a right answer of the provider, got none",
             private=f"{type(error).__name__}: {error}",
         ) from None
 
 
-def _object(answer: httpx.Response) -> dict[str, Any]:
+def _object(answer: Answer) -> dict[str, Any]:
     """Return the JSON object of an answer; raises ValueError for anything else."""
-    found = answer.json()
+    found = json.loads(answer.body)
     if not isinstance(found, dict):
         raise ValueError("no JSON object")  # noqa: TRY004 – of the answer, not of our call
     return found

@@ -25,6 +25,8 @@ export interface Webhook {
   readonly id: string;
   readonly url: string;
   readonly topics: readonly string[];
+  /** ISO 8601; null while its receiver answers. */
+  readonly paused_until: string | null;
 }
 
 /** An event that was told to a webhook, or is to be: `delivered` is null until it has arrived. */

@@ -55,6 +55,12 @@ function Entry({ webhook }: { webhook: Webhook }) {
           onClick={() => void removeWebhook(webhook)}
         />
       </div>
+      {webhook.paused_until && (
+        <p class="webhook-bad">
+          The receiver does not answer. Next attempt at{' '}
+          {new Date(webhook.paused_until).toLocaleTimeString()}.
+        </p>
+      )}
       {own && (
         <p class="webhook-secret" role="status">
           Secret, shown only once: <code>{own}</code>

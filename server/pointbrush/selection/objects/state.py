@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -11,12 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.selection.objects.sums import Pieces
+from pointbrush.npz import Arrays, checked, read_npz
+from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
 VERSION = 3
 """Of the file; a state of another version is prepared anew."""
+MOST_BYTES = 16 * 2**30
+"""Of the file, unpacked: some 400 bytes a cell, and a cell holds a point or more."""
+FINITE = (-1e30, 1e30)
+"""Bounds of coordinates, metres."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,18 +108,40 @@ class ObjectState:
         Raises BadInputError for one of another version and for anything else.
         """
         try:
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-                if int(stored["version"]) != VERSION:
-                    raise BadInputError(
-                        f"{path.name}: expected version {VERSION}, got {stored['version']}"
-                    )
-                values: dict[str, Any] = {each.name: stored[each.name] for each in fields(cls)}
-        except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            return _state(read_npz(path, MOST_BYTES))
+        except (OSError, BadInputError, ValueError, TypeError) as error:
             raise BadInputError(f"{path.name}: expected a saved object state: {error}") from None
-        sensor, size = str(values.pop("sensor")), float(values.pop("size"))
-        if sensor not in SENSOR_KINDS:
-            raise BadInputError(f"{path.name}: expected a known sensor, got {sensor!r}")
-        return cls(sensor=sensor, size=size, **values)
+
+
+def _state(arrays: Arrays) -> ObjectState:
+    """Check the arrays of a state: the loops that read them index without checks."""
+    version = int(checked(arrays, "version", np.int64, ()))
+    if version != VERSION:
+        raise BadInputError(f"expected version {VERSION}, got {version}")
+    sensor, size = str(arrays.get("sensor")), float(checked(arrays, "size", np.float64, ()))
+    if sensor not in SENSOR_KINDS:
+        raise BadInputError(f"expected a known sensor, got {sensor!r}")
+    score = checked(arrays, "score", np.float32, (None,))
+    nodes = len(score)
+    pieces = nodes - int(np.isfinite(score).sum())
+    center = checked(arrays, "center", np.float32, (None, 3), *FINITE)
+    pairs = checked(arrays, "pairs", np.int32, (None, 2), 0, pieces - 1)
+    parent = checked(arrays, "parent", np.int32, (nodes,), -1, nodes - 1)
+    inner = parent >= 0
+    if not (np.isposinf(score[:pieces]).all() and (parent > np.arange(nodes))[inner].all()):
+        raise BadInputError("expected pieces, then nodes with later parents, got another order")
+    return ObjectState(
+        sensor, size,
+        checked(arrays, "of_point", np.int32, (None,), -1, len(center) - 1),
+        center,
+        checked(arrays, "piece", np.int32, (len(center),), 0, pieces - 1),
+        pairs,
+        checked(arrays, "between", np.float32, (len(pairs), PAIR_WIDTH)),
+        parent,
+        score,
+        checked(arrays, "sums", np.float64, (nodes, WIDTH)),
+        checked(arrays, "first", np.float32, (len(pairs),)),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,7 +14,6 @@ Version 1 of the calls, each a POST with an .npz body and an .npz answer:
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, UnavailableError
-from pointbrush.npz_service import Arrays, NpzService
+from pointbrush.npz import Arrays, checked, read_npz
+from pointbrush.npz_service import NpzService
 from pointbrush.selection.objects import ObjectFrame
 from pointbrush.selection.selectors.interface import Mask, Region, StateLostError
 
@@ -107,9 +107,10 @@ class HttpSelector:
     def load(self, path: Path) -> _Remote:
         """Read a state; raises BadInputError for anything else."""
         try:
-            with np.load(path, allow_pickle=False) as stored:
-                return _Remote(stored["state"], int(stored["count"]))
-        except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            stored = read_npz(path, self._options.answer_bytes)
+            count = int(checked(stored, "count", np.int64, ()))
+            return _Remote(checked(stored, "state", np.uint8, (None,)), count)
+        except (OSError, BadInputError) as error:
             raise BadInputError(f"{path.name}: expected a saved state: {error}") from None
 
     def _numbers(self, answer: Arrays, name: str, count: int) -> Mask:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from anyio import to_thread
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel
@@ -56,8 +58,28 @@ def provider(request: Request) -> ProviderOut:
 
 
 @router.get("/login")
-def login(request: Request) -> Response:
+async def login(request: Request) -> Response:
     """Send the browser to the provider."""
+    return await _in_own_thread(request, _login)
+
+
+@router.get("/callback")
+async def callback(request: Request) -> Response:
+    """Take the provider's answer, begin a session, and go to the page."""
+    return await _in_own_thread(request, _callback)
+
+
+async def _in_own_thread(request: Request, step: Callable[[Request], Response]) -> Response:
+    """Run a step of a sign-in apart from the threads of all other calls: it may wait long."""
+    gate: Gate = request.app.state.gate
+    try:
+        with gate.sign_ins.one_of(gate.clients.address(request)):
+            return await to_thread.run_sync(step, request, limiter=gate.sign_ins.threads)
+    except PointbrushError as error:
+        return _refused(request, error)
+
+
+def _login(request: Request) -> Response:
     try:
         known = _provider(request)
         address, kept = known.begin(_back(request))
@@ -72,9 +94,7 @@ def login(request: Request) -> Response:
     return response
 
 
-@router.get("/callback")
-def callback(request: Request) -> Response:
-    """Take the provider's answer, begin a session, and go to the page."""
+def _callback(request: Request) -> Response:
     gate: Gate = request.app.state.gate
     try:
         known = _provider(request)

@@ -32,6 +32,9 @@ class WebhookOut(Out):
     url: str
     topics: list[Topic]
     created: datetime
+    paused_until: Annotated[
+        datetime | None, Field(description="time of the next attempt while the receiver is away")
+    ] = None
 
 
 class NewWebhookOut(WebhookOut):

@@ -5,16 +5,13 @@ from __future__ import annotations
 import base64
 import hashlib
 import hmac
-import ipaddress
 import logging
-import socket
 import threading
 import time
 
-import httpx
-
-from pointbrush.errors import BadInputError, ForbiddenError, PointbrushError, UnavailableError
+from pointbrush.errors import PointbrushError, UnavailableError
 from pointbrush.labels.webhooks import TOPICS, Delivery, Topic, Webhook, Webhooks
+from pointbrush.outgoing import Bounds, exchange, parse_url, resolve
 
 log = logging.getLogger(__name__)
 LOOK_SECONDS = 1.0
@@ -22,11 +19,11 @@ LOOK_SECONDS = 1.0
 FOLD_SECONDS = 60.0
 """Interval in which edits of labels become an event."""
 ANSWER_SECONDS = 10.0
-"""Longest wait for a receiver."""
+"""For one exchange with a receiver, as a whole."""
 LONGEST_ERROR = 200
 END_SECONDS = 2.0
 """Longest wait for receivers when the server ends."""
-AT_ONCE = 8
+AT_ONCE = 32
 """Receivers that are told at the same time, each by a thread of its own."""
 
 
@@ -47,7 +44,8 @@ class Hooks:
 
         Raises BadInputError for no address, ForbiddenError for one that is not public.
         """
-        address_of(url, private=self._private)
+        parsed = parse_url(url)
+        resolve(parsed.host, parsed.port or 443, public=not self._private)
         return self._webhooks.add(project, url, topics or list(TOPICS))
 
     def all(self, project: str) -> list[Webhook]:
@@ -126,22 +124,18 @@ class Hooks:
                 del self._telling[webhook]
 
     def _send(self, delivery: Delivery) -> str:
-        """Send an event; returns what went wrong, or ""."""
+        """Send an event; returns the error, or ""."""
         try:
-            address = address_of(delivery.url, private=self._private)
-            url = httpx.URL(delivery.url)
-            headers = headers_of(delivery, int(time.time())) | {"Host": url.netloc.decode()}
-            # Redirects are not followed: they would lead past the check of the address.
-            with httpx.Client(timeout=ANSWER_SECONDS, trust_env=False) as http:
-                answer = http.post(
-                    url.copy_with(host=address),
-                    content=delivery.body.encode(),
-                    headers=headers,
-                    extensions={"sni_hostname": url.host},
-                )
-        except (PointbrushError, httpx.HTTPError) as error:
-            return (str(error) or type(error).__name__)[:LONGEST_ERROR]
-        return "" if answer.is_success else f"answered {answer.status_code}"
+            answer = exchange(
+                "POST",
+                delivery.url,
+                Bounds(ANSWER_SECONDS, answer_bytes=0, public=not self._private),
+                headers=headers_of(delivery, int(time.time())),
+                body=delivery.body.encode(),
+            )
+        except PointbrushError as error:
+            return str(error)[:LONGEST_ERROR]
+        return "" if answer.success else f"answered {answer.status}"
 
 
 def headers_of(delivery: Delivery, now: int) -> dict[str, str]:
@@ -157,30 +151,3 @@ def headers_of(delivery: Delivery, now: int) -> dict[str, str]:
         "webhook-timestamp": str(now),
         "webhook-signature": f"v1,{base64.b64encode(digest).decode()}",
     }
-
-
-def address_of(url: str, *, private: bool) -> str:
-    """Return the address that a URL leads to now, to be connected to as it is.
-
-    Raises BadInputError for another scheme or an unknown host, ForbiddenError for an address of
-    this machine or a private network.
-    """
-    try:
-        parsed = httpx.URL(url)
-    except httpx.InvalidURL:
-        raise BadInputError(f"url: expected http(s)://host/…, got {url[:80]!r}") from None
-    if parsed.scheme not in ("http", "https") or not parsed.host:
-        raise BadInputError(f"url: expected http(s)://host/…, got {url[:80]!r}")
-    if parsed.userinfo:
-        raise BadInputError("url: expected none with a password: events are signed")
-    try:
-        found = socket.getaddrinfo(parsed.host, parsed.port or 443, type=socket.SOCK_STREAM)
-    except (OSError, UnicodeError):
-        raise BadInputError(f"url: expected a host that is known, got {parsed.host!r}") from None
-    addresses = [str(each[4][0]).partition("%")[0] for each in found]
-    if not private and not all(ipaddress.ip_address(each).is_global for each in addresses):
-        raise ForbiddenError(
-            f"url: expected a public address, {parsed.host!r} is of this machine or a private "
-            "network (see the option webhook_private)"
-        )
-    return addresses[0]
