@@ -65,7 +65,7 @@ def exchange(
     url: str,
     bounds: Bounds,
     *,
-    headers: Mapping[bytes | str, bytes | str] | None = None,
+    headers: Mapping[str, str] | None = None,
     body: bytes = b"",
 ) -> Answer:
     """Send a request and return its answer.
@@ -75,27 +75,20 @@ def exchange(
     """
     target = parse_url(url)
     deadline = time.monotonic() + bounds.seconds
+    wire = httpcore.URL(
+        scheme=target.raw_scheme, host=target.raw_host, port=target.port, target=target.raw_path
+    )
+    given = {
+        "Host": target.netloc.decode(),
+        "Accept-Encoding": "identity",
+        "Content-Length": str(len(body)),
+        "Connection": "close",
+    } | dict(headers or {})
     try:
         with ExitStack() as stack:
             pool = stack.enter_context(_pool(target, _Network(deadline, bounds.public), bounds))
             response = stack.enter_context(
-                pool.stream(
-                    method,
-                    httpcore.URL(
-                        scheme=target.raw_scheme,
-                        host=target.raw_host,
-                        port=target.port,
-                        target=target.raw_path,
-                    ),
-                    headers={
-                        "Host": target.netloc.decode(),
-                        "Accept-Encoding": "identity",
-                        "Content-Length": str(len(body)),
-                        "Connection": "close",
-                        **(headers or {}),
-                    },
-                    content=body,
-                )
+                pool.stream(method, wire, headers=list(given.items()), content=body)
             )
             answer = b"".join(_read(response.iter_stream(), bounds.answer_bytes))
             return Answer(response.status, answer)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import hashlib
 import json
@@ -47,6 +48,7 @@ class Provider:
     header: dict[str, str] = field(default_factory=lambda: {"alg": "RS256", "kid": "one"})
     signing: rsa.RSAPrivateKey | None = None
     codes: dict[str, dict[str, str]] = field(default_factory=dict)
+    answering: asyncio.Event = field(default_factory=asyncio.Event)
 
     def token(self, nonce: str) -> str:
         now = int(time.time())
@@ -100,6 +102,7 @@ def app_of(provider: Provider) -> FastAPI:
     @app.post("/token")
     async def token(request: Request) -> JSONResponse:
         body = parse_qs((await request.body()).decode())
+        await provider.answering.wait()
         form = {name: values[0] for name, values in body.items()}
         given = provider.exchange(form, request.headers.get("authorization", ""))
         refused = JSONResponse({"error": "invalid_grant"}, status_code=400)
@@ -114,6 +117,7 @@ def providing() -> Iterator[Provider]:
     listener = listen("127.0.0.1", 0)
     key = rsa.generate_private_key(65537, 2048)
     provider = Provider(f"http://127.0.0.1:{listener.getsockname()[1]}", key)
+    provider.answering.set()
     server = uvicorn.Server(uvicorn.Config(app_of(provider), log_level="error"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
     thread.start()

@@ -164,6 +164,8 @@ def test_frames_of_known_truth_score_who_labels_them(people: dict[str, Client]) 
     copy = ada[task.sequence]
     assert not copy.frames[0].annotation().any()
     assert [each.name for each in copy.labels()] == ["car", "tree"]
+    assert ada.projects["default"].statistics()["classes"] == []  # as the truth has them
+    assert {each["name"] for each in project.statistics()["classes"]} == {"car", "tree"}
     other = copy.create_label("car 2", category="car").id
     paint(ada, task.sequence, (car, 0, 100), (other, 200, 300))
     assert project.scores() == []

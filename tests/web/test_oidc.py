@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +17,10 @@ from postgres import postgres_server  # noqa: F401  # a fixture
 from pointbrush.errors import BadInputError
 from pointbrush.web import oidc
 from pointbrush.web.app import create_app
+from pointbrush.web.sign_ins import FROM_ONE_ADDRESS
 from pointbrush.workspace import Workspace
 from tests.serving import Served, add_sequence, serving, settings_in
+from tests.waiting import PATIENCE, eventually
 from tests.web.oidc_provider import CLIENT, SECRET, Provider, providing
 
 ADA = {"sub": "1", "email": "ada@lab.example", "email_verified": True}
@@ -216,6 +220,36 @@ def test_settings_that_cannot_be_right_are_refused(tmp_path: Path, option: str, 
             create_app(workspace, settings)
     finally:
         workspace.close()
+
+
+def test_strangers_with_codes_that_hang_delay_no_other_call(
+    running: tuple[Served, Provider], provider: Provider, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    served = running[0]
+    strangers = 45  # more than the threads that answer REST
+    monkeypatch.setattr(oidc, "BOUNDS", replace(oidc.BOUNDS, seconds=PATIENCE))
+    begun = []
+    for _ in range(strangers):
+        login = httpx.get(f"{served.url}/api/v1/oidc/login")
+        begun.append((login.cookies, httpx.URL(login.headers["location"]).params["state"]))
+    provider.answering.clear()
+
+    def try_code(number: int) -> int:
+        cookies, state = begun[number]
+        with httpx.Client(base_url=served.url, cookies=cookies, timeout=PATIENCE) as client:
+            query = {"code": "made up", "state": state}
+            return client.get("/api/v1/oidc/callback", params=query).status_code
+
+    with ThreadPoolExecutor(strangers) as threads:
+        tries = [threads.submit(try_code, number) for number in range(strangers)]
+        try:
+            eventually(lambda: sum(each.done() for each in tries) == strangers - FROM_ONE_ADDRESS)
+            answer = httpx.get(f"{served.url}/api/v1/sequences/wall", headers=served.headers)
+        finally:
+            provider.answering.set()
+    assert answer.status_code == 200
+    states = sorted(each.result() for each in tries)
+    assert states == [401] * FROM_ONE_ADDRESS + [429] * (strangers - FROM_ONE_ADDRESS)
 
 
 def test_without_a_provider_there_is_none(anyone: httpx.Client) -> None:

@@ -153,6 +153,20 @@ def test_a_project_with_roles_is_not_there_for_others(
         people["grace"].projects["night"].tasks()
 
 
+def heard_jobs(served: Served, secret: str, *jobs: Job) -> list[str | None]:
+    """Return the recordings of those jobs that reach a viewer; the last one must."""
+
+    async def listen() -> list[str | None]:
+        async with viewer(served.url, secret) as client:
+            await client.open("day")
+            for job in jobs:
+                served.workspace._listeners.tell(job)
+            await client.until("job", id=jobs[-1].id)
+            return [each["sequence"] for each in client.log if each["type"] == "job"]
+
+    return asyncio.run(listen())
+
+
 def test_jobs_of_a_project_are_not_told_to_others(
     people: dict[str, Client], served: Served
 ) -> None:
@@ -164,16 +178,32 @@ def test_jobs_of_a_project_are_not_told_to_others(
         Job("tracking", "day"),
     )
 
-    async def heard(secret: str) -> list[str]:
-        async with viewer(served.url, secret) as client:
-            await client.open("day")
-            for job in told:
-                served.workspace._listeners.tell(job)
-            await client.until("job", id=told[-1].id)
-            return [each["sequence"] for each in client.log if each["type"] == "job"]
+    assert heard_jobs(served, secrets["annotator"], *told) == ["day"]
+    assert heard_jobs(served, secrets["manager"], *told) == ["night", "not-there-yet", "day"]
 
-    assert asyncio.run(heard(secrets["annotator"])) == ["day"]
-    assert asyncio.run(heard(secrets["manager"])) == ["night", "not-there-yet", "day"]
+
+def test_a_recording_with_the_id_of_a_deleted_one_is_another_one(
+    people: dict[str, Client], served: Served
+) -> None:
+    """The first one is in a project that the guest has no role in, the second one in none."""
+    lead, guest = people["lead"], people["guest"]
+    before = Job("tracking", "twice")
+    cloud = served.workspace.settings.roots[0] / "twice.xyz"
+    cloud.write_text("".join(f"{x} 0 0\n" for x in range(20)))
+    secret = served.workspace.labels.tokens.add("annotator", "guest two")
+    assert lead.import_path(cloud, project="night").id == "twice"
+    with pytest.raises(NotFoundError):
+        guest["twice"].labels()
+    lead["twice"].delete()
+    assert lead.import_path(cloud).id == "twice"
+    assert len(guest["twice"].frames) == 1
+    assert "twice" in {each.id for each in guest.sequences()}
+    assert "twice" not in {each.id for each in guest.deleted()}
+    assert "twice" in {each.id for each in lead.deleted()}
+    after = Job("tracking", "twice")
+    assert heard_jobs(served, secret, before, after) == ["twice"]
+    assert heard_jobs(served, secret, before, Job("tracking", "day")) == ["day"]
+    lead["twice"].delete()
 
 
 def test_the_same_by_code_that_awaits(people: dict[str, Client], served: Served) -> None:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from sqlalchemy import Connection, case, select
+from sqlalchemy import Connection, select
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import project_roles, tasks
 from pointbrush.labels.projects import OVERSEES, role_in
-from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, sequences
+from pointbrush.labels.schema import PROJECT_OF, WHOLE, sequences
 from pointbrush.roles import Role, includes
 
 COMPARES: Role = "reviewer"
@@ -47,28 +48,41 @@ class Sight:
 class _Known:
     """Roles of each project that has any, and its recordings, as of a moment.
 
-    ``copies``: those who have tasks in each copy for one person; ``homes``: its project.
+    ``numbers``: the recordings that had an id one after the other, each with the time of its
+    deletion.  All else is by their permanent number.  ``copies``: the people with tasks in each
+    copy for one person; ``homes``: its project.
     """
 
     roles: Mapping[str, Mapping[str, Role]] = field(default_factory=dict)
-    projects: Mapping[str, str] = field(default_factory=dict)
-    copies: Mapping[str, set[str]] = field(default_factory=dict)
-    homes: Mapping[str, str] = field(default_factory=dict)
-    originals: Mapping[str, _Original] = field(default_factory=dict)
+    numbers: Mapping[str, Sequence[tuple[float, int]]] = field(default_factory=dict)
+    projects: Mapping[int, str] = field(default_factory=dict)
+    copies: Mapping[int, set[str]] = field(default_factory=dict)
+    homes: Mapping[int, str] = field(default_factory=dict)
+    originals: Mapping[int, _Original] = field(default_factory=dict)
     read: float = -REFRESH_SECONDS
 
-    def hides(self, sequence: str, account: str) -> bool:
+    def number(self, sequence: str, at: float | None) -> int | None:
+        """Return the recording that had an id at a time, None: has it now or had it last."""
+        lives = self.numbers.get(sequence, ())
+        when = math.inf if at is None else at
+        return next(
+            (number for end, number in lives if end >= when), lives[-1][1] if lives else None
+        )
+
+    def hides(self, number: int, account: str) -> bool:
         """Return whether it is another person's copy, or one that an account has a copy of."""
-        people, original = self.copies.get(sequence), self.originals.get(sequence)
+        people, original = self.copies.get(number), self.originals.get(number)
         if people is not None:
             return account not in people
         return original is not None and original.hides_from(account)
 
-    def role(self, sequence: str, account: str, role: Role) -> Role | None:
-        """See ``Access.to_sequence``."""
-        project = self.projects.get(sequence)
+    def role(self, number: int | None, account: str, role: Role) -> Role | None:
+        """Return the role of an account in a recording; None: the recording is not for it."""
+        if number is None:
+            return role
+        project = self.projects.get(number)
         own = role if project is None else role_in(self.roles[project], account, role)
-        if own is None or includes(own, COMPARES) or not self.hides(sequence, account):
+        if own is None or includes(own, COMPARES) or not self.hides(number, account):
             return own
         return None
 
@@ -81,29 +95,53 @@ class Access:
         self._lock = threading.Lock()
         self._known = _Known()
 
-    def to_sequence(self, sequence: str, account: str, role: Role) -> Role | None:
-        """Role in a recording of an account that has ``role`` in the workspace; None: none."""
+    def to_sequence(
+        self, sequence: str, account: str, role: Role, at: float | None = None
+    ) -> Role | None:
+        """Role in a recording of an account that has ``role`` in the workspace; None: none.
+
+        ``at``: in the recording that had the id at a time, seconds since the epoch, rather than in
+        the one that has it now.
+        """
         if includes(role, OVERSEES):
             return role
-        found = self._look().role(sequence, account, role)
-        if found is None:  # until a moment ago: nobody waits for what they were just given
-            found = self._look_anew().role(sequence, account, role)
+        known = self._look()
+        number = known.number(sequence, at)
+        found = known.role(number, account, role)
+        if found is None or number is None:  # a role or the recording may be a moment old
+            known = self._look_anew()
+            found = known.role(known.number(sequence, at), account, role)
         return found
+
+    def to_number(self, number: int, account: str, role: Role) -> Role | None:
+        """Role in a recording by its permanent number, deleted or not."""
+        return role if includes(role, OVERSEES) else self._look_anew().role(number, account, role)
 
     def to_sequences(self, wanted: Iterable[str], account: str, role: Role) -> dict[str, Role]:
         """Roles in many recordings at once; those that are not for the account are left out."""
         if includes(role, OVERSEES):
             return dict.fromkeys(wanted, role)
         known = self._look_anew()
-        roles = ((sequence, known.role(sequence, account, role)) for sequence in wanted)
+        roles = (
+            (sequence, known.role(known.number(sequence, None), account, role))
+            for sequence in wanted
+        )
         return {sequence: own for sequence, own in roles if own is not None}
 
     def sight(self, account: str) -> Sight:
         """Find the recordings that copies hide from an account, and its own copies."""
         known = self._look_anew()
-        names = [*known.copies, *known.originals]
-        own = {name: known.homes[name] for name, who in known.copies.items() if account in who}
-        return Sight(frozenset(name for name in names if known.hides(name, account)), own)
+        names = {
+            lives[-1][1]: name for name, lives in known.numbers.items() if lives[-1][0] == math.inf
+        }
+        numbers = [number for number in (*known.copies, *known.originals) if number in names]
+        own = {
+            names[number]: known.homes[number]
+            for number, people in known.copies.items()
+            if account in people and number in names
+        }
+        hidden = (names[number] for number in numbers if known.hides(number, account))
+        return Sight(frozenset(hidden), own)
 
     def to_project(self, project: str, account: str, role: Role) -> Role | None:
         """The same in a project."""
@@ -125,51 +163,50 @@ class Access:
             if time.monotonic() - self._known.read < REFRESH_SECONDS:
                 return self._known
             roles: dict[str, dict[str, Role]] = {}
-            closed = select(project_roles.c.project)
-            # Deleted ones first: one that is there may have the id of one that was deleted.
-            held = (
-                select(sequences.c.id, PROJECT_OF.label("project"))
-                .where(PROJECT_OF.in_(closed))
-                .order_by(case((LIVE, 1), else_=0))
-            )
+            numbers: dict[str, list[tuple[float, int]]] = defaultdict(list)
+            projects: dict[int, str] = {}
+            rows = select(
+                sequences.c.id, sequences.c.number, sequences.c.deleted,
+                PROJECT_OF.label("project"),
+            )  # fmt: skip
             with self._database.read() as connection:
                 for row in connection.execute(select(project_roles)):
                     roles.setdefault(row.project, {})[row.account] = row.role
-                found = {row.id: row.project for row in connection.execute(held)} if roles else {}
+                for row in connection.execute(rows):
+                    end = math.inf if row.deleted is None else row.deleted
+                    numbers[row.id].append((end, row.number))
+                    if row.project in roles:
+                        projects[row.number] = row.project
                 copies = _copies(connection)
-            self._known = _Known(roles, found, *copies, time.monotonic())
+            for lives in numbers.values():
+                lives.sort()
+            self._known = _Known(roles, numbers, projects, *copies, time.monotonic())
             return self._known
 
 
 def _copies(
     connection: Connection,
-) -> tuple[dict[str, set[str]], dict[str, str], dict[str, _Original]]:
+) -> tuple[dict[int, set[str]], dict[int, str], dict[int, _Original]]:
     """Return the people and the project of each copy, and the recordings that have copies."""
-    whole = sequences.alias()
     chosen = (
         select(
-            sequences.c.id, sequences.c.copy_kind, sequences.c.deleted, PROJECT_OF.label("project"),
-            whole.c.id.label("original"), tasks.c.assignee,
+            sequences.c.number, sequences.c.copy_of, sequences.c.copy_kind, sequences.c.deleted,
+            PROJECT_OF.label("project"), tasks.c.assignee,
         )
-        .join(whole, whole.c.number == sequences.c.copy_of)
         .join(tasks, tasks.c.sequence == sequences.c.number, isouter=True)
         .where(~WHOLE)
     )  # fmt: skip
-    people: dict[str, set[str]] = defaultdict(set)
-    homes: dict[str, str] = {}
-    originals: dict[str, _Original] = defaultdict(_Original)
+    people: dict[int, set[str]] = defaultdict(set)
+    homes: dict[int, str] = {}
+    originals: dict[int, _Original] = defaultdict(_Original)
     for row in connection.execute(chosen):
-        people[row.id].add(row.assignee or "")
-        homes[row.id] = row.project
+        people[row.number].add(row.assignee or "")
+        homes[row.number] = row.project
         if row.deleted is None:
-            one = originals[row.original]
+            one = originals[row.copy_of]
             one.copied.add(row.assignee or "")
             one.truth |= row.copy_kind == "truth"
-    known = [*people, *originals]
-    own = select(sequences.c.id, tasks.c.assignee).where(LIVE, WHOLE, sequences.c.id.in_(known))
-    own = own.join(tasks, tasks.c.sequence == sequences.c.number, isouter=True)
-    for name, account in connection.execute(own) if known else ():
-        people.pop(name, None)  # of a copy that was deleted before there was another one
-        if name in originals:
-            originals[name].people.add(account or "")
+    own = select(tasks.c.sequence, tasks.c.assignee).where(tasks.c.sequence.in_(list(originals)))
+    for number, account in connection.execute(own) if originals else ():
+        originals[number].people.add(account or "")
     return people, homes, originals

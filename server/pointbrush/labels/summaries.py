@@ -144,9 +144,9 @@ class Summaries:
             chosen = chosen.where(*_conditions(connection, search))
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
-    def figures(self, project: str, effort: Effort) -> Figures:
-        """Return the figures of a project."""
-        here = and_(project == PROJECT_OF, LIVE, WHOLE)
+    def figures(self, project: str, effort: Effort, without: Collection[str] = ()) -> Figures:
+        """Return the figures of a project, but for those of recordings ``without``."""
+        here = and_(project == PROJECT_OF, LIVE, WHOLE, sequences.c.id.not_in(without))
         with self._database.read() as connection:
             number = connection.execute(select(func.count()).where(here)).scalar_one()
             frames = select(counts.c.sequence, counts.c.frame).distinct()

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
-from sqlalchemy import Connection, Row, and_, delete, func, select, update
+from sqlalchemy import Connection, Row, and_, delete, func, or_, select, update
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels.database import Database
@@ -179,14 +179,20 @@ class Webhooks:
 
     def _gather_jobs(self, connection: Connection, webhook: Webhook, now: float) -> None:
         since = max(webhook.created, now - JOBS_SECONDS)
+        # The job's recording is the first of its id that was not deleted before the job began.
+        held = or_(sequences.c.deleted.is_(None), sequences.c.deleted >= jobs.c.created)
         chosen = (
             select(jobs, PROJECT_OF.label("project"))
-            .join(sequences, and_(sequences.c.id == jobs.c.sequence, LIVE), isouter=True)
+            .join(sequences, and_(sequences.c.id == jobs.c.sequence, held), isouter=True)
             .where(jobs.c.state.in_(_ENDED), jobs.c.created >= since)
+            .order_by(jobs.c.created, sequences.c.deleted.is_(None), sequences.c.deleted)
         )
+        seen = set()
         for row in connection.execute(chosen).all():
-            if row.project != webhook.project:
+            if row.id in seen or row.project != webhook.project:
+                seen.add(row.id)
                 continue
+            seen.add(row.id)
             body = {name: row._mapping[name] for name in ("id", "kind", "sequence", "state")}
             key = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{webhook.id} {row.id}"))
             self._put(connection, webhook, key, "job", body | {"error": row.error}, now)

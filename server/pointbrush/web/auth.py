@@ -25,6 +25,7 @@ from pointbrush.errors import (
 from pointbrush.job import Job
 from pointbrush.labels import Token
 from pointbrush.labels.accounts import OWNER, digest_of
+from pointbrush.labels.recordings import Known
 from pointbrush.roles import ROLES, Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.browser_accounts import BrowserAccounts, new_account
@@ -237,7 +238,15 @@ class Gate:
         access = self._workspace.labels.team.access
         if project and access.to_project(project, principal.author, principal.role) is None:
             return False
-        return self.may_see(principal, job.sequence)
+        if job.sequence is None:
+            return True
+        role = access.to_sequence(job.sequence, principal.author, principal.role, job.created)
+        return role is not None
+
+    def may_see_deleted(self, principal: Principal, known: Known) -> bool:
+        """Whether a recording is for a caller, whatever has its id now."""
+        access = self._workspace.labels.team.access
+        return access.to_number(known.number, principal.author, principal.role) is not None
 
     def require_seen(self, principal: Principal, *sequences: str) -> None:
         """Raise NotFoundError unless all of the recordings are for a caller."""

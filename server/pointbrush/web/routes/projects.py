@@ -131,9 +131,9 @@ class StatisticsOut(Out):
 
 
 @router.get("/projects/{p}/statistics", responses=responses(404))
-def get_statistics(p: ProjectId, workspace: Ws) -> StatisticsOut:
+def get_statistics(p: ProjectId, workspace: Ws, who: Caller) -> StatisticsOut:
     """Return points, objects and hours of a project by class and by person, from its edits."""
-    found = workspace.projects.statistics(p)
+    found = workspace.projects.statistics(p, who.author, who.role)
     classes = [
         ClassFiguresOut(name=e.name, points=e.points, objects=e.objects, hours=e.seconds / 3600)
         for e in found.classes

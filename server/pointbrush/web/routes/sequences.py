@@ -86,7 +86,7 @@ def list_sequences(
     """
     if deleted:
         gone = workspace.deletion.deleted()
-        return [SequenceOut.removed(e) for e in gone if gate.may_see(who, e.known.id)]
+        return [SequenceOut.removed(e) for e in gone if gate.may_see_deleted(who, e.known)]
     if wanted is None:
         found = workspace.listing.all(copies=True)
     else:

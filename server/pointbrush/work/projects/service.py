@@ -52,16 +52,23 @@ class Projects:
         seen = self._seen(account, includes(role, COMPARES))
         return self._overview(self._store.team.projects.get(project), role, *seen)
 
+    def _sight(self, account: str, compares: bool) -> Sight:
+        return Sight() if compares else self._store.team.access.sight(account)
+
     def _seen(self, account: str, compares: bool) -> tuple[Sight, Counts]:
-        sight = Sight() if compares else self._store.team.access.sight(account)
+        sight = self._sight(account, compares)
         return sight, self._store.team.summaries.tasks(sight.hidden)
 
-    def statistics(self, project: str) -> Figures:
-        """Return points, objects and hours of a project, by class and person; people by name."""
+    def statistics(self, project: str, account: str, role: Role) -> Figures:
+        """Return points, objects and hours of a project, by class and person; people by name.
+
+        Recordings that an account with ``role`` does not see, such as ground truth, do not count.
+        """
         self._store.team.projects.get(project)
         options = EffortOptions()
         effort = Effort(options.idle, options.first, MACHINE, STROKES)
-        found = self._store.team.summaries.figures(project, effort)
+        sight = self._sight(account, includes(role, COMPARES))
+        found = self._store.team.summaries.figures(project, effort, sight.hidden)
         name = self._store.accounts.name
         people = [replace(each, account=name(each.account)) for each in found.people]
         return replace(found, people=tuple(people))
