@@ -69,6 +69,23 @@ describe('the first view', () => {
     expect(target.clone().sub(eye).normalize().y).toBeLessThan(-0.99);
   });
 
+  const overhead = camera.map(([x, y, z]): Vector => [x, y + 3000, z]);
+  it.each([
+    ['one point', [overhead[0]!]],
+    ['two points', overhead.slice(0, 2)],
+    ['points above the origin', overhead],
+  ])('looks down on %s, never from below', (_, points) => {
+    const { frame, room } = frameAround(points);
+    const { eye, target } = viewOf('sensor', frame, room, 55, 1.6, LOCAL)!;
+    expect(eye.y).toBeGreaterThan(target.y + 0.1);
+    expect(target.y).toBeCloseTo(points.length > 2 ? 3 : 2, 0);
+  });
+
+  it('looks down on a point at the height of the sensor', () => {
+    const { frame, room } = frameAround([[0, 0, 3000]]);
+    expect(viewOf('sensor', frame, room, 55, 1.6, LOCAL)!.eye.y).toBeGreaterThan(0.1);
+  });
+
   it('needs points', () => {
     expect(viewOf('fit', new CloudFrame(0, false), new Matrix4(), 55, 1.6, LOCAL)).toBeNull();
   });

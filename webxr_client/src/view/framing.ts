@@ -3,6 +3,7 @@ import { signal } from '@preact/signals';
 import { type Matrix4, Vector3 } from 'three';
 import type { ViewPreset } from '../store/actions';
 import type { CloudFrame } from '../cloud/points/frame';
+import { samplePoints } from '../cloud/points/samples';
 
 interface View {
   readonly eye: Vector3;
@@ -15,19 +16,6 @@ const SAMPLES = 2000;
 const ONE_WAY = 0.6;
 /** Stray points beyond these parts of the others do not count. */
 const [LOW, HIGH] = [0.04, 0.96];
-
-/** Some points of a frame, evenly taken, in room coordinates. */
-function sample(frame: CloudFrame, room: Matrix4): Vector3[] {
-  const piece = frame.pieces[0];
-  if (!piece) return [];
-  const points: Vector3[] = [];
-  const step = Math.max(1, Math.floor(piece.count / SAMPLES));
-  for (let i = 0; i < piece.count; i += step) {
-    const at = (k: 0 | 1 | 2): number => piece.origin[k] + piece.words[i * 6 + k]! * piece.scale[k];
-    points.push(new Vector3(at(0), at(1), at(2)).applyMatrix4(room));
-  }
-  return points;
-}
 
 function quantile(values: number[], part: number): number {
   values.sort((a, b) => a - b);
@@ -77,12 +65,13 @@ export function viewOf(
   aspect: number,
   shift: readonly number[],
 ): View | null {
-  const points = sample(frame, room);
+  const points = samplePoints(frame, room, SAMPLES);
   if (points.length === 0) return null;
   // Coordinates of a map begin nowhere near a sensor.
   const local = shift.every((metres) => metres === 0);
   const sensor = preset === 'sensor' && local ? sensorView(points, room) : null;
-  if (sensor) return sensor;
+  // An origin below all points is no place to look from.
+  if (sensor && sensor.eye.y > quantile(points.map((p) => p.y), LOW)) return sensor; // prettier-ignore
   const bound = (part: number): Vector3 =>
     new Vector3(
       quantile(points.map((p) => p.x), part),
@@ -106,7 +95,7 @@ const [CELLS, FILLED] = [8, 0.3];
 
 /** Height below which a plan shows the room and not its ceiling, metres; null without a ceiling. */
 export function underCeiling(frame: CloudFrame, room: Matrix4): number | null {
-  const points = sample(frame, room);
+  const points = samplePoints(frame, room, SAMPLES);
   const part = (of: (point: Vector3) => number, share: number): number =>
     quantile(points.map(of), share);
   const [left, right] = [part(({ x }) => x, LOW), part(({ x }) => x, HIGH)];

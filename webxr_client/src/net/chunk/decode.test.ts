@@ -92,11 +92,13 @@ describe('a frame that Python encoded', () => {
 
   it('makes a point that is alone, and few points far apart, large enough to be seen', () => {
     const metre = [1 / 1024, 1 / 1024, 1 / 1024] as const;
-    const sizes = (words: Uint32Array, count: number): number => {
-      finishChunk(words, count, [1, 0, 0], metre, 0, 0);
+    const sizes = (words: Uint32Array, count: number, x = 1): number => {
+      finishChunk(words, count, [x, 0, 0], metre, 0, 0);
       return spacingOf((words[2]! >>> 16) & 63);
     };
     expect(sizes(new Uint32Array(3), 1)).toBeGreaterThan(0.003);
+    // At the sensor itself, too.
+    expect(sizes(new Uint32Array(3), 1, 0)).toBeGreaterThan(0.003);
     // Four corners of a square, a metre apart.
     const [far, both] = [1024, 1024 | (1024 << 16)];
     const square = new Uint32Array([0, 0, 0, far, 0, 0, 1024 << 16, 0, 0, both, 0, 0]);

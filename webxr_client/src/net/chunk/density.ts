@@ -1,8 +1,8 @@
 /** Local density of decoded points: how large each must be drawn to fill the surface. */
 import { sizeCode, SIZE_CODES, STRIDE } from './segment';
 
-/** A point without neighbours is drawn this large for its distance from the sensor. */
-const LONE = 0.005;
+/** A point without neighbours is drawn this large for its distance from the sensor, and so many metres at least. */
+const [LONE, LEAST_LONE] = [0.005, 0.005];
 /** Points whose common extent gives the local spacing; every eighth is looked at. */
 const RUN = 64;
 const EVERY = 8;
@@ -187,7 +187,7 @@ function measure(
     const y = oy + ((loY + hiY) / 2) * sy;
     const z = oz + ((loZ + hiZ) / 2) * sz;
     distances[run] = Math.max(1e-6, Math.sqrt(x * x + y * y + z * z));
-    if (n === 1) spacings[run] = LONE * distances[run]!;
+    if (n === 1) spacings[run] = Math.max(LEAST_LONE, LONE * distances[run]!);
     if (step > 1) {
       spacings[run + 1] = spacings[run]!;
       distances[run + 1] = distances[run]!;

@@ -1,6 +1,7 @@
 /** The first standpoint. */
-import { Vector3, type Matrix4 } from 'three';
+import type { Matrix4, Vector3 } from 'three';
 import type { CloudFrame } from '../../cloud/points/frame';
+import { samplePoints } from '../../cloud/points/samples';
 import { viewOf } from '../../view/framing';
 import type { Rig } from './rig';
 
@@ -13,16 +14,8 @@ const PART = 0.05;
 
 /** Metres from `eye` along a level `way` to the nearest things at body height, in the scene. */
 function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: Vector3): number {
-  const piece = frame.pieces[0];
-  if (!piece) return 0;
-  const at = new Vector3();
   const found: number[] = [];
-  const step = Math.max(1, Math.floor(piece.count / SAMPLES));
-  const { origin, scale, words } = piece;
-  for (let i = 0; i < piece.count; i += step) {
-    at.fromArray(words, 6 * i);
-    at.set(at.x * scale[0] + origin[0], at.y * scale[1] + origin[1], at.z * scale[2] + origin[2]);
-    at.applyMatrix4(sceneFromLocal);
+  for (const at of samplePoints(frame, sceneFromLocal, SAMPLES)) {
     if (at.y < LOW || at.y > HIGH) continue;
     at.sub(eye).setY(0);
     const along = at.dot(way);
