@@ -3,8 +3,13 @@ import { BufferAttribute, BufferGeometry, DepthTexture, GLSL3, Mesh, NearestFilt
 import type { Lens } from './lens';
 import { EYE_DOME_FRAGMENT, SCREEN_VERTEX } from './shaders';
 
-/** Of the shading of edges in depth. */
-const SHADING = 4;
+/** Strength of the shading by depth, and the part of its light that the darkest edge keeps. */
+type Shading = readonly [strength: number, least: number];
+const NO_SHADING: Shading = [0, 1];
+/** Of edges alone, under colours that show shapes by themselves. */
+const EDGE_SHADING: Shading = [4, 0.67];
+/** Of all shapes, which plain points show by nothing else. */
+const SHAPE_SHADING: Shading = [60, 0.2];
 /** Pixels between a place and those that tell whether it is at an edge. */
 const EDGE = 1.5;
 
@@ -12,6 +17,7 @@ export class EyeDome {
   readonly target: WebGLRenderTarget;
   /** Fills the screen in the ordinary scene, with the points' depth. */
   readonly quad: Mesh<BufferGeometry, RawShaderMaterial>;
+  private readonly shading = { value: EDGE_SHADING };
 
   constructor() {
     this.target = new WebGLRenderTarget(1, 1, {
@@ -32,7 +38,7 @@ export class EyeDome {
         depths: { value: this.target.depthTexture },
         texel: { value: new Vector2() },
         clip: { value: new Vector3() },
-        strength: { value: SHADING },
+        shading: this.shading,
         outline: { value: 0 },
       },
     });
@@ -48,11 +54,18 @@ export class EyeDome {
     texel.set(pixelRatio / width, pixelRatio / height);
   }
 
-  /** Shade edges in depth, and draw the edge of what a click would take. */
-  set(shaded: boolean, outlined: boolean): void {
-    const { uniforms } = this.quad.material;
-    uniforms['strength']!.value = shaded ? SHADING : 0;
-    uniforms['outline']!.value = outlined ? EDGE : 0;
+  /** Shade by depth or not; `plain`: the points' colours do not show shapes. */
+  shade(on: boolean, plain: boolean): void {
+    this.shading.value = !on ? NO_SHADING : plain ? SHAPE_SHADING : EDGE_SHADING;
+  }
+
+  get shades(): boolean {
+    return this.shading.value !== NO_SHADING;
+  }
+
+  /** Draw the edge of what a click would take, or not. */
+  outline(on: boolean): void {
+    this.quad.material.uniforms['outline']!.value = on ? EDGE : 0;
   }
 
   setCamera(camera: Lens): void {

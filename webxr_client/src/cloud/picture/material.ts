@@ -7,7 +7,7 @@ import { writeDensity, type CloudFrame } from '../points/frame';
 import type { PlacedFrame } from '../points/layer';
 import { DOT_FRAGMENT, DOT_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
-/** Modes that colour labels only and leave the points themselves plain. */
+/** Numbers of the modes in the shader; the modes of one number colour labels only. */
 const COLOR_MODES = {
   rgb: 0,
   intensity: 1,
@@ -15,11 +15,10 @@ const COLOR_MODES = {
   plain: 3,
   distance: 4,
   normal: 5,
-  label: 3,
-  confidence: 3,
-  provenance: 3,
+  label: 6,
+  confidence: 6,
+  provenance: 6,
 } as const;
-const LABELS_ONLY: readonly string[] = ['label', 'confidence', 'provenance'];
 const RAMPS = { even: 0, grey: 1, rainbow: 2 } as const;
 
 /** Return the mode of a recording with these fields when `wanted` is asked for. */
@@ -30,8 +29,17 @@ export function colorModeOf(wanted: ColorMode, fields: readonly string[]): Color
   return mode;
 }
 
+/** Whether points without labels have next to no colours, so that depth alone shows shapes. */
+export function isPlain(mode: ColorMode): boolean {
+  return mode === 'plain' || COLOR_MODES[mode] === COLOR_MODES.label;
+}
+
 /** Points fill a surface when each is somewhat wider than the distance to the next. */
 const FILL = 1.85;
+/** Pixels of the widest discs, which fill near surfaces, and points of a frame that has surfaces to fill. */
+const [WIDEST, FILLING] = [26, 50_000];
+/** Part of that width that discs of the sparsest frames may have: wider ones would only hide others. */
+const LEAST_WIDTH = 0.35;
 
 /** Rows of the shader's array in `PointUniforms.settings`. */
 const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
@@ -57,6 +65,7 @@ export class PointUniforms {
   /** The room by whose axes points are coloured by their normals; null: they have their colours. */
   normals: Matrix4 | null = null;
   private pointSize = 1;
+  private widest = WIDEST;
 
   constructor(palette: DataTexture) {
     this.palette = { value: palette };
@@ -73,12 +82,17 @@ export class PointUniforms {
     this.pointSize = view.pointSize;
     // Brightness is a factor of light; colours are stored with a gamma of about 2.2.
     value[GAIN] = view.brightness ** (1 / 2.2);
-    value[LABEL_BLEND] = LABELS_ONLY.includes(view.color) ? 1 : view.labelBlend;
+    value[LABEL_BLEND] = COLOR_MODES[view.color] === COLOR_MODES.label ? 1 : view.labelBlend;
     value[RAMP_LOW] = view.rampLow;
     value[RAMP_SCALE] = 1 / Math.max(0.01, view.rampHigh - view.rampLow);
     value[RAMP_KIND] = RAMPS[view.ramp];
     value[HIDE_UNLABELED] = view.hideUnlabeled ? 1 : 0;
     value[SHOW_DELETED] = view.showDeleted ? 1 : 0;
+  }
+
+  /** Fit the widest discs to a frame of so many points. */
+  setPoints(points: number): void {
+    this.widest = WIDEST * Math.min(1, Math.max(LEAST_WIDTH, Math.sqrt(points / FILLING)));
   }
 
   /** Height of the viewport that is drawn into, in pixels. */
@@ -88,7 +102,7 @@ export class PointUniforms {
     value[PIXELS_PER_METRE] = (height / 2) * FILL * this.pointSize;
     value[HALF_HEIGHT] = height / 2;
     value[PIXEL_LIMITS] = 1.4 * scale * Math.min(1, this.pointSize);
-    value[PIXEL_LIMITS + 1] = 26 * scale * this.pointSize;
+    value[PIXEL_LIMITS + 1] = this.widest * scale * this.pointSize;
   }
 
   /** The intensity ramp runs over these values, 0..1. */

@@ -31,7 +31,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define pixelsPerMetre settings[0].x            // at distance 1: viewport height / 2 * point size setting
 #define pixelLimits settings[0].yz
 #define gain settings[0].w
-#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance, 5 normal
+#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance, 5 normal, 6 label
 #define hasIntensity int(settings[1].y)
 #define labelBlend settings[1].z
 #define hideUnlabeled int(settings[1].w)
@@ -76,6 +76,12 @@ vec3 ramp(float t) {
   vec3 c4 = vec3(6.2283, 14.1799, 56.6906), c5 = vec3(4.7764, -13.7451, -65.3530);
   vec3 c6 = vec3(-5.4355, 4.6459, 26.3124);
   return c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6)))));
+}
+
+// How light the recording has the point, 0..1: by its colour, else by its intensity.
+float lightness() {
+  if (colour.rgb != vec3(0.0)) return dot(colour.rgb, vec3(0.299, 0.587, 0.114));
+  return hasIntensity == 0 ? 0.5 : clamp(colour.a * intensityFit.x + intensityFit.y, 0.0, 1.0);
 }
 
 bool underBrush(vec3 p) {
@@ -136,7 +142,10 @@ void main() {
   else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
   else if (colourMode == 4) base = ramp(distance(position, distanceRow.xyz) * distanceRow.w);
-  else base = vec3(0.72, 0.74, 0.77);
+  else {
+    base = vec3(0.72, 0.74, 0.77);
+    if (colourMode == 6) base *= mix(0.55, 1.15, lightness());
+  }
   base = min(base * gain, vec3(1.0));
 
   if (deleted) base = mix(base, vec3(0.85, 0.2, 0.2), 0.75) * 0.7;
@@ -237,7 +246,7 @@ uniform sampler2D points;
 uniform sampler2D depths;
 uniform vec2 texel;
 uniform vec3 clip;       // near, far; orthographic: what a metre counts, else 0
-uniform float strength;  // 0: no shading
+uniform vec2 shading;    // strength, 0: none; what the darkest edge keeps of its light
 uniform float outline;   // pixels of the edge, 0: none
 in vec2 uv;
 out vec4 result;
@@ -275,14 +284,14 @@ vec2 litAround() {
   return found;
 }
 
-float shading(float z) {
+float shade(float z) {
   float here = depthOf(z);
   float sum = 0.0;
   sum += behind(here, vec2(1.4, 0.0)) + behind(here, vec2(-1.4, 0.0));
   sum += behind(here, vec2(0.0, 1.4)) + behind(here, vec2(0.0, -1.4));
   sum += behind(here, vec2(1.0, 1.0)) + behind(here, vec2(-1.0, -1.0));
   sum += behind(here, vec2(1.0, -1.0)) + behind(here, vec2(-1.0, 1.0));
-  return exp(-strength * min(sum, 0.8) / 8.0);
+  return max(shading.y, exp(-shading.x * sum / 8.0));
 }
 
 void main() {
@@ -292,7 +301,7 @@ void main() {
   bool edge = !within && lit.x > 0.0;
   if (z >= 1.0 && !edge) discard;
   vec3 colour = z < 1.0 ? texture(points, uv).rgb : vec3(0.0);
-  if (z < 1.0 && strength > 0.0) colour *= shading(z);
+  if (z < 1.0 && shading.x > 0.0) colour *= shade(z);
   if (edge) colour = vec3(0.02, 0.03, 0.04);
   // Gaps between the points of an object are no edge of it.
   else if (within && lit.x < 5.5) colour = vec3(1.0);

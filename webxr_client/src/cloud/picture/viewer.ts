@@ -12,7 +12,7 @@ import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth
 import { LargeCloud } from './large';
 import { Lens } from './lens';
 import type { PlacedFrame } from '../points/layer';
-import { ChunkTable, pointMaterial, PointUniforms } from './material';
+import { ChunkTable, isPlain, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
@@ -61,7 +61,6 @@ export class Viewer {
   readonly middle = new Vector3();
   /** The recording's diagonal, metres. */
   private extent = 0;
-  private eyeDomeOn = true;
   private outlined = false;
   private dirty = true;
   private limit = ALL_POINTS;
@@ -199,7 +198,7 @@ export class Viewer {
   setView(view: ViewSettings, fields: readonly string[]): void {
     this.uniforms.set(view, fields);
     this.showNormals(view.color === 'normal');
-    this.eyeDomeOn = view.eyeDome;
+    this.eyeDome.shade(view.eyeDome, isPlain(view.color));
     this.backdrop.showFloor(view.grid);
     this.invalidate();
   }
@@ -228,6 +227,7 @@ export class Viewer {
   show(frame: CloudFrame): void {
     this.shown = frame;
     if (!this.fitted) this.fitRamps(frame);
+    this.uniforms.setPoints(frame.total);
     this.cloud?.update(frame);
     this.invalidate();
   }
@@ -344,11 +344,11 @@ export class Viewer {
     this.uniforms.setViewport(this.size.y);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
-    const aside = (this.eyeDomeOn || this.outlined) && this.shown !== null;
+    const aside = (eyeDome.shades || this.outlined) && this.shown !== null;
     this.uniforms.setOutlining(aside && this.outlined);
     if (aside) {
       eyeDome.setCamera(camera);
-      eyeDome.set(this.eyeDomeOn, this.outlined);
+      eyeDome.outline(this.outlined);
       renderer.setRenderTarget(eyeDome.target);
       renderer.clear();
       camera.layers.set(POINTS_LAYER);
