@@ -29,7 +29,7 @@ function assembly(): Plugin {
       const path = id.slice(0, -ASSEMBLY.length);
       this.addWatchFile(path);
       const source = { [basename(path)]: await readFile(path, 'utf8') };
-      const options = { optimizeLevel: 3, runtime: 'stub', importMemory: true, enable: ['simd'] };
+      const options = { optimizeLevel: 3, runtime: 'stub', importMemory: true };
       const { compileString } = (await import(COMPILER)) as Compiler;
       const { binary, stderr } = await compileString(source, options);
       if (!binary) throw new Error(`${path}: ${stderr.toString()}`);

@@ -1,5 +1,5 @@
 /**
- * AssemblyScript: one band of a depth image → depths and vertices (docs/depth-format.md).
+ * AssemblyScript: one band of a depth image → depths, and the pixels that have a point (docs/depth-format.md).
  * Arguments of type `usize` are addresses in the memory that the page gives.
  */
 
@@ -14,28 +14,23 @@ const STATES: usize = 16;
 /** Bits of a word: a state of no more takes the next one. */
 const WORD: u32 = 16;
 const FARTHEST: i32 = 65535;
-/** So many depths share a stamp. */
-const STAMP_SHIFT: i32 = 5;
 const LOW_COUNT: u32 = 31;
 const LOW_SHIFT: u32 = 5;
-const RGB: u32 = 0xffffff;
-/** Black of a picture: where all three are zero the page shows grey by the intensity. */
-const NEARLY_BLACK: u32 = 0x000100;
-const VERTEX: usize = 12;
+/** Bytes of a pixel's number. */
+const PIXEL: usize = 4;
 
 function depthAt(place: usize): i32 {
   return <i32>load<u16>(place);
 }
 
 /**
- * Decode a band's pixels into an image of uint16, and its points into vertices.
+ * Decode a band's pixels into an image of uint16 with a margin, and into one of depths without.
  * Returns the points' number, -1 where words or low bits ended too early.
  */
 export function decode(
   image: usize,
-  /** Pixels from row to row, of the image and of the colours, 0 without these. */
+  /** Pixels from row to row. */
   stride: i32,
-  colorStride: i32,
   /** The band's pixels; `half` and `vertical` say where its neighbours are, as in `Band`. */
   firstRow: i32,
   stop: i32,
@@ -55,16 +50,10 @@ export function decode(
   lowBits: usize,
   /** Depths by value, 0 where values are depths. */
   listed: usize,
-  /** uint32 each, every `1 << colorShift` pixels. */
-  colors: usize,
-  colorShift: i32,
-  /** Where points at no depth are, then how far a unit of depth goes, by column and by row: float32x4. */
-  origin: usize,
-  columns: usize,
-  rows: usize,
-  stamps: usize,
-  /** 12 bytes each, and 4 more. */
-  vertices: usize,
+  /** uint16 each, row by row. */
+  depths: usize,
+  /** uint32 each, row-major: of the band's points in their order. */
+  pixels: usize,
 ): i32 {
   // Pixels take turns with the states: four short chains of operations, side by side in the processor.
   let state = load<u32>(states);
@@ -72,22 +61,19 @@ export function decode(
   let third = load<u32>(states, 8);
   let fourth = load<u32>(states, 12);
   let words = states + STATES;
-  const start = v128.load(origin);
   let bit: usize = 0;
   let last = 0;
-  let out = vertices;
+  let out = pixels;
   const left = (<usize>across) << 1;
   const above = (<usize>(down * stride)) << 1;
   const aside = (<usize>(vertical ? half * stride : half)) << 1;
-  const colorStep = (<usize>((down >> colorShift) * colorStride)) << 2;
+  const rowStep = down * width;
   for (let strip = firstRow; strip < stop; strip += STRIP * down) {
     const end = min<i32>(strip + STRIP * down, stop);
     for (let column = firstColumn; column < width; column += across) {
-      const columnRay = v128.load(columns + ((<usize>column) << 4));
       let place = image + ((<usize>(strip * stride + column)) << 1);
-      let color =
-        colors + ((<usize>((strip >> colorShift) * colorStride + (column >> colorShift))) << 2);
-      for (let row = strip; row < end; row += down, place += above, color += colorStep) {
+      let pixel = strip * width + column;
+      for (let row = strip; row < end; row += down, place += above, pixel += rowStep) {
         // The expected value, by what is known beside it.
         let one: i32;
         let other: i32;
@@ -136,26 +122,13 @@ export function decode(
         bit += bits;
         last = (expected + ((folded >>> 1) ^ -(folded & 1))) & FARTHEST;
         store<u16>(place, <u16>last);
-        // The vertex.
         const depth = listed ? depthAt(listed + ((<usize>(last - 1)) << 1)) : last;
-        const ray = f32x4.add(columnRay, v128.load(rows + ((<usize>row) << 4)));
-        const along = f32x4.convert_i32x4_s(i32x4.splat(depth));
-        const exact = f32x4.add(start, f32x4.mul(along, ray));
-        const cells = i16x8.narrow_i32x4_u(i32x4.trunc_sat_f32x4_s(exact), i32x4.splat(0));
-        let rgb: u32 = 0;
-        if (colorStride) {
-          rgb = load<u32>(color) & RGB;
-          rgb = select<u32>(rgb, NEARLY_BLACK, rgb != 0);
-        }
-        const stamp = <u32>load<u16>(stamps + ((<usize>(depth >> STAMP_SHIFT)) << 1));
-        // Behind three coordinates: colour and stamp, and zeros that the next vertex overwrites.
-        const front = i64x2.splat((<i64>rgb) << 48);
-        const whole = i64x2.replace_lane(front, 1, <i64>((rgb >> 16) | (stamp << 16)));
-        v128.store(out, v128.or(cells, whole));
-        out += VERTEX;
+        store<u16>(depths + ((<usize>pixel) << 1), <u16>depth);
+        store<u32>(out, <u32>pixel);
+        out += PIXEL;
       }
     }
   }
   if (words > wordsEnd || bit > lowBits) return -1;
-  return <i32>((out - vertices) / VERTEX);
+  return <i32>((out - pixels) / PIXEL);
 }

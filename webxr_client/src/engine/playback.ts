@@ -6,7 +6,7 @@ import type { Viewer } from '../cloud/picture/viewer';
 import { Listeners } from '../store/listeners';
 import { frameRange, ordered } from '../store/range';
 import type { Link } from '../net/link';
-import type { Segment } from '../net/chunk/segment';
+import { buffersOf, type Segment } from '../net/chunk/segment';
 import type { LabelUpdate, Pace } from '../net/wire';
 import type { SequenceInfo } from '../protocol/messages';
 import { peek } from '../store/watch';
@@ -147,7 +147,7 @@ export class Playback {
     if (!used) this.counters.dropped += 1;
     this.link.applied(this.pace());
     if (used) this.trim();
-    else this.link.recycle([segment.vertices]);
+    else this.link.recycle(buffersOf(segment));
     const frame = this.store.get(segment.frame);
     if (used && frame?.complete) this.completed.run(frame);
     if (!peek(state.playing) && segment.frame === peek(state.frame)) this.sync();

@@ -3,7 +3,7 @@ import { decodeFrame, ready } from './chunk/decode';
 import { DepthDecoder } from './depth/decode';
 import { readPicture } from './depth/pictures';
 import { InOrder } from './in-order';
-import { buffersOf, Pairing } from './pairing';
+import { labelBuffers, Pairing } from './pairing';
 import { BufferPool } from './chunk/pool';
 import type { Segment } from './chunk/segment';
 import type { Decoded, FromPage, FromWorker, ToDecoder } from './wire';
@@ -40,7 +40,7 @@ function forward(message: Exclude<ToDecoder, { t: 'depth' }>, socket: MessagePor
   } else {
     if (message.t === 'message' && message.message.type === 'sequence') depth.open(message.message);
     pairing.flush();
-    post(message, message.t === 'labels' ? buffersOf(message.update) : []);
+    post(message, message.t === 'labels' ? labelBuffers(message.update) : []);
   }
 }
 

@@ -1,5 +1,5 @@
 /** Points and the labels that come just ahead of them go to the page together: one wake-up, not two. */
-import type { Segment } from './chunk/segment';
+import { buffersOf, type Segment } from './chunk/segment';
 import type { FromWorker, LabelUpdate } from './wire';
 
 type Post = (message: FromWorker, transfer: Transferable[]) => void;
@@ -24,17 +24,17 @@ export class Pairing {
     if (this.labels?.frame !== segment.frame) this.flush();
     const { labels } = this;
     this.labels = null;
-    this.post({ t: 'segment', segment, labels }, [segment.vertices, ...buffersOf(labels)]);
+    this.post({ t: 'segment', segment, labels }, [...buffersOf(segment), ...labelBuffers(labels)]);
   }
 
   /** To be called ahead of everything else that is posted: nothing overtakes labels. */
   flush(): void {
     const { labels } = this;
     this.labels = null;
-    if (labels) this.post({ t: 'labels', update: labels }, buffersOf(labels));
+    if (labels) this.post({ t: 'labels', update: labels }, labelBuffers(labels));
   }
 }
 
-export function buffersOf(labels: LabelUpdate | null): ArrayBuffer[] {
+export function labelBuffers(labels: LabelUpdate | null): ArrayBuffer[] {
   return labels ? [labels.lengths.buffer, labels.values.buffer] : [];
 }

@@ -14,7 +14,7 @@ import { Backoff } from './backoff';
 import { Credits } from './credits';
 import { HeldFrames } from './held';
 import { begins, isEdit, Outbox, type OutboxStorage } from './outbox';
-import { buffersOf } from './pairing';
+import { labelBuffers } from './pairing';
 import { MemoryStorage } from './storage';
 import type { Decoded, LinkState, Pace, ToDecoder } from './wire';
 
@@ -321,7 +321,7 @@ export class Session {
     const { sequence, frame, revision, base, edit, provisional, first, count } = message;
     const range = { first, count, lengths, values };
     const update = { sequence, frame, revision, base, edit, provisional, ...range };
-    this.outside.post({ t: 'labels', update }, buffersOf(update));
+    this.outside.post({ t: 'labels', update }, labelBuffers(update));
     if (provisional || !this.shows(sequence) || this.recording.state === 'closed') return;
     const joins = this.held.values(message);
     if (base === null) return;

@@ -99,6 +99,7 @@ export const state = {
   /** Candidate that the object tool offers or has taken; null when nothing. */
   object: signal<ObjectView | null>(null),
   view: signal<ViewSettings>({
+    surface: 'auto',
     color: 'rgb',
     ramp: 'even',
     rampLow: 0,

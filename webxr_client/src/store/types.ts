@@ -158,7 +158,11 @@ export type ColorMode =
 /** Colours of values: perceptually even, grey, or of a rainbow. */
 export type Ramp = 'even' | 'grey' | 'rainbow';
 
+/** A depth camera's frame as points, as a surface, or as a surface where its points would show gaps. */
+export type SurfaceMode = 'points' | 'surface' | 'auto';
+
 export interface ViewSettings {
+  readonly surface: SurfaceMode;
   readonly color: ColorMode;
   readonly ramp: Ramp;
   /** The part of the values that the ramp spans, 0..1. */

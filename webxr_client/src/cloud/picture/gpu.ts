@@ -36,7 +36,7 @@ export class PointBuffers {
     const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.vertices);
     const { byteOffset } = words;
-    gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, segment, byteOffset, count * STRIDE);
+    gl.bufferSubData(gl.ARRAY_BUFFER, first * STRIDE, segment!, byteOffset, count * STRIDE);
   }
 
   /** Points of pieces that lie together in a segment, in the colours of their normals. */
@@ -45,7 +45,7 @@ export class PointBuffers {
     const { segment, words } = pieces[0]!;
     const colours = coloursOf(pieces, room);
     const from = words.byteOffset;
-    const vertices = segment.slice(from, from + (colours.length / 3) * STRIDE);
+    const vertices = segment!.slice(from, from + (colours.length / 3) * STRIDE);
     for (let at = COLOURS, i = 0; i < colours.length; at += STRIDE) {
       vertices[at] = colours[i++]!;
       vertices[at + 1] = colours[i++]!;

@@ -1,11 +1,11 @@
 /** The points' material: every slot draws with its own, all share one set of settings. */
-import { Box2, DataTexture, FloatType, GLSL3, Matrix4, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
+import { Box2, DataTexture, DoubleSide, FloatType, GLSL3, Matrix4, NearestFilter, RawShaderMaterial, RGBAFormat, Vector2 } from 'three'; // prettier-ignore
 import type { Color, IUniform, Vector3, WebGLRenderer } from 'three';
 import type { ColorMode, ViewSettings } from '../../store/state';
 import { MAX_CHUNKS } from '../../net/chunk/segment';
 import { writeDensity, type CloudFrame } from '../points/frame';
 import type { PlacedFrame } from '../points/layer';
-import { DOT_FRAGMENT, DOT_VERTEX, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
+import { DOT_VERTEX, PLAIN_FRAGMENT, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
 /** Numbers of the modes in the shader; the modes of one number colour labels only. */
 const COLOR_MODES = {
@@ -46,7 +46,7 @@ const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
 const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
-const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND] = [28, 32, 33, 34];
+const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND, SURFACE] = [28, 32, 33, 34, 35];
 const INTENSITY_FIT = 36;
 const CLIP = 40;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE] = [20, 23, 24, 25];
@@ -171,6 +171,15 @@ export class PointUniforms {
     this.settings.value[OUTLINING] = on ? 1 : 0;
   }
 
+  /** Depth images are drawn as surfaces; points remain where they make none. */
+  get surface(): boolean {
+    return this.settings.value[SURFACE] === 1;
+  }
+
+  set surface(on: boolean) {
+    this.settings.value[SURFACE] = on ? 1 : 0;
+  }
+
   /** Emphasis of labels that a person should look at, 0..1. */
   get pulse(): number {
     return this.settings.value[PULSE]!;
@@ -284,23 +293,29 @@ function table(data: Float32Array<ArrayBuffer>, width = 2, rows = MAX_CHUNKS): D
 }
 
 export function pointMaterial(
-  { settings, palette }: PointUniforms,
+  uniforms: PointUniforms,
   table: ChunkTable,
   row: number,
   placement: Placement | null = null,
 ): RawShaderMaterial {
+  const own = { chunkTable: { value: table.texture }, chunkRow: { value: row } };
+  return cloudMaterial(uniforms, own, {}, placement);
+}
+
+/** Of points, or with `SURFACE` among the `defines` of triangles. */
+export function cloudMaterial(
+  { settings, palette }: PointUniforms,
+  own: Record<string, IUniform>,
+  defines: Record<string, number>,
+  placement: Placement | null,
+): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: POINT_VERTEX,
-    fragmentShader: POINT_FRAGMENT,
-    defines: placement ? { PLACED: 1 } : {},
-    uniforms: {
-      ...placement?.uniforms,
-      chunkTable: { value: table.texture },
-      chunkRow: { value: row },
-      palette,
-      settings,
-    },
+    fragmentShader: 'SURFACE' in defines ? PLAIN_FRAGMENT : POINT_FRAGMENT,
+    defines: placement ? { ...defines, PLACED: 1 } : defines,
+    uniforms: { ...placement?.uniforms, ...own, palette, settings },
+    side: DoubleSide,
   });
 }
 
@@ -309,7 +324,7 @@ export function dotMaterial({ settings }: PointUniforms, size: number): RawShade
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: DOT_VERTEX,
-    fragmentShader: DOT_FRAGMENT,
+    fragmentShader: PLAIN_FRAGMENT,
     defines: { SIZE: size.toFixed(4) },
     uniforms: { settings },
     transparent: true,

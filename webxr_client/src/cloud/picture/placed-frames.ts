@@ -3,7 +3,8 @@ import type { Group, Matrix4, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../points/frame';
 import type { PlacedFrame } from '../points/layer';
 import { Placement, type PointUniforms } from './material';
-import { Slot } from './slot';
+import type { Slot } from './slot';
+import { slotFor } from './slots';
 
 interface Laid {
   readonly slot: Slot;
@@ -47,10 +48,10 @@ export class PlacedFrames {
     let laid = this.laid.get(frame);
     if (!laid) {
       const placement = new Placement();
-      const slot = new Slot(this.renderer, Math.max(1, frame.total), this.uniforms, placement);
-      slot.points.layers.set(this.layer);
-      slot.points.visible = true;
-      this.room.add(slot.points);
+      const points = Math.max(1, frame.total);
+      const slot = slotFor(frame, this.renderer, points, this.uniforms, placement);
+      slot.object.traverse((part) => part.layers.set(this.layer));
+      this.room.add(slot.object);
       laid = { slot, placement, placed, version: -1, normals };
       laid.placement.set(placed);
       this.laid.set(frame, laid);

@@ -1,4 +1,5 @@
 /** GLSL of the points and of eye-dome lighting. */
+import { LATTICE, LATTICE_DRAWN } from './lattice-shader';
 
 /** Vectors of four numbers in the points' settings. */
 export const SETTING_ROWS = 13;
@@ -11,21 +12,25 @@ precision highp float;
 precision highp int;
 precision highp sampler2D;
 
+#ifdef LATTICE
+vec4 colour;
+#else
 in vec3 quantised;
 in vec4 colour;      // r, g, b, intensity
 in float stamp;      // chunk * 64 + size code
 in float label;
+uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale
+uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
+#endif
 
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale
 uniform sampler2D palette;      // texel per label: colour, flags
 #ifdef PLACED
 uniform mat4 placed;            // of a frame that is laid over the one on screen
 uniform sampler2D moving;       // row per label that lies elsewhere: rows of its transform; its id
 uniform int movingCount;
 #endif
-uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
 uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material.ts
 
 #define pixelsPerMetre settings[0].x            // at distance 1: viewport height / 2 * point size setting
@@ -55,7 +60,9 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define outlining settings[6].w                 // 1: alpha tells what a click would take
 
 out vec4 shade;
+#ifndef SURFACE
 flat out float pixels;
+#endif
 
 vec3 ramp(float t) {
   t = clamp((t - rampLow) * rampScale, 0.0, 1.0);
@@ -99,14 +106,61 @@ bool underBrush(vec3 p) {
   return dot(offset, offset) <= brushRadius * brushRadius;
 }
 
+vec4 entryOf(int id) { return texelFetch(palette, ivec2(id & 255, id >> 8), 0); }
+int flagsOf(vec4 entry) { return int(entry.a * 255.0 + 0.5); }
+bool isPredicted(int id, int flags) { return id != 65535 && (flags & 8) != 0; }
+
+// A point with a label at a place of its own frame.
+bool isHidden(int id, vec3 position) {
+  int flags = flagsOf(entryOf(id));
+  bool hidden = id == 65535 ? showDeleted == 0
+    : id == 0 || isPredicted(id, flags) ? hideUnlabeled != 0 : (flags & 128) == 0;
+  vec4 place = vec4(position, 1.0);
+  vec3 inBox = abs(vec3(dot(clipX, place), dot(clipY, place), dot(clipZ, place)));
+  return hidden || any(greaterThan(inBox, vec3(1.0)));
+}
+
+#ifdef LATTICE
+${LATTICE}
+${LATTICE_DRAWN}
+#endif
+
+void leaveOut() {
+#ifdef SURFACE
+  // So far behind the far plane that of triangles with this corner no area is left before it.
+  gl_Position = vec4(0.0, 0.0, 1e15, 1.0);
+#else
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  gl_PointSize = 0.0;
+#endif
+}
+
 void main() {
+#ifdef LATTICE
+  grid = grids[surfaceOn ? 1 : 0];
+  ivec2 pixel = pixelOf();
+  float depth = depthAt(pixel);
+  ivec2 ends[2] = ivec2[](pixel, pixel);
+#ifdef SURFACE
+  if (depth == 0.0) depth = closed(pixel, ends);
+#endif
+  if (!isDrawn(pixel, depth)) {
+    leaveOut();
+    return;
+  }
+  colour = 0.5 * (colourOf(ends[0]) + colourOf(ends[1]));
+  int id = int(texelFetch(labels, ends[0], 0).r);
+  vec3 position = placeOf(pixel, depth);
+  float spacing = spacingOfUnit * between() * depth;
+#else
   int word = int(stamp);
   int row = chunkRow >= 0 ? chunkRow : word >> 6;
   vec4 origin = texelFetch(chunkTable, ivec2(0, row), 0);
   vec4 scale = texelFetch(chunkTable, ivec2(1, row), 0);
   vec3 position = origin.xyz + quantised * scale.xyz;
-
+  float spacing = 0.0005 * exp2(float(word & 63) * 0.25) * origin.w;
   int id = int(label);
+#endif
 #ifdef PLACED
   mat4 at = placed;
   for (int i = 0; i < movingCount; i++) {
@@ -116,21 +170,15 @@ void main() {
   }
   position = (at * vec4(position, 1.0)).xyz;
 #endif
-  bool deleted = id == 65535;
-  vec4 entry = texelFetch(palette, ivec2(id & 255, id >> 8), 0);
-  int flags = int(entry.a * 255.0 + 0.5);
-  bool predicted = !deleted && (flags & 8) != 0;
-  bool unlabeled = id == 0 || predicted;
-  bool hidden = deleted ? showDeleted == 0
-    : unlabeled ? hideUnlabeled != 0 : (flags & 128) == 0;
-  vec4 place = vec4(position, 1.0);
-  vec3 inBox = abs(vec3(dot(clipX, place), dot(clipY, place), dot(clipZ, place)));
-  hidden = hidden || any(greaterThan(inBox, vec3(1.0)));
-  if (hidden) {
-    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-    gl_PointSize = 0.0;
+  if (isHidden(id, position)) {
+    leaveOut();
     return;
   }
+  bool deleted = id == 65535;
+  vec4 entry = entryOf(id);
+  int flags = flagsOf(entry);
+  bool predicted = isPredicted(id, flags);
+  bool unlabeled = id == 0 || predicted;
 
   vec3 base;
   if (colourMode == 0) {
@@ -171,11 +219,12 @@ void main() {
 
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * eye;
-  float spacing = 0.0005 * exp2(float(word & 63) * 0.25) * origin.w;
+#ifndef SURFACE
   float zoom = length(modelViewMatrix[0].xyz);
   pixels = pixelsPerMetre * projectionMatrix[1][1] * spacing * zoom / max(gl_Position.w, 1e-4);
   pixels = clamp(pixels, pixelLimits.x, pixelLimits.y) * grow;
   gl_PointSize = pixels;
+#endif
 }
 `;
 
@@ -216,7 +265,8 @@ void main() {
 }
 `;
 
-export const DOT_FRAGMENT = /* glsl */ `
+/** Of dots and surfaces. */
+export const PLAIN_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec4 shade;
 out vec4 result;

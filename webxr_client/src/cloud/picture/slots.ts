@@ -1,31 +1,42 @@
 /** The slots that a recording's frames are shown from, in turn: one on screen, the next being filled. */
 import type { Group, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../points/frame';
-import type { PointUniforms } from './material';
-import { Slot } from './slot';
+import { LatticeSlot } from './lattice-slot';
+import type { Placement, PointUniforms } from './material';
+import type { Slot } from './slot';
+import { VertexSlot } from './vertex-slot';
 
 const MOST = 3;
 
+/** A slot for a frame, and for others like it of at most `capacity` points. */
+export function slotFor(
+  { image }: CloudFrame,
+  renderer: WebGLRenderer,
+  capacity: number,
+  uniforms: PointUniforms,
+  placement: Placement | null = null,
+): Slot {
+  if (image) return new LatticeSlot(renderer, image.lattice, uniforms, placement);
+  return new VertexSlot(renderer, capacity, uniforms, placement);
+}
+
 export class Slots {
-  private readonly slots: readonly Slot[];
+  /** Of frames that are points, and of depth images. */
+  private readonly kinds: readonly [Slot[], Slot[]] = [[], []];
+  private readonly most: number;
   private current: Slot | null = null;
   private limit = ALL_POINTS;
 
   /** For `frames` frames of at most `capacity` points, in a layer of the camera. */
   constructor(
-    renderer: WebGLRenderer,
-    uniforms: PointUniforms,
+    private readonly renderer: WebGLRenderer,
+    private readonly uniforms: PointUniforms,
     frames: number,
-    capacity: number,
-    room: Group,
-    layer: number,
+    private readonly capacity: number,
+    private readonly room: Group,
+    private readonly layer: number,
   ) {
-    const count = Math.max(1, Math.min(MOST, frames));
-    this.slots = Array.from({ length: count }, () => new Slot(renderer, capacity, uniforms));
-    for (const { points } of this.slots) {
-      points.layers.set(layer);
-      room.add(points);
-    }
+    this.most = Math.max(1, Math.min(MOST, frames));
   }
 
   /** Show a frame as it is now. */
@@ -33,31 +44,47 @@ export class Slots {
     const slot = this.slotFor(frame);
     slot.upload(frame);
     if (slot === this.current) return;
-    if (this.current) this.current.points.visible = false;
-    slot.points.visible = true;
+    if (this.current) this.current.object.visible = false;
+    slot.object.visible = true;
     this.current = slot;
   }
 
   /** Bring a frame to the GPU ahead of time. */
   prepare(frame: CloudFrame): void {
-    if (this.slots.length < 2) return;
+    if (this.most < 2) return;
     const slot = this.slotFor(frame);
     if (slot !== this.current) slot.upload(frame);
   }
 
   private slotFor(frame: CloudFrame): Slot {
-    const { slots } = this;
+    const slots = this.kinds[frame.image ? 1 : 0];
     for (let i = 0; i < slots.length; i++) if (slots[i]!.frame === frame) return slots[i]!;
+    if (slots.length < this.most) return this.add(slots, frame);
     // The one after the current was shown longest ago.
     const at = this.current ? slots.indexOf(this.current) : -1;
     return slots[(at + 1) % slots.length]!;
+  }
+
+  private add(slots: Slot[], frame: CloudFrame): Slot {
+    const slot = slotFor(frame, this.renderer, this.capacity, this.uniforms);
+    slot.object.traverse((part) => part.layers.set(this.layer));
+    slot.object.visible = false;
+    slot.setLimit(this.limit);
+    this.room.add(slot.object);
+    slots.push(slot);
+    return slot;
   }
 
   /** Draw at most about so many points. */
   setLimit(points: number): void {
     if (points === this.limit) return;
     this.limit = points;
-    for (let i = 0; i < this.slots.length; i++) this.slots[i]!.setLimit(points);
+    for (const slots of this.kinds) for (const slot of slots) slot.setLimit(points);
+  }
+
+  /** Draw depth images as surfaces, or no more. */
+  showSurface(on: boolean): void {
+    for (const slots of this.kinds) for (const slot of slots) slot.showSurface(on);
   }
 
   /** Points on screen. */
@@ -71,6 +98,6 @@ export class Slots {
   }
 
   dispose(): void {
-    for (const slot of this.slots) slot.dispose();
+    for (const slots of this.kinds) for (const slot of slots) slot.dispose();
   }
 }

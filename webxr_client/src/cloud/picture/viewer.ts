@@ -1,5 +1,6 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
 import { BufferGeometry, Group, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
+import type { PerspectiveCamera } from 'three';
 import type { SequenceInfo } from '../../protocol/messages';
 import { Listeners, tellFailure } from '../../store/listeners';
 import type { ViewSettings } from '../../store/state';
@@ -16,6 +17,7 @@ import { ChunkTable, isPlain, pointMaterial, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
+import { SurfaceChoice } from './surface-choice';
 import { spreadOf, type Spread } from '../points/spread';
 import { Timing } from './timing';
 
@@ -48,6 +50,7 @@ export class Viewer {
   /** The GPU is a program: pretty extras are left out unless asked for. */
   readonly software: boolean;
   private readonly eyeDome = new EyeDome();
+  private readonly surface = new SurfaceChoice();
   private slots: Slots | null = null;
   private large: LargeCloud | null = null;
   private over: PlacedFrames | null = null;
@@ -199,6 +202,7 @@ export class Viewer {
     this.uniforms.set(view, fields);
     this.showNormals(view.color === 'normal');
     this.eyeDome.shade(view.eyeDome, isPlain(view.color));
+    this.surface.mode = view.surface;
     this.backdrop.showFloor(view.grid);
     this.invalidate();
   }
@@ -325,8 +329,23 @@ export class Viewer {
     }
   }
 
+  /** Draw the frame as a surface or as points, by how near an eye is. */
+  private chooseSurface(camera: PerspectiveCamera): void {
+    const { uniforms, shown, room } = this;
+    const on = this.surface.update(shown?.image ?? null, camera, room.matrixWorld, this.viewHeight);
+    if (on === uniforms.surface) return;
+    uniforms.surface = on;
+    this.slots?.showSurface(on);
+  }
+
+  /** The frame on screen is drawn as a surface. */
+  get hasSurface(): boolean {
+    return this.uniforms.surface;
+  }
+
   private drawHeadset(): void {
     const eyes = this.renderer.xr.getCamera().cameras;
+    this.chooseSurface(eyes[0]);
     this.uniforms.setViewport(eyes[0].viewport.w);
     this.uniforms.setOutlining(false);
     setPlanes(this.camera, this.extent * this.world.scale.x, this.reversible);
@@ -342,6 +361,9 @@ export class Viewer {
     const { renderer, camera, eyeDome } = this;
     setReversed(renderer, false);
     this.uniforms.setViewport(this.size.y);
+    camera.updateMatrixWorld();
+    this.room.updateWorldMatrix(true, false);
+    this.chooseSurface(camera);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
     const aside = (eyeDome.shades || this.outlined) && this.shown !== null;

@@ -1,9 +1,15 @@
 /** A frame of points in the page's memory, and the label of each point. */
 import type { LabelUpdate } from '../../net/wire';
-import { STRIDE, type Segment, type SegmentChunk } from '../../net/chunk/segment';
+import {
+  imageBuffers,
+  type DepthImage,
+  type Segment,
+  type SegmentChunk,
+} from '../../net/chunk/segment';
 import type { Shown } from '../../store/types';
+import { depthPiece } from './depth-piece';
 import { merged, sorted, type Overlay } from './overlay';
-import { applyDelta, applyRuns, lowerBound, type Piece } from './piece';
+import { applyDelta, applyRuns, lowerBound, pieceOf, type Piece } from './piece';
 
 /** Ids of points: of all in stored order, or of those with ascending stored `numbers`. */
 export interface Predicted {
@@ -21,10 +27,12 @@ export class CloudFrame {
   /** Grow with every change of points, and of labels. */
   pointsVersion = 0;
   labelsVersion = 0;
+  /** A depth camera's; null where points came as points. */
+  image: DepthImage | null = null;
   readonly overlays = new Map<string, Overlay>();
   /** Prediction, as ids of the palette's texture; null: none. */
   predicted: Predicted | null = null;
-  private readonly buffers: ArrayBuffer[] = [];
+  private readonly buffers = new Set<ArrayBuffer>();
   /** Last answer of `shown`, and the versions then. */
   private said: Shown | null = null;
   private saidVersion = -1;
@@ -45,14 +53,39 @@ export class CloudFrame {
     const chunks = segment.chunks.filter((chunk) => !this.has(chunk));
     this.total = segment.total;
     if (!this.large && chunks.length > 0 && chunks[0]!.first !== this.loaded) return false;
+    if (segment.image && chunks.length > 0) this.sharpen(segment.image);
     const bytes = new Uint8Array(segment.vertices);
-    for (const chunk of chunks) this.addPiece(bytes, chunk);
+    for (const chunk of chunks) this.addPiece(this.pieceFrom(chunk, bytes));
     this.complete ||= segment.final && (this.large || this.loaded === this.total);
     if (chunks.length === 0) return false;
-    this.buffers.push(segment.vertices);
-    this.bytes += segment.vertices.byteLength;
+    this.hold(segment.vertices);
     this.pointsVersion += 1;
     return true;
+  }
+
+  private pieceFrom(chunk: SegmentChunk, segment: Uint8Array<ArrayBuffer>): Piece {
+    return this.image ? depthPiece(this, chunk, segment.buffer) : pieceOf(chunk, segment);
+  }
+
+  /** Take in an image with more pixels, which keeps the colours where it brings none. */
+  private sharpen(image: DepthImage): void {
+    const before = this.image;
+    this.image = { ...image, colours: image.colours ?? before?.colours ?? null };
+    const held = imageBuffers(this.image);
+    for (const buffer of held) this.hold(buffer);
+    if (!before) return;
+    for (const buffer of imageBuffers(before)) if (!held.includes(buffer)) this.drop(buffer);
+  }
+
+  private hold(buffer: ArrayBuffer): void {
+    if (this.buffers.has(buffer)) return;
+    this.buffers.add(buffer);
+    this.bytes += buffer.byteLength;
+  }
+
+  private drop(buffer: ArrayBuffer): void {
+    this.buffers.delete(buffer);
+    this.bytes -= buffer.byteLength;
   }
 
   private has(chunk: SegmentChunk): boolean {
@@ -60,24 +93,8 @@ export class CloudFrame {
     return this.pieces.some((piece) => piece.index === chunk.index);
   }
 
-  private addPiece(segment: Uint8Array<ArrayBuffer>, chunk: SegmentChunk): void {
-    const { index, level, first, count, origin, scale, lo, hi } = chunk;
-    const words = new Uint16Array(segment.buffer, chunk.start * STRIDE, count * 6);
-    const piece: Piece = {
-      index,
-      level,
-      first,
-      count,
-      origin,
-      scale,
-      lo,
-      hi,
-      words,
-      segment,
-      blocks: null,
-      labels: null,
-      labelsVersion: 0,
-    };
+  private addPiece(piece: Piece): void {
+    const { first, count } = piece;
     if (this.pieces.length === 0 || this.pieces.at(-1)!.first < first) this.pieces.push(piece);
     else this.pieces.splice(this.after(first), 0, piece);
     this.loaded += count;
@@ -109,8 +126,7 @@ export class CloudFrame {
     this.pointsVersion += 1;
     const { buffer } = piece.words;
     if (this.pieces.some((other) => other.words.buffer === buffer)) return null;
-    this.buffers.splice(this.buffers.indexOf(buffer), 1);
-    this.bytes -= buffer.byteLength;
+    this.drop(buffer);
     return buffer;
   }
 
@@ -120,8 +136,11 @@ export class CloudFrame {
     this.loaded = 0;
     this.bytes = 0;
     this.complete = false;
+    this.image = null;
     this.pointsVersion += 1;
-    return this.buffers.splice(0);
+    const buffers = [...this.buffers];
+    this.buffers.clear();
+    return buffers;
   }
 
   /** Apply the server's values, whole or delta. */

@@ -1,6 +1,6 @@
 /** The points of one chunk in the page's memory, and what is known of them. */
 import type { LabelUpdate } from '../../net/wire';
-import { spacingOf } from '../../net/chunk/segment';
+import { spacingOf, STRIDE, WORDS, type SegmentChunk } from '../../net/chunk/segment';
 import { boundBlocks } from './blocks';
 
 /** The value of a deleted point on the wire. */
@@ -19,14 +19,22 @@ export interface Piece {
   readonly hi: readonly [number, number, number];
   /** 6 uint16 a point: x, y, z quantised; colours; stamp. */
   readonly words: Uint16Array<ArrayBuffer>;
-  /** All bytes of the segment, 12 a point; this piece's begin at `words.byteOffset`. */
-  readonly segment: Uint8Array<ArrayBuffer>;
+  /** All bytes of the segment, 12 a point, where this piece's are; null: of a depth image. */
+  readonly segment: Uint8Array<ArrayBuffer> | null;
+  /** Of a depth image: each point's pixel. */
+  readonly pixels: Uint32Array<ArrayBuffer> | null;
   /** Bounds of each 256 points; made when a ray or a brush first comes near. */
   blocks: Uint16Array | null;
   /** One id a point; null while all are 0. */
   labels: Uint16Array | null;
   /** Grows with every change of `labels`. */
   labelsVersion: number;
+}
+
+/** A chunk of points as they lie in a segment's bytes. */
+export function pieceOf(chunk: SegmentChunk, segment: Uint8Array<ArrayBuffer>): Piece {
+  const words = new Uint16Array(segment.buffer, chunk.start * STRIDE, chunk.count * WORDS);
+  return { ...chunk, words, segment, pixels: null, blocks: null, labels: null, labelsVersion: 0 };
 }
 
 /** Take the server's values, run by run. */

@@ -38,6 +38,7 @@ export function segmentOf(
     count,
     chunks,
     vertices,
+    image: null,
     nbytes: 0,
     decodeMs: 0,
     ...options,

@@ -37,6 +37,7 @@ export function decodeFrame(message: Frame, pool: BufferPool): Segment {
     count: points,
     chunks,
     vertices,
+    image: null,
     nbytes: message.data.byteLength,
     decodeMs: performance.now() - started,
   };

@@ -1,6 +1,9 @@
 /** A run of decoded points as the worker hands it to the page. */
+import type { Lattice } from '../../protocol/messages';
 
 export const STRIDE = 12;
+/** The vertex in uint16: x, y, z; colours; stamp. */
+export const WORDS = STRIDE / 2;
 /** The vertex's spare 16 bits: chunk number × 64 + size code. */
 export const SIZE_CODES = 64;
 export const MAX_CHUNKS = 1024;
@@ -20,6 +23,29 @@ export interface SegmentChunk {
   readonly hi: readonly [number, number, number];
 }
 
+/** A depth camera's frame as the GPU takes it. */
+export interface DepthImage {
+  readonly lattice: Lattice;
+  /** Distance of each pixel in units, row by row; 0 without a point. */
+  readonly depths: Uint16Array<ArrayBuffer>;
+  /** The finest picture; null: in a segment the one before counts, else there is none. */
+  readonly colours: Colours | null;
+}
+
+/** A picture as the browser's decoder has it. */
+export interface Colours {
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  /**
+   * Of red, green and blue, or luma and the two chromas: the first byte, bytes a row, pixels that
+   * share a value (powers of two: to the right, and 16 times those down), and bytes a value.
+   */
+  readonly planes: Int32Array;
+  /** The planes are luma and chroma (JFIF). */
+  readonly luma: boolean;
+  /** Pixels of the depth image from one of the picture's to the next. */
+  readonly step: number;
+}
+
 export interface Segment {
   readonly sequence: string;
   readonly frame: number;
@@ -29,11 +55,25 @@ export interface Segment {
   readonly final: boolean;
   readonly count: number;
   readonly chunks: readonly SegmentChunk[];
-  /** `count` × 12 bytes: x, y, z uint16; r, g, b, intensity uint8; chunk and size uint16. */
+  /**
+   * `count` × 12 bytes: x, y, z uint16; r, g, b, intensity uint8; chunk and size uint16.  Of a depth
+   * image `count` × 4 bytes: the point's pixel, row-major.
+   */
   readonly vertices: ArrayBuffer;
+  /** Depth image with the pixels that have come so far; null where points come as points. */
+  readonly image: DepthImage | null;
   /** Bytes on the wire, and the time to decode them. */
   readonly nbytes: number;
   readonly decodeMs: number;
+}
+
+/** The memory of a segment, which goes from thread to thread with it. */
+export function buffersOf({ vertices, image }: Segment): ArrayBuffer[] {
+  return image ? [vertices, ...imageBuffers(image)] : [vertices];
+}
+
+export function imageBuffers({ depths, colours }: DepthImage): ArrayBuffer[] {
+  return colours ? [depths.buffer, colours.bytes.buffer] : [depths.buffer];
 }
 
 /** Metres between neighbouring points that a size code stands for, at the level's own density. */

@@ -1,6 +1,5 @@
 /** A recording's lattice, and WebAssembly that decodes its bands in memory that all frames share. */
 import type { Lattice } from '../../protocol/messages';
-import { STRIDE } from '../chunk/segment';
 import {
   ENTRIES,
   lowBytes,
@@ -10,13 +9,8 @@ import {
   type Numbers,
   type Parts,
 } from './codec';
-import { FARTHEST, raysOf, STAMPS, stampsOf, type Grid } from './grid';
 import { inOneMemory, instantiate, type Decode } from './kernel';
-import { bandsOf, firstStep, pixelsOf, type Band } from './lattice';
-import { PIXEL_BYTES, type Picture } from './pictures';
-
-/** Bytes that the kernel writes beyond the last vertex. */
-const BEYOND = 4;
+import { bandsOf, FARTHEST, firstStep, pixelsOf, type Band } from './lattice';
 
 /** State of a frame that its later chunks need of those before them. */
 export interface Known {
@@ -31,72 +25,60 @@ export class Camera {
   private readonly arrays: ReturnType<typeof arraysOf>;
   private readonly kernel: Decode;
 
-  constructor(
-    private readonly lattice: Lattice,
-    readonly grid: Grid,
-  ) {
+  constructor(readonly lattice: Lattice) {
     this.bands = bandsOf(lattice);
     this.stride = lattice.width + firstStep(lattice);
-    const { memory, views } = inOneMemory(arraysOf(lattice, grid, this.bands));
+    const { memory, views } = inOneMemory(arraysOf(lattice, this.bands));
     this.arrays = views;
     this.kernel = instantiate(memory);
   }
 
-  /** Take in the picture of pixels `step` apart, and close it. */
-  async paint(picture: Picture, step: number): Promise<void> {
-    const width = Math.ceil(this.lattice.width / step);
-    const height = Math.ceil(this.lattice.height / step);
-    try {
-      if (picture.width !== width || picture.height !== height) {
-        throw new RangeError(
-          `depth: expected a picture of ${width} by ${height} pixels, ` +
-            `got ${picture.width} by ${picture.height}`,
-        );
-      }
-      await picture.copyTo(this.arrays.colors.subarray(0, PIXEL_BYTES * width * height));
-    } finally {
-      picture.close();
-    }
+  /** Depths of all pixels, row by row, until the next call. */
+  get depths(): Uint16Array {
+    return this.arrays.depths;
   }
 
   /** Begin with what came of a frame before, or with nothing. */
-  restore(known: Known | null): void {
-    this.arrays.image.fill(0);
-    if (known) this.copy(known, true);
+  restore(known: Known | null, listed: Uint16Array): void {
+    const { image, depths } = this.arrays;
+    image.fill(0);
+    depths.fill(0);
+    if (!known) return;
+    this.visit(known.step, (place, pixel, i) => {
+      const value = (image[place] = known.pixels[i]!);
+      depths[pixel] = listed.length > 0 && value > 0 ? listed[value - 1]! : value;
+    });
   }
 
   /** The values of pixels `step` apart. */
   save(step: number): Known {
     const { width, height } = this.lattice;
+    const { image } = this.arrays;
     const pixels = new Uint16Array(Math.ceil(width / step) * Math.ceil(height / step));
-    this.copy({ step, pixels }, false);
+    this.visit(step, (place, _, i) => (pixels[i] = image[place]!));
     return { step, pixels };
   }
 
-  private copy({ step, pixels }: Known, back: boolean): void {
-    const { stride } = this;
-    const { image } = this.arrays;
+  /** Call `each` with the places of pixels `step` apart in the image, among all pixels, and in turn. */
+  private visit(step: number, each: (place: number, pixel: number, turn: number) => void): void {
     const { width, height } = this.lattice;
     for (let row = 0, i = 0; row < height; row += step) {
-      const end = row * stride + width;
-      for (let place = row * stride; place < end; place += step, i++) {
-        if (back) image[place] = pixels[i]!;
-        else pixels[i] = image[place]!;
+      for (let column = 0; column < width; column += step, i++) {
+        each(row * this.stride + column, row * width + column, i);
       }
     }
   }
 
   /**
-   * Decode a chunk, of which `numbers` are the tables.  `colorStep` of the picture that was taken
-   * in, 0 without one.  Returns the vertices, until the next call.
+   * Decode a chunk, of which `numbers` are the tables.  Returns the pixels of its points, row-major,
+   * until the next call.
    */
   decode(
     chunk: number,
     numbers: Numbers,
     { tokens, low }: Parts,
     listed: Uint16Array,
-    colorStep: number,
-  ): Uint8Array {
+  ): Uint32Array {
     const band = this.bands[chunk];
     if (!band) throw new RangeError(`depth: expected chunks before ${this.bands.length}`);
     const { arrays, stride } = this;
@@ -107,24 +89,21 @@ export class Camera {
     const { width } = this.lattice;
     const { row, stop, column, down, across, half, vertical } = band;
     const count = this.kernel(
-      ...[arrays.image.byteOffset, stride, colorStep && Math.ceil(width / colorStep)],
+      ...[arrays.image.byteOffset, stride],
       ...[row, stop, column, width, down, across, half, Number(vertical)],
       ...[arrays.entries.byteOffset, arrays.told.byteOffset],
       ...[arrays.tokens.byteOffset, arrays.tokens.byteOffset + tokens.length],
       ...[arrays.low.byteOffset, 8 * low.length],
       listed.length > 0 ? arrays.listed.byteOffset : 0,
-      ...[arrays.colors.byteOffset, Math.log2(colorStep || 1)],
-      ...[arrays.origin.byteOffset, arrays.columns.byteOffset, arrays.rows.byteOffset],
-      arrays.stamps.byteOffset + chunk * STAMPS * arrays.stamps.BYTES_PER_ELEMENT,
-      arrays.vertices.byteOffset,
+      ...[arrays.depths.byteOffset, arrays.pixels.byteOffset],
     );
     if (count < 0) throw new RangeError('depth: expected more bytes, got their end');
-    return arrays.vertices.subarray(0, STRIDE * count);
+    return arrays.pixels.subarray(0, count);
   }
 }
 
 /** Layout of the memory as it is at first. */
-function arraysOf(lattice: Lattice, grid: Grid, bands: readonly Band[]) {
+function arraysOf(lattice: Lattice, bands: readonly Band[]) {
   const { width, height } = lattice;
   // Neighbours beyond the edges are looked for in a margin.
   const margin = firstStep(lattice);
@@ -136,10 +115,8 @@ function arraysOf(lattice: Lattice, grid: Grid, bands: readonly Band[]) {
     tokens: new Uint8Array(tokenBytes(most)),
     low: new Uint8Array(lowBytes(most)),
     listed: new Uint16Array(FARTHEST),
-    colors: new Uint8Array(PIXEL_BYTES * width * height),
-    ...raysOf(lattice, grid),
-    stamps: stampsOf(lattice, bands),
-    vertices: new Uint8Array(STRIDE * most + BEYOND),
+    depths: new Uint16Array(width * height),
+    pixels: new Uint32Array(most),
   };
 }
 

@@ -4,6 +4,8 @@ import type { Depth, DepthChunk, Lattice, SequenceInfo } from '../../protocol/me
 import { BufferPool } from '../chunk/pool';
 import { spacingOf, type Segment } from '../chunk/segment';
 import { DepthDecoder } from './decode';
+import { unproject } from './grid';
+import { bandsOf } from './lattice';
 import type { Picture } from './pictures';
 
 const GOLDEN = new URL('../../../../tests/golden/', import.meta.url);
@@ -36,10 +38,8 @@ function pictureOf(told: Golden, jpeg: Uint8Array): Picture {
   return {
     width,
     height,
-    copyTo: (target) => {
-      for (let i = 0; i < width * height; i++) target.set(rgb.subarray(3 * i, 3 * i + 3), 4 * i);
-      return Promise.resolve();
-    },
+    read: () =>
+      Promise.resolve({ bytes: Uint8Array.from(rgb), planes: new Int32Array(12), luma: false }),
     close: () => undefined,
   };
 }
@@ -69,29 +69,43 @@ function message(data: Uint8Array, { chunks, count }: Golden, first: number, sto
   };
 }
 
-function positions({ vertices, chunks }: Segment): number[][] {
-  const words = new Uint16Array(vertices);
-  return chunks.flatMap(({ start, count, origin, scale }) =>
-    Array.from({ length: count }, (_, i) =>
-      [0, 1, 2].map((side) => origin[side]! + words[(start + i) * 6 + side]! * scale[side]!),
-    ),
-  );
+/** The words of a segment's points, chunk by chunk. */
+function wordsOf({ vertices, chunks, image }: Segment): Uint16Array[] {
+  const { lattice, depths } = image!;
+  return chunks.map((chunk) => {
+    const pixels = new Uint32Array(vertices, 4 * chunk.start, chunk.count);
+    return unproject(lattice, chunk, chunk.index, bandsOf(lattice)[chunk.index]!, pixels, depths);
+  });
+}
+
+function positions(segment: Segment): number[][] {
+  return wordsOf(segment).flatMap((words, c) => {
+    const { count, origin, scale } = segment.chunks[c]!;
+    return Array.from({ length: count }, (_, i) =>
+      [0, 1, 2].map((side) => origin[side]! + words[i * 6 + side]! * scale[side]!),
+    );
+  });
 }
 
 describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name) => {
   const { data, told, xyz } = golden(name);
 
   it('has every point where it is, in its order, whole and in parts', async () => {
+    let whole: Uint16Array | null = null;
     for (const parts of [
       [0, told.chunks.length],
       [0, 1, 2, told.chunks.length],
     ]) {
       const decoder = decoderOf(told);
       const found: number[][] = [];
+      let depths = new Uint16Array();
       for (let i = 0; i + 1 < parts.length; i++) {
         const coming = decoder.receive(message(data, told, parts[i]!, parts[i + 1]!));
-        found.push(...positions(await decoder.decode(coming)));
+        const segment = await decoder.decode(coming);
+        found.push(...positions(segment));
+        depths = segment.image!.depths;
       }
+      expect(depths).toEqual((whole ??= depths));
       expect(found.length).toBe(told.count);
       const off = found.map((at, i) =>
         Math.max(...at.map((value, side) => Math.abs(value - xyz[3 * i + side]!))),
@@ -140,20 +154,19 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
     const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
     const finest = told.pictures.find(({ width }) => width === told.lattice.width)!;
     const rgb = Buffer.from(finest.rgb_base64, 'base64');
-    const shown = Buffer.from(all.vertices);
-    told.pixels.forEach((pixel, i) => {
-      expect(shown.readUIntLE(12 * i + 6, 3)).toBe(rgb.readUIntLE(3 * pixel, 3));
-    });
+    const { bytes, step } = all.image!.colours!;
+    expect(step).toBe(1);
+    expect(Buffer.from(bytes).equals(rgb)).toBe(true);
   });
 
   it('stamps each point with its chunk and the spacing of its level', async () => {
     const decoder = decoderOf(told);
     const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
-    const words = new Uint16Array(all.vertices);
-    for (const { index, start, first, count } of all.chunks) {
+    const words = wordsOf(all);
+    for (const { index, first, count } of all.chunks) {
       const apart = Math.sqrt((told.lattice.width * told.lattice.height) / count);
       for (let i = 0; i < count; i += 7) {
-        const stamp = words[(start + i) * 6 + 5]!;
+        const stamp = words[index]![i * 6 + 5]!;
         const depth = xyz[3 * (first + i) + 2]! - told.lattice.eye[2];
         expect(stamp >> 6).toBe(index);
         const ratio = spacingOf(stamp & 63) / (depth * told.lattice.pitch[0] * apart);

@@ -1,10 +1,10 @@
-/** A depth message → vertices, as `decodeFrame` makes them of a frame message. */
+/** A depth message → the depth image so far, and which pixels its points are. */
 import type { Depth, SequenceInfo } from '../../protocol/messages';
 import type { BufferPool } from '../chunk/pool';
-import { STRIDE, type Segment, type SegmentChunk } from '../chunk/segment';
+import type { Colours, DepthImage, Segment, SegmentChunk } from '../chunk/segment';
 import { Camera, type Known } from './camera';
 import { Numbers, partsOf, readListed, type Parts } from './codec';
-import { gridOf } from './grid';
+import { gridOf, type Grid } from './grid';
 import type { Picture, ReadPicture } from './pictures';
 
 /** State of a frame that its later chunks need of those before them. */
@@ -13,9 +13,6 @@ interface Begun {
   readonly chunks: number;
   readonly known: Known;
   readonly listed: Uint16Array;
-  /** The finest picture, in JPEG. */
-  readonly jpeg: Uint8Array<ArrayBuffer> | null;
-  readonly pictureStep: number;
 }
 
 /** A message whose picture is being read while those before it are decoded. */
@@ -27,6 +24,7 @@ export interface Coming {
 
 export class DepthDecoder {
   private camera: Camera | null = null;
+  private grid: Grid | null = null;
   private identity = '';
   private readonly begun = new Map<number, Begun>();
 
@@ -39,7 +37,9 @@ export class DepthDecoder {
   open(info: SequenceInfo): void {
     if (info.identity === this.identity) return;
     this.identity = info.identity;
-    this.camera = info.lattice && new Camera(info.lattice, gridOf(info.lattice, info.lo, info.hi));
+    const { lattice, lo, hi } = info;
+    this.camera = lattice && new Camera(lattice);
+    this.grid = lattice && gridOf(lattice, lo, hi);
     this.begun.clear();
   }
 
@@ -53,100 +53,105 @@ export class DepthDecoder {
     const parts = message.chunks.map(({ offset, nbytes }) =>
       partsOf(message.data.subarray(offset, offset + nbytes)),
     );
-    const jpeg = finest(parts);
-    return { message, parts, picture: jpeg && this.readPicture(jpeg) };
+    const jpeg = parts[lastPicture(parts)]?.picture as Uint8Array<ArrayBuffer> | undefined;
+    return { message, parts, picture: jpeg ? this.readPicture(jpeg) : null };
   }
 
   /**
    * The points of a message.  None where they do not join on to what came of the frame: it has been
    * forgotten meanwhile.
    */
-  async decode({ message, parts, picture: coming }: Coming): Promise<Segment> {
-    const began = performance.now();
+  async decode(coming: Coming): Promise<Segment> {
+    const { message } = coming;
     const { camera } = this;
     const first = message.chunks[0]?.index ?? 0;
     const before = first > 0 ? this.begun.get(message.frame) : undefined;
     if (!camera || message.chunks.length === 0 || (before?.chunks ?? 0) !== first) {
-      void coming?.then((picture) => picture.close());
-      return this.segment(message, [], this.pool.take(0), 0, false);
+      void coming.picture?.then((picture) => picture.close());
+      return segmentOf(message, [], this.pool.take(0), null, 0);
     }
-    const { jpeg, step: pictureStep } = pictureOf(camera, parts, before, first);
-    const picture = await (coming ?? (jpeg && this.readPicture(jpeg)));
-    if (picture) await camera.paint(picture, pictureStep);
-    const waited = performance.now();
-
-    const colorStep = picture ? pictureStep : 0;
-    const { vertices, chunks, listed } = this.join(camera, message, parts, before, colorStep);
+    const colours = await this.paint(camera, coming, first);
+    const started = performance.now();
+    const { pixels, chunks, listed } = this.join(camera, coming, before);
     const done = first + chunks.length;
     if (message.final) this.begun.delete(message.frame);
     else {
       const known = camera.save(camera.bands[done - 1]!.step);
-      const kept = { chunks: done, known, listed, jpeg: jpeg?.slice() ?? null, pictureStep };
-      this.begun.set(message.frame, kept);
+      this.begun.set(message.frame, { chunks: done, known, listed });
     }
-    const decodeMs = performance.now() - waited + (picture ? 0 : waited - began);
-    return this.segment(message, chunks, vertices, decodeMs, message.final);
+    const { lattice } = camera;
+    const bytes = this.pool.take(camera.depths.byteLength);
+    const depths = new Uint16Array(bytes, 0, camera.depths.length);
+    depths.set(camera.depths);
+    const took = performance.now() - started;
+    return segmentOf(message, chunks, pixels, { lattice, depths, colours }, took);
   }
 
-  /** The points of all chunks, and the pixels that are listed of the frame. */
+  /** The picture that a message brings, whose chunks begin at `first`. */
+  private async paint(
+    camera: Camera,
+    { parts, picture: coming }: Coming,
+    first: number,
+  ): Promise<Colours | null> {
+    // prettier-ignore
+    if (!coming) return null;
+    const { pictureStep: step } = camera.bands[first + lastPicture(parts)]!;
+    const picture = await coming;
+    try {
+      const [width, height] = [camera.lattice.width, camera.lattice.height].map((side) => Math.ceil(side / step)); // prettier-ignore
+      if (picture.width !== width || picture.height !== height) {
+        throw new RangeError(
+          `depth: expected a picture of ${width} by ${height} pixels, ` +
+            `got ${picture.width} by ${picture.height}`,
+        );
+      }
+      return { ...(await picture.read((size) => this.pool.take(size))), step };
+    } finally {
+      picture.close();
+    }
+  }
+
+  /** The pixels of all chunks' points, and the depths that are listed of the frame. */
   private join(
     camera: Camera,
-    message: Depth,
-    parts: readonly Parts[],
+    { message, parts }: Coming,
     before: Begun | undefined,
-    colorStep: number,
-  ): { vertices: ArrayBuffer; chunks: SegmentChunk[]; listed: Uint16Array } {
+  ): { pixels: ArrayBuffer; chunks: SegmentChunk[]; listed: Uint16Array } {
     const points = message.chunks.reduce((sum, chunk) => sum + chunk.count, 0);
-    const vertices = this.pool.take(points * STRIDE);
-    const bytes = new Uint8Array(vertices);
+    const pixels = new Uint32Array(this.pool.take(points * Uint32Array.BYTES_PER_ELEMENT));
     const chunks: SegmentChunk[] = [];
-    camera.restore(before?.known ?? null);
     let listed = before?.listed ?? new Uint16Array(0);
+    camera.restore(before?.known ?? null, listed);
     let start = 0;
     message.chunks.forEach((chunk, i) => {
       const numbers = new Numbers(parts[i]!.tables);
       if (chunk.index === 0) listed = readListed(numbers);
-      const decoded = camera.decode(chunk.index, numbers, parts[i]!, listed, colorStep);
-      const count = decoded.length / STRIDE;
-      if (count !== chunk.count) {
-        throw new RangeError(`depth: expected ${chunk.count} points, got ${count}`);
+      const decoded = camera.decode(chunk.index, numbers, parts[i]!, listed);
+      if (decoded.length !== chunk.count) {
+        throw new RangeError(`depth: expected ${chunk.count} points, got ${decoded.length}`);
       }
-      bytes.set(decoded, start * STRIDE);
-      chunks.push({ ...chunk, ...camera.grid, start });
-      start += count;
+      pixels.set(decoded, start);
+      chunks.push({ ...chunk, ...this.grid!, start });
+      start += chunk.count;
     });
-    return { vertices, chunks, listed };
-  }
-
-  private segment(
-    { sequence, frame, total, data }: Depth,
-    chunks: readonly SegmentChunk[],
-    vertices: ArrayBuffer,
-    decodeMs: number,
-    final: boolean,
-  ): Segment {
-    const count = chunks.reduce((sum, chunk) => sum + chunk.count, 0);
-    const nbytes = data.byteLength;
-    return { sequence, frame, total, final, count, chunks, vertices, nbytes, decodeMs };
+    return { pixels: pixels.buffer, chunks, listed };
   }
 }
 
-/** The finest picture that came of a frame, whose chunks of this message begin at `first`. */
-function pictureOf(
-  camera: Camera,
-  parts: readonly Parts[],
-  before: Begun | undefined,
-  first: number,
-): { jpeg: Uint8Array<ArrayBuffer> | null; step: number } {
-  const jpeg = finest(parts);
-  if (jpeg) return { jpeg, step: camera.bands[first + lastPicture(parts)]!.pictureStep };
-  return { jpeg: before?.jpeg ?? null, step: before?.pictureStep ?? 1 };
+function segmentOf(
+  { sequence, frame, total, final, data }: Depth,
+  chunks: readonly SegmentChunk[],
+  vertices: ArrayBuffer,
+  image: DepthImage | null,
+  decodeMs: number,
+): Segment {
+  const count = chunks.reduce((sum, chunk) => sum + chunk.count, 0);
+  const nbytes = data.byteLength;
+  // Points that do not join on end nothing.
+  return { sequence, frame, total, final: final && image !== null, count, chunks, vertices, image, nbytes, decodeMs }; // prettier-ignore
 }
 
+/** Number of the last chunk with a picture, the finest; −1 without one. */
 function lastPicture(parts: readonly Parts[]): number {
   return parts.findLastIndex(({ picture }) => picture.length > 0);
-}
-
-function finest(parts: readonly Parts[]): Uint8Array<ArrayBuffer> | null {
-  return (parts[lastPicture(parts)]?.picture as Uint8Array<ArrayBuffer> | undefined) ?? null;
 }

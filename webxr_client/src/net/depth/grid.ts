@@ -1,7 +1,7 @@
-/** The grid of 16 bits that points are rounded to, and what a lattice's pixels are on it. */
-import { sizeCode, MAX_CHUNKS, SIZE_CODES } from '../chunk/segment';
+/** Pixels and their depths → points on a grid of 16 bits, as chunks of points have them. */
+import { sizeCode, MAX_CHUNKS, SIZE_CODES, WORDS } from '../chunk/segment';
 import type { Lattice } from '../../protocol/messages';
-import type { Band } from './lattice';
+import { FARTHEST, type Band } from './lattice';
 
 type Vector = readonly [number, number, number];
 
@@ -11,11 +11,10 @@ export interface Grid {
   readonly scale: Vector;
 }
 
-export const FARTHEST = 65535;
 /** `1 << SIZE_SHIFT` depths share a size. */
 const SIZE_SHIFT = 5;
 /** Surfaces are seen askew, most of them by so much: their points lie farther apart. */
-const SLANT = 1.15;
+export const SLANT = 1.15;
 
 export function gridOf(lattice: Lattice, lo: Vector, hi: Vector): Grid {
   const { axis, sign, eye, unit } = lattice;
@@ -28,48 +27,57 @@ export function gridOf(lattice: Lattice, lo: Vector, hi: Vector): Grid {
   return { origin, scale } as unknown as Grid;
 }
 
-/** Numbers of a vector in the kernel: three coordinates and a spare one. */
-export const LANES = 4;
-
-/** Points on the grid: `origin + depth * (columns + rows)`, vectors of the pixel's column and row. */
-export interface Rays {
-  readonly origin: Float32Array;
-  readonly columns: Float32Array;
-  readonly rows: Float32Array;
+/** The axes that columns and rows go along. */
+export function sidesOf({ axis }: Lattice): [number, number] {
+  return axis === 0 ? [1, 2] : axis === 1 ? [0, 2] : [0, 1];
 }
 
-export function raysOf(lattice: Lattice, grid: Grid): Rays {
+/**
+ * Return the words of a chunk's points (see `Piece`), without colours.  `pixels` are row-major,
+ * `depths` those of the whole image.
+ */
+export function unproject(
+  lattice: Lattice,
+  { origin, scale }: Grid,
+  chunk: number,
+  band: Band,
+  pixels: Uint32Array,
+  depths: Uint16Array,
+): Uint16Array<ArrayBuffer> {
   const { width, height, axis, sign, eye, unit, tangent, pitch } = lattice;
-  const sides = [0, 1, 2].filter((side) => side !== axis);
-  const origin = new Float32Array(LANES);
-  const [columns, rows] = [width, height].map((count, i) => {
-    const side = sides[i]!;
-    const cell = grid.scale[side]!;
-    const rays = new Float32Array(LANES * count);
-    for (let pixel = 0; pixel < count; pixel++) {
-      rays[LANES * pixel + side] = (unit * (tangent[i]! + pitch[i]! * pixel)) / cell;
-    }
-    // The kernel rounds down.
-    origin[side] = (eye[side]! - grid.origin[side]!) / cell + 0.5;
-    return rays;
-  }) as [Float32Array, Float32Array];
-  for (let pixel = 0; pixel < width; pixel++) columns[LANES * pixel + axis] = sign;
-  origin[axis] = sign > 0 ? 0 : FARTHEST;
-  return { origin, columns, rows };
+  const [a, b] = sidesOf(lattice);
+  const rays = (side: number, i: 0 | 1, count: number) =>
+    Float64Array.from(
+      { length: count },
+      (_, k) => (unit * (tangent[i] + pitch[i] * k)) / scale[side]!,
+    );
+  const [columns, rows] = [rays(a, 0, width), rays(b, 1, height)];
+  // Whole cells are found by rounding down.
+  const [left, top] = [a, b].map((side) => (eye[side]! - origin[side]!) / scale[side]! + 0.5) as [number, number]; // prettier-ignore
+  const stamps = stampsOf(lattice, chunk, band);
+  const words = new Uint16Array(WORDS * pixels.length);
+  for (let i = 0, w = 0; i < pixels.length; i++, w += WORDS) {
+    const pixel = pixels[i]!;
+    const depth = depths[pixel]!;
+    const row = (pixel / width) | 0;
+    words[w + axis] = sign > 0 ? depth : FARTHEST - depth;
+    words[w + a] = bounded(left + depth * columns[pixel - row * width]!);
+    words[w + b] = bounded(top + depth * rows[row]!);
+    words[w + 5] = stamps[depth >> SIZE_SHIFT]!;
+  }
+  return words;
 }
 
-/** Stamps of a band, for depths `1 << SIZE_SHIFT` apart. */
-export const STAMPS = (FARTHEST >> SIZE_SHIFT) + 1;
+function bounded(cell: number): number {
+  return cell < 0 ? 0 : cell > FARTHEST ? FARTHEST : cell;
+}
 
-/** Stamps (chunk and size) of points, `STAMPS` by depth for each band. */
-export function stampsOf({ pitch, unit }: Lattice, bands: readonly Band[]): Uint16Array {
-  const stamps = new Uint16Array(STAMPS * bands.length);
-  bands.forEach(({ down, across }, chunk) => {
-    const apart = SLANT * Math.sqrt(pitch[0] * pitch[1] * down * across) * unit;
-    const row = (chunk % MAX_CHUNKS) * SIZE_CODES;
-    for (let i = 0; i < STAMPS; i++) {
-      stamps[chunk * STAMPS + i] = row + sizeCode((i + 0.5) * apart * (1 << SIZE_SHIFT));
-    }
-  });
-  return stamps;
+/** Stamps (chunk and size) of a band's points, for depths `1 << SIZE_SHIFT` apart. */
+function stampsOf({ pitch, unit }: Lattice, chunk: number, { down, across }: Band): Uint16Array {
+  const apart = SLANT * Math.sqrt(pitch[0] * pitch[1] * down * across) * unit;
+  const row = (chunk % MAX_CHUNKS) * SIZE_CODES;
+  return Uint16Array.from(
+    { length: (FARTHEST >> SIZE_SHIFT) + 1 },
+    (_, i) => row + sizeCode((i + 0.5) * apart * (1 << SIZE_SHIFT)),
+  );
 }

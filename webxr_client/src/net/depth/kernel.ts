@@ -3,14 +3,14 @@ import code from '../../../assembly/band.ts?assembly';
 
 const bytes = Uint8Array.from(atob(code), (char) => char.charCodeAt(0));
 
-/** Whether this browser runs it: ones without vectors of 128 bits take frames as points. */
+/** Whether this browser runs WebAssembly; without it frames come as points. */
 export const supported = WebAssembly.validate(bytes);
 
 const PAGE = 65536;
-/** Of vectors of 128 bits. */
-const ALIGNMENT = 16;
+/** Bytes of the widest numbers. */
+const ALIGNMENT = 4;
 
-type Numbers = Uint8Array | Uint16Array | Uint32Array | Float32Array;
+type Numbers = Uint8Array | Uint16Array | Uint32Array;
 
 /** Lay arrays into a memory for the kernel, where their addresses are their offsets. */
 export function inOneMemory<T extends Record<string, Numbers>>(

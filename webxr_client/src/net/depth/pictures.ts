@@ -1,14 +1,19 @@
 /** JPEG → pixels, by the browser's own decoder, which works in a thread of its own. */
+import type { Colours } from '../chunk/segment';
 
 const JPEG = 'image/jpeg';
-export const PIXEL_BYTES = 4;
+const PIXEL_BYTES = 4;
+
+/** The bytes of a picture, and where in them its colours are. */
+export type Pixels = Pick<Colours, 'bytes' | 'planes' | 'luma'>;
+/** Gives memory of at least so many bytes. */
+export type Allocate = (bytes: number) => ArrayBuffer;
 
 /** A picture that has been decoded, until it is closed. */
 export interface Picture {
   readonly width: number;
   readonly height: number;
-  /** Write red, green, blue and a spare byte of each pixel, row by row. */
-  copyTo(target: Uint8Array<ArrayBuffer>): Promise<void>;
+  read(allocate: Allocate): Promise<Pixels>;
   close(): void;
 }
 
@@ -23,7 +28,7 @@ export const readPicture: ReadPicture = async (jpeg) => {
   const decoder = new ImageDecoder({ data: jpeg, type: JPEG, colorSpaceConversion: 'none' });
   try {
     const { image } = await decoder.decode();
-    return converts(image) ? new Converted(image) : new Drawn(image);
+    return subsampling(image) || converts(image) ? new Decoded(image) : new Drawn(image);
   } finally {
     decoder.close();
   }
@@ -39,7 +44,20 @@ function converts(image: VideoFrame): boolean {
   }
 }
 
-class Converted implements Picture {
+/** Pixels that share a chroma, to the right and down, in a decoder's own format. */
+const SUBSAMPLING: Record<string, readonly [number, number]> = {
+  I420: [2, 2],
+  I422: [2, 1],
+  I444: [1, 1],
+};
+
+/** Null where the planes are not those of a JPEG: pixels are converted to RGB then. */
+function subsampling({ format, colorSpace }: VideoFrame): readonly [number, number] | null {
+  const { fullRange, matrix } = colorSpace;
+  return (fullRange && matrix === 'smpte170m' && SUBSAMPLING[format ?? '']) || null;
+}
+
+class Decoded implements Picture {
   readonly width: number;
   readonly height: number;
 
@@ -48,13 +66,30 @@ class Converted implements Picture {
     this.height = image.displayHeight;
   }
 
-  async copyTo(target: Uint8Array<ArrayBuffer>): Promise<void> {
-    await this.image.copyTo(target, { format: 'RGBX' });
+  async read(allocate: Allocate): Promise<Pixels> {
+    const { image } = this;
+    const shared = subsampling(image);
+    const options = shared ? {} : ({ format: 'RGBX' } as const);
+    const size = image.allocationSize(options);
+    const bytes = new Uint8Array(allocate(size), 0, size);
+    const layouts = await image.copyTo(bytes, options);
+    if (!shared) return interleaved(bytes, layouts[0]!.stride);
+    const planes = layouts.flatMap(({ offset, stride }, plane) => {
+      const [across, down] = plane === 0 ? [1, 1] : shared;
+      return [offset, stride, across + 16 * down, 1];
+    });
+    return { bytes, planes: Int32Array.from(planes), luma: true };
   }
 
   close(): void {
     this.image.close();
   }
+}
+
+/** Bytes of red, green, blue and a spare one. */
+function interleaved(bytes: Uint8Array<ArrayBuffer>, stride: number): Pixels {
+  const planes = [0, 1, 2].flatMap((offset) => [offset, stride, 1 + 16, PIXEL_BYTES]);
+  return { bytes, planes: Int32Array.from(planes), luma: false };
 }
 
 let canvas: OffscreenCanvas | null = null;
@@ -71,7 +106,7 @@ class Drawn implements Picture {
     this.height = bitmap ? image.height : image.displayHeight;
   }
 
-  copyTo(target: Uint8Array<ArrayBuffer>): Promise<void> {
+  read(allocate: Allocate): Promise<Pixels> {
     const { width, height } = this;
     if (canvas?.width !== width || canvas.height !== height) {
       canvas = new OffscreenCanvas(width, height);
@@ -79,8 +114,10 @@ class Drawn implements Picture {
     }
     if (!context) throw new Error('This browser has no 2D canvas in workers.');
     context.drawImage(this.image, 0, 0);
-    target.set(context.getImageData(0, 0, width, height).data);
-    return Promise.resolve();
+    const { data } = context.getImageData(0, 0, width, height);
+    const bytes = new Uint8Array(allocate(data.length), 0, data.length);
+    bytes.set(data);
+    return Promise.resolve(interleaved(bytes, PIXEL_BYTES * width));
   }
 
   close(): void {

@@ -1,0 +1,125 @@
+/** A depth camera's frame: its image in textures, drawn as points and as a surface. */
+import { BufferAttribute, BufferGeometry, Group, InstancedBufferGeometry, Matrix4, Mesh, Points, RawShaderMaterial, Sphere } from 'three'; // prettier-ignore
+import type { WebGLRenderer } from 'three';
+import { free } from '../../common/free';
+import { SLANT, sidesOf } from '../../net/depth/grid';
+import { bandsOf, type Band } from '../../net/depth/lattice';
+import type { Lattice } from '../../protocol/messages';
+import type { CloudFrame } from '../points/frame';
+import { STEEPEST, TILE } from './lattice-shader';
+import { LatticeTextures } from './lattice-textures';
+import { cloudMaterial, type Placement, type PointUniforms } from './material';
+import { Slot } from './slot';
+
+export class LatticeSlot extends Slot {
+  readonly object = new Group();
+  private readonly textures: LatticeTextures;
+  private readonly bands: readonly Band[];
+  /** Columns, rows, and pixels between them; of the points, and of the surface. */
+  private readonly grids = new Int32Array(8);
+  private readonly points: Points<BufferGeometry, RawShaderMaterial>;
+  private readonly surface: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
+
+  constructor(
+    renderer: WebGLRenderer,
+    private readonly lattice: Lattice,
+    uniforms: PointUniforms,
+    placement: Placement | null,
+  ) {
+    super(uniforms);
+    this.bands = bandsOf(lattice);
+    this.textures = new LatticeTextures(renderer, lattice);
+    const own = {
+      ...this.textures.uniforms,
+      grids: { value: this.grids },
+      rays: { value: raysOf(lattice) },
+    };
+    const points = cloudMaterial(uniforms, own, { LATTICE: 1 }, placement);
+    const surface = cloudMaterial(uniforms, own, { LATTICE: 1, SURFACE: 1 }, placement);
+    this.points = new Points(new BufferGeometry(), points);
+    this.surface = new Mesh(tileGeometry(), surface);
+    for (const part of [this.points, this.surface]) {
+      part.geometry.boundingSphere = new Sphere();
+      part.frustumCulled = part.matrixAutoUpdate = false;
+      this.object.add(part);
+    }
+    this.object.matrixAutoUpdate = false;
+    this.showSurface(placement === null && uniforms.surface);
+  }
+
+  override showSurface(on: boolean): void {
+    this.surface.visible = on;
+  }
+
+  protected uploadPoints(frame: CloudFrame): void {
+    this.textures.writeImage(frame, this.normals);
+    this.uploaded = frame.loaded;
+  }
+
+  protected show({ pieces }: CloudFrame, points: number): void {
+    let last = 0;
+    while (last + 1 < pieces.length && pieces[last + 1]!.first < points) last += 1;
+    const { bands, grids } = this;
+    this.setGrid(0, bands[last]!);
+    // A surface is of whole levels: a level that has come in part has gaps.
+    let whole = last;
+    while (whole > 0 && bands[whole + 1]?.level === bands[whole]!.level) whole -= 1;
+    this.setGrid(4, bands[whole]!);
+    this.points.geometry.setDrawRange(0, points > 0 ? grids[0]! * grids[1]! : 0);
+    const tiles = Math.ceil(grids[4]! / TILE) * Math.ceil(grids[5]! / TILE);
+    this.surface.geometry.instanceCount = points > 0 ? tiles : 0;
+  }
+
+  private setGrid(at: number, { down, across, half, vertical }: Band): void {
+    const { width, height } = this.lattice;
+    const x = vertical || half === 0 ? across : half;
+    const y = vertical ? half : down;
+    this.grids.set([Math.ceil(width / x), Math.ceil(height / y), x, y], at);
+  }
+
+  protected uploadLabels(frame: CloudFrame): void {
+    this.textures.writeLabels(frame);
+  }
+
+  protected labelOnScreen(number: number): number {
+    return this.textures.labelAt(this.frame!, number);
+  }
+
+  dispose(): void {
+    this.object.removeFromParent();
+    free(this.points);
+    free(this.surface);
+    this.textures.dispose();
+  }
+}
+
+/** See `rays` in the shader. */
+function raysOf(lattice: Lattice): Matrix4 {
+  const { axis, sign, eye, unit, tangent, pitch } = lattice;
+  const [a, b] = sidesOf(lattice);
+  const rays = new Matrix4();
+  const e = rays.elements.fill(0);
+  e.splice(0, 3, ...eye);
+  e[4 + axis] = sign * unit;
+  e[4 + a] = unit * tangent[0];
+  e[4 + b] = unit * tangent[1];
+  e[8 + a] = unit * pitch[0];
+  e[12 + b] = unit * pitch[1];
+  const apart = Math.sqrt(pitch[0] * pitch[1]);
+  e[3] = SLANT * apart * unit;
+  e[7] = STEEPEST * apart;
+  return rays;
+}
+
+/** Two triangles for each cell of a tile, between vertices that are numbered row by row. */
+function tileGeometry(): InstancedBufferGeometry {
+  const indices: number[] = [];
+  const row = TILE + 1;
+  for (let cell = 0; cell < TILE * TILE; cell++) {
+    const corner = Math.floor(cell / TILE) * row + (cell % TILE);
+    indices.push(corner, corner + row, corner + 1, corner + 1, corner + row, corner + row + 1);
+  }
+  const geometry = new InstancedBufferGeometry();
+  geometry.setIndex(new BufferAttribute(Uint16Array.from(indices), 1));
+  return geometry;
+}
