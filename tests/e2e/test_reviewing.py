@@ -68,7 +68,10 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     desk.screenshot("review-states")
 
     panel.get_by_role("tab", name="Suspicious").click()
+    # A finding about several labels does not change the label of the next stroke.
     panel.get_by_role("button", name="2 labels are called").click()
+    panel.locator("[data-current]").get_by_text("2 labels are called").wait_for()
+    assert desk.ask("pb.state.activeLabel.value") == pin
     panel.get_by_role("button", name="Confirm").click()
     panel.get_by_text("2 labels are called").wait_for(state="detached")
     checks = server.request("GET", f"sequences/{SEQUENCE}/checks").json()["findings"]

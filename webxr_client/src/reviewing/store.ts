@@ -2,6 +2,7 @@
 import { computed, signal } from '@preact/signals';
 import { actions } from '../store/actions';
 import { attempt, sequencePath } from '../engine/recordings';
+import { namesOf } from '../engine/review';
 import { api } from '../net/rest';
 import { canReview, notify, state } from '../store/state';
 import { follow } from '../store/watch';
@@ -119,15 +120,22 @@ export async function judgeHere(kind: 'accepted' | 'rejected'): Promise<void> {
   if (kind === 'rejected') [reviewOpen.value, reviewTab.value] = [true, 'frames'];
 }
 
-/** Go to a finding: its frame, its label, its place. */
+/** Select the label of a finding about one label, with a notice: the next stroke paints it. */
+function selectLabelOf({ labels }: Finding): void {
+  const [label, ...others] = labels;
+  if (label === undefined || others.length > 0 || label === state.activeLabel.peek()) return;
+  actions.selectLabel(label);
+  notify('info', `Active label: ${namesOf([label])}`, 'The next stroke paints this label.');
+}
+
+/** Go to a finding: its frame, its label if it is about one, its place. */
 export function goTo(finding: Finding): void {
   current.value = finding.id;
   if (finding.first !== null) {
     actions.pause();
     actions.seek(finding.first);
   }
-  const label = finding.labels.at(-1);
-  if (label !== undefined) actions.selectLabel(label);
+  selectLabelOf(finding);
   marked.value = finding.place && [...finding.place];
 }
 
