@@ -17,6 +17,8 @@ BoxProvenance = Literal["fitted", "drawn", "imported"]
 """Origins of a box, or of its pose in a frame."""
 AttributeValue = str | float | bool
 Attributes = Mapping[str, AttributeValue]
+UNKNOWN_OCCLUSION = 3
+"""The value of the attribute ``occluded`` for an unknown occlusion; KITTI defines the levels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -25,7 +26,7 @@ from pointbrush.formats.boxes.scene import (
     tracked,
 )
 from pointbrush.formats.boxes.writing import ATTRIBUTES, BOX_WRITERS, OBJECTS
-from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.oriented_box import UNKNOWN_OCCLUSION, BoxPose, OrientedBox
 from pointbrush.quaternions import quaternion_of, rotation_of
 
 CLASSES = {1: "vehicle", 2: "pedestrian", 3: "vehicle"}
@@ -55,7 +56,8 @@ def boxes(draw: st.DrawFn, upright: bool) -> list[OrientedBox]:
         for frame in draw(st.sets(st.integers(0, 2), min_size=1)):
             roll, pitch = (0.0, 0.0) if upright else (draw(tilt), draw(tilt))
             R = turned(draw(angle), roll, pitch)
-            told: dict[str, Any] = {"occluded": float(draw(st.integers(1, 2)))}
+            level = draw(st.none() | st.integers(0, UNKNOWN_OCCLUSION))
+            told = {} if level is None else {"occluded": float(level)}
             poses[frame] = BoxPose(np.array(draw(place)), quaternion_of(R), attributes=told)
         size = np.array(draw(st.tuples(*[st.floats(0.2, 20)] * 3)))
         made.append(OrientedBox(label, label, size, poses, {"parked": True, "load": "sand"}))
@@ -102,7 +104,9 @@ def back(format: str, frames: list[SceneFrame], folder: Path) -> list[BoxTrack]:
 
 
 def told(attributes: Mapping[str, Any], box: OrientedBox | BoxTrack, frame: int) -> dict[str, Any]:
-    return {**attributes, **box.poses[frame].attributes}
+    """Attributes in a frame; an unknown occlusion is the same as none."""
+    found = {**attributes, **box.poses[frame].attributes}
+    return {k: v for k, v in found.items() if (k, v) != ("occluded", UNKNOWN_OCCLUSION)}
 
 
 def nearest(found: list[BoxTrack], box: OrientedBox, frame: int) -> BoxTrack:
@@ -122,7 +126,7 @@ def require_same(format: str, made: list[OrientedBox], found: list[BoxTrack]) ->
             assert mine.name == CLASSES[box.label]
             kept = told(mine.attributes, mine, frame)
             if "occluded" in " ".join(lost):
-                assert kept == {"occluded": pose.attributes["occluded"]}
+                assert kept == told({}, box, frame)
             else:
                 assert kept == ({} if ATTRIBUTES in lost else told(box.attributes, box, frame))
             if OBJECTS not in lost:
@@ -160,10 +164,47 @@ def test_kitti_tells_the_picture_of_a_box() -> None:
     front, aside, behind = (list(map(float, each)) for each in told)
     near = 100 / 9  # pixels of a metre at the near face
     assert front == pytest.approx(
-        [0, 0, -np.pi / 2, *(200 - near, 50 - near), *(200 + near, 50 + near)], abs=1e-4
+        [0, 3, -np.pi / 2, *(200 - near, 50 - near), *(200 + near, 50 + near)], abs=1e-4
     )
     left, right = 200 + 100 * 17 / 11, 200 + 100 * 19 / 9
     assert aside[0] == pytest.approx((right - 399) / (right - left), abs=1e-4)
     assert aside[3:] == pytest.approx([left, 50 - near, 399, 50 + near], abs=1e-4)
     assert aside[2] == pytest.approx(-np.pi / 2 - np.arctan2(18, 10), abs=1e-4)
     assert behind[3:] == [-1, -1, -1, -1]
+
+
+def test_an_unknown_occlusion_is_written_as_unknown() -> None:
+    """KITTI: occluded 3, and -1 for a truncation without a picture (devkit, ``writeLabels.m``).
+
+    nuScenes: no token of a visibility.  The editors: no attribute.
+    """
+    pose = BoxPose(np.zeros(3), quaternion_of(np.eye(3)))
+    for attributes in ({}, {"occluded": UNKNOWN_OCCLUSION}):
+        made = frames_of([OrientedBox(1, 1, np.ones(3), {0: pose}, attributes)])[:1]
+
+        def wrote(format: str, name: str) -> Any:
+            text = dict(BOX_WRITERS[format].write(iter(made), Scene("s", COLORS)))[name].decode()  # noqa: B023
+            return text.split() if name.endswith(".txt") else json.loads(text)
+
+        assert wrote("kitti-object", "label_2/000000.txt")[1:4] == ["-1.0000", "3", "-10.000000"]
+        assert wrote("kitti-tracking", "label_02/0000.txt")[3:6] == ["-1", "3", "-10.000000"]
+        (row,) = wrote("nuscenes-boxes", "v1.0-pointbrush/sample_annotation.json")
+        assert (row["visibility_token"], row["attribute_tokens"]) == ("", [])
+        assert wrote("sustechpoints", f"label/{STAMP}.json")[0]["obj_attr"] == ""
+        (item,) = wrote("datumaro", "annotations/default.json")["items"]
+        assert item["annotations"][0]["attributes"] == {"track_id": 1}
+        assert wrote("supervisely", "episode/annotation.json")["objects"][0]["tags"] == []
+        (sample,) = wrote("segments", "release.json")["dataset"]["samples"]
+        (frame,) = sample["labels"]["ground-truth"]["attributes"]["frames"]
+        assert frame["annotations"][0]["attributes"] == {}
+
+
+def test_levels_of_truncation_come_back(tmp_path: Path) -> None:
+    shares = (0.0, 0.3, 1.0)
+    poses = {
+        frame: BoxPose(np.zeros(3), quaternion_of(np.eye(3)), attributes={"truncated": share})
+        for frame, share in enumerate(shares)
+    }
+    frames = frames_of([OrientedBox(1, 1, np.ones(3), poses)])
+    (track,) = back("kitti-tracking", frames, tmp_path)
+    assert [told({}, track, frame)["truncated"] for frame in poses] == [0, 0.5, 1]

@@ -26,7 +26,9 @@ OBJECT_WORDS = 15
 TRACKING_WORDS = 17
 """Values of a line of KITTI's tracking labels: frame and track, then those of an object."""
 ATTRIBUTES = {"truncated": 1, "occluded": 2}
-"""Attributes by the places of their words in an object's line; 0 and below say nothing."""
+"""Attributes by the places of their words in an object's line."""
+MOST_TRUNCATED = 2
+"""The highest level of truncation in tracking's text: largely outside the picture."""
 FRAME_LIST = "frame_list.txt"
 """CVAT's file beside its tracklets: number of a frame and its name a line."""
 OUTSIDE = ("2", "99")
@@ -55,7 +57,7 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
     frames: dict[int, list[FrameBox]] = {}
     for words in _lines(path, TRACKING_WORDS):
         # A track keeps its number, but 0, which is no instance: it gets one that is left.
-        box = _box("kitti", words[2:], words[1] if int(words[1]) >= 0 else "")
+        box = _box("kitti", words[2:], words[1] if int(words[1]) >= 0 else "", MOST_TRUNCATED)
         frames.setdefault(int(words[0]), []).append(box)
     for frame, boxes in sorted(frames.items()):
         yield FrameBoxes(frame, tuple(boxes), numbered=True).moved_back(T_cam_velo)
@@ -68,11 +70,15 @@ def _lines(path: Path, count: int) -> Iterator[list[str]]:
             yield words
 
 
-def _box(tool: str, words: list[str], key: str) -> FrameBox:
-    """Build the box of an object's words: size h w l, place, angle."""
+def _box(tool: str, words: list[str], key: str, most_truncated: float = 1.0) -> FrameBox:
+    """Build the box of an object's words: size h w l, place, angle.
+
+    A negative truncation or occlusion is unknown: the box lacks the attribute.
+    """
     numbers = np.array([float(word) for word in words[8:15]])
     told = {name: float(words[place]) for name, place in ATTRIBUTES.items()}
-    told = {name: value for name, value in told.items() if value > 0}
+    told["truncated"] /= most_truncated
+    told = {name: value for name, value in told.items() if value >= 0}
     return box_by(tool, words[0], key, numbers[3:6], numbers[:3], numbers[6:], attributes=told)
 
 

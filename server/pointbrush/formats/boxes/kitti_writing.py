@@ -12,7 +12,7 @@ from pointbrush.formats.boxes.conventions import numbers_by
 from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.boxes.scene import File, Scene, SceneFrame
-from pointbrush.oriented_box import AttributeValue
+from pointbrush.oriented_box import UNKNOWN_OCCLUSION, AttributeValue
 
 Floats = NDArray[np.float64]
 CAMERA_OF_UPRIGHT = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])
@@ -21,7 +21,8 @@ NEAR = 0.1
 """Metres ahead of a camera below which nothing is projected."""
 NO_PICTURE = (-1.0, -1.0, -1.0, -1.0)
 UNKNOWN_ALPHA = -10.0
-MOST_OCCLUDED = 3
+UNKNOWN_TRUNCATION = -1.0
+"""The devkits' ``writeLabels.m`` writes it for an object without a truncation."""
 PARTLY_TRUNCATED = 0.5
 """Share outside the picture above which tracking's text says "largely"."""
 SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -59,10 +60,13 @@ class _Rectified:
         P[:, :3] = frame.view.K @ R @ T[:3, :3].T
         return cls(T, P, frame.view.width, frame.view.height)
 
-    def picture_of(self, box: FrameBox) -> tuple[tuple[float, ...], float]:
-        """Compute left, top, right, bottom in pixels within the picture, and the share outside."""
+    def picture_of(self, box: FrameBox) -> tuple[tuple[float, ...], float | None]:
+        """Compute left, top, right, bottom in pixels within the picture, and the share outside.
+
+        The share is None without a picture.
+        """
         if self.P is None:
-            return NO_PICTURE, 0.0
+            return NO_PICTURE, None
         corners = box.center + (SIGNS * box.size / 2) @ box.rotation.T
         seen = [end for a, b in EDGES for end in _ahead(corners[a], corners[b])]
         if not seen:
@@ -128,15 +132,19 @@ def write_kitti_tracking(frames: Iterable[SceneFrame], _: Scene) -> Iterator[Fil
 def _object(box: FrameBox, camera: _Rectified, *, levels: bool = False) -> str:
     """Write type, truncated, occluded, alpha, picture, h w l, place and angle of a box.
 
-    ``levels``: how much is truncated is a level, 0 to 2.
+    ``levels``: how much is truncated is a level, 0 to 2.  Unknown values are those of the devkits.
     """
     moved = box.moved(camera.T_rect_source)
     picture, outside = camera.picture_of(moved)
     place, size, (turn,) = numbers_by("kitti", moved)
-    truncated = _share(box.attributes.get("truncated"), outside)
-    if levels:
-        truncated = float(truncated > 0) + float(truncated > PARTLY_TRUNCATED)
-    occluded = round(min(max(0.0, _share(box.attributes.get("occluded"), 0.0)), MOST_OCCLUDED))
+    share = _number(box.attributes.get("truncated"), outside)
+    truncated = UNKNOWN_TRUNCATION if share is None else share
+    if levels and share is not None:
+        truncated = float(share > 0) + float(share > PARTLY_TRUNCATED)
+    level = _number(box.attributes.get("occluded"), None)
+    occluded = (
+        UNKNOWN_OCCLUSION if level is None else round(min(max(0.0, level), UNKNOWN_OCCLUSION))
+    )
     alpha = UNKNOWN_ALPHA if camera.P is None else turn - np.arctan2(place[0], place[2])
     if camera.P is not None:
         alpha = (alpha + np.pi) % (2 * np.pi) - np.pi
@@ -145,7 +153,7 @@ def _object(box: FrameBox, camera: _Rectified, *, levels: bool = False) -> str:
     return f"{'_'.join(box.name.split()) or 'Misc'} {told} {occluded} {numbers}"
 
 
-def _share(value: AttributeValue | None, otherwise: float) -> float:
+def _number(value: AttributeValue | None, otherwise: float | None) -> float | None:
     """Read an attribute as a number; true is 1."""
     return float(value) if isinstance(value, bool | int | float) else otherwise
 

@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.oriented_box import Attributes, AttributeValue, BoxPose, OrientedBox
+from pointbrush.oriented_box import (
+    UNKNOWN_OCCLUSION,
+    Attributes,
+    AttributeValue,
+    BoxPose,
+    OrientedBox,
+)
 from pointbrush.quaternions import quaternion_of, rotation_of
 
 Floats = NDArray[np.float64]
@@ -94,10 +100,17 @@ def by_frame(
                     box.size,
                     rotation_of(pose.quaternion),
                     box.label,
-                    {**box.attributes, **pose.attributes},
+                    _known({**box.attributes, **pose.attributes}),
                 )
             )
     return {frame: tuple(each) for frame, each in sorted(found.items())}
+
+
+def _known(attributes: Attributes) -> Attributes:
+    """Leave out an unknown occlusion: each format writes a missing attribute as unknown."""
+    if attributes.get("occluded") != UNKNOWN_OCCLUSION:
+        return attributes
+    return {name: value for name, value in attributes.items() if name != "occluded"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -80,6 +80,7 @@ BOX_WRITERS: Mapping[str, BoxWriting] = MappingProxyType({
     "datumaro": BoxWriting(
         "CVAT", "Datumaro 3D, which CVAT imports", write_datumaro, "datumaro",
         ("datumaro", "annotations/default.json"),
+        ("unknown occlusion (CVAT reads it as visible)",),
     ),
     "labelcloud": BoxWriting(
         "labelCloud", "one file per frame", write_labelcloud, "labelcloud",

@@ -82,7 +82,10 @@ def _document(box: Box) -> dict[str, Any]:
 
 
 def _kitti(frame: ExportFrame, label: int, category: str, box: Box) -> str:
-    """frame id type truncated occluded alpha bbox4 height width length x y z rotation_y."""
+    """frame id type truncated occluded alpha bbox4 height width length x y z rotation_y.
+
+    Truncation (-1), occlusion (3), alpha (-10) and the picture (-1) are unknown.
+    """
     axes: NDArray[np.float64] = upright_axes(frame.up)
     forward, left, up = axes @ box.center
     length, width, height = box.size
@@ -91,7 +94,7 @@ def _kitti(frame: ExportFrame, label: int, category: str, box: Box) -> str:
     turn = (-box.yaw - np.pi / 2 + np.pi) % (2 * np.pi) - np.pi
     kind = "".join(c if c.isalnum() else "_" for c in category) or "Misc"
     numbers = " ".join(f"{value:.6f}" for value in (height, width, length, *location, turn))
-    return f"{frame.index} {label} {kind} 0 0 -10 -1 -1 -1 -1 {numbers}"
+    return f"{frame.index} {label} {kind} -1 3 -10 -1 -1 -1 -1 {numbers}"
 
 
 @dataclass(frozen=True, slots=True)
