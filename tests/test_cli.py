@@ -89,7 +89,9 @@ def test_import_info_paint_track_export(
         assert (vertex["label"][:3000] > 0).mean() < 0.01
     capsys.readouterr()
     assert run("export", sequence, "--format", "semantickitti", "--out", tmp_path / "kitti") == 0
-    assert "SemanticKITTI does not hold: provenance, colours" in capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert "SemanticKITTI does not hold: provenance, colours" in printed.out
+    assert "without a category, each a class of its own in the export: ball" in printed.err
     about = json.loads((tmp_path / "kitti" / "export.json").read_text())
     assert "colours" in about["cannot_hold"]
     first = np.fromfile(next((tmp_path / "kitti").glob("**/000000.label")), np.uint32)

@@ -215,7 +215,10 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
         workspace.export(
             given.sequence, given.format, given.out, given.frames, given.val, given.above, snapshot
         )
-        return printing.exported(given.sequence, given.out, EXPORTS[given.format])
+        counted = [] if snapshot else counted_labels(workspace.labels, given.sequence)
+        boxes = workspace.labels.boxes.listing(given.sequence).boxes
+        entry = EXPORTS[given.format]
+        return printing.exported(given.sequence, given.out, entry, counted, boxes)
 
 
 def info(given: argparse.Namespace, settings: Settings) -> Answer:

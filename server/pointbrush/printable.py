@@ -67,6 +67,15 @@ class ExportFormat(Protocol):
     def title(self) -> str: ...  # noqa: D102
     @property
     def cannot_hold(self) -> Sequence[str]: ...  # noqa: D102
+    @property
+    def classes(self) -> bool: ...  # noqa: D102
+
+
+class Boxed(Protocol):
+    """A box of a label."""
+
+    @property
+    def label(self) -> int: ...  # noqa: D102
 
 
 class Suspicious(Protocol):

@@ -12,6 +12,7 @@ from typing import Any
 from pointbrush.printable import (
     About,
     Agreeing,
+    Boxed,
     ComparedClass,
     CountedEntry,
     ExportFormat,
@@ -357,13 +358,29 @@ def checked(
     return Answer(value, lines, error=f"{len(problems)} problems found" if problems else "")
 
 
-def exported(sequence: str, out: Path, entry: ExportFormat) -> Answer:
-    """Name the place of an export and the content that its format cannot hold."""
+def exported(
+    sequence: str,
+    out: Path,
+    entry: ExportFormat,
+    labels: Iterable[CountedEntry],
+    boxed: Iterable[Boxed],
+) -> Answer:
+    """Name the place of an export and the content that its format cannot hold.
+
+    A warning names the used ``labels`` without a category; ``boxed`` are the boxes of labels.
+    """
     lines = [f"exported {sequence} to {out}"]
     if entry.cannot_hold:
         lines.insert(0, f"{entry.title} does not hold: {', '.join(entry.cannot_hold)}")
+    used = {box.label for box in boxed} if entry.classes else set()
+    bare = [
+        label.name
+        for label in labels
+        if entry.classes and not label.category and (label.points or label.id in used)
+    ]
+    warning = f"without a category, each a class of its own in the export: {', '.join(bare)}"
     value = {"sequence": sequence, "out": str(out), "cannot_hold": list(entry.cannot_hold)}
-    return Answer(value, lines)
+    return Answer(value | {"without_category": bare}, lines, [warning] if bare else [])
 
 
 # ── labels by example ────────────────────────────────────────────────────────────────────────

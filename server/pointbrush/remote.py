@@ -142,7 +142,8 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
             recording.export(given.format, out, *asked)
         else:
             _unpack(out, lambda target: recording.export(given.format, target, *asked))
-        return printing.exported(recording.id, out, known[given.format])
+        labels, boxes = [] if snapshot else recording.labels(), recording.boxes.all()
+        return printing.exported(recording.id, out, known[given.format], labels, boxes)
 
 
 def _unpack(out: Path, export: Callable[[Path], Path]) -> None:

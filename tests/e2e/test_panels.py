@@ -202,6 +202,17 @@ def test_export_formats_are_grouped_and_the_last_used_is_marked(
     expect(menu.get_by_text("last used")).to_have_count(1)
     expect(menu.get_by_role("button", name="NPZ")).to_contain_text("last used")
     expect(details).to_contain_text("NPZ")
+    # A label in use without a category would be a class: its category is set from here.
+    menu.get_by_text("1 label without a category").wait_for()
+    menu.get_by_role("button", name="pin 1").click()
+    category = page.get_by_role("dialog", name="pin 1").get_by_label("Category")
+    expect(category).to_be_focused()
+    category.fill("pin")
+    category.press("Enter")
+    assert has_become(server, 1, category="pin")
+    desk.press("Escape")
+    opener.click()
+    expect(menu.get_by_text("without a category")).to_have_count(0)
 
 
 def put(server: LiveServer, frame: int, labels: object) -> None:

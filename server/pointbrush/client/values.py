@@ -231,7 +231,8 @@ class BoxAttribute:
 class ExportFormat:
     """An export format; ``cannot_hold``: content that is lost in it.
 
-    ``splits``: it divides frames into training and validation.
+    ``splits``: it divides frames into training and validation.  ``classes``: a label without a
+    category becomes a class of its own in it.
     """
 
     format: str
@@ -239,6 +240,7 @@ class ExportFormat:
     content: str
     cannot_hold: list[str]
     splits: bool = False
+    classes: bool = False
 
 
 class Annotation(np.ndarray[Any, np.dtype[Any]]):

@@ -48,6 +48,17 @@ def test_labels_of_one_name() -> None:
     assert (found.labels, found.first) == ((1, 3), 2)
 
 
+def test_labels_in_use_without_a_category() -> None:
+    palette = [PIN, Label(2, "van 1"), Label(3, "car 1", "car"), Label(4, "unused")]
+    there = {n: np.full(3, n != 4) for n in (1, 2, 3, 4)}
+    (found,) = counting.no_category(palette, there, ())
+    assert (found.labels, found.first) == ((1, 2), None)
+    assert "“pin”, “van 1” have no category" in found.text
+    assert [*counting.no_category(palette[:2], there, ())] == [], "names alone"
+    (boxed,) = counting.no_category([PIN, palette[3]], there, {4})
+    assert boxed.labels == (1, 4)
+
+
 def test_a_label_of_three_points_and_one_of_none() -> None:
     found = list(counting.few_points([PIN], counts(300, 3, 310, 6), OPTIONS))
     assert [(each.first, each.text) for each in found] == [(1, "“pin” has only 3 points")]

@@ -1,7 +1,11 @@
 /** Downloads. */
-import { signal } from '@preact/signals';
+import { computed, signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
+import { plural } from '../common/format';
+import { Icon } from '../common/icons';
 import { actions } from '../store/actions';
+import { boxes } from '../store/boxes';
+import { menuOf, search } from '../store/palette-list';
 import type { ExportFormat } from '../engine/export-formats';
 import { state } from '../store/state';
 import { ExportFormats } from './export-formats';
@@ -46,9 +50,46 @@ function ExportMenu() {
     <>
       <h2>Export {frames ? `frames ${range![0]} – ${range![1]}` : `all ${all} frames`}</h2>
       <Range all={all} range={frames ? range : null} />
+      <WithoutCategory />
       <ExportFormats split={<Validation value={val} range={stretch} />} start={start} />
     </>
   );
+}
+
+/** Used labels without a category: formats with classes make each of them a class of its own. */
+const uncategorised = computed(() => {
+  const boxed = new Set([...boxes.value.values()].map(({ label }) => label));
+  const used = (id: number): boolean => boxed.has(id) || (state.counts.value.get(id) ?? 0) > 0;
+  return state.palette.value.filter(({ id, category }) => !category && used(id));
+});
+/** Labels without a category that have a button; the others are counted. */
+const MOST_BUTTONS = 5;
+
+function WithoutCategory() {
+  const labels = uncategorised.value;
+  if (labels.length === 0) return null;
+  const more = labels.length - MOST_BUTTONS;
+  return (
+    <div class="import-note">
+      <Icon name="warning" />
+      <div>
+        {plural(labels.length, 'label')} without a category: training sets and boxes use the name as
+        a class. Set the category of{' '}
+        {labels.slice(0, MOST_BUTTONS).map(({ id, name }) => (
+          <Button key={id} label={name} small onClick={() => setCategory(id)} />
+        ))}
+        {more > 0 && ` and ${more} more`}
+      </div>
+    </div>
+  );
+}
+
+/** Open the menu of a label, which begins with its category. */
+function setCategory(id: number): void {
+  exportOpen.value = false;
+  search.value = '';
+  document.querySelector(`#palette [data-label="${id}"]`)?.scrollIntoView({ block: 'nearest' });
+  menuOf.value = id;
 }
 
 interface ValidationProps {

@@ -8,6 +8,7 @@ import { checking, checks, current, draft, goTo, reviewTab, settle, step, waitin
 
 const ICONS: Readonly<Record<Finding['kind'], IconName>> = {
   name: 'swap',
+  category: 'folder',
   few: 'points',
   stray: 'noise',
   jump: 'track',

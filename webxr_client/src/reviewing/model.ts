@@ -33,6 +33,7 @@ export interface Finding {
   readonly id: string;
   readonly kind:
     | 'name'
+    | 'category'
     | 'few'
     | 'stray'
     | 'jump'

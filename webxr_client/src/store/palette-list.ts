@@ -77,5 +77,8 @@ export function reordered(
   return [...rest.slice(0, at), moved, ...rest.slice(at)];
 }
 
+/** The label whose menu is open. */
+export const menuOf = signal<number | null>(null);
+
 /** The label whose name is being typed. */
 export const renaming = signal<number | null>(null);

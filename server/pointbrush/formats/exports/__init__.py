@@ -65,6 +65,11 @@ class Export:
     for each frame."""
 
     @property
+    def classes(self) -> bool:
+        """Whether its files give objects a class: a label without a category becomes a class."""
+        return self.numbering is not None or self.whole_boxes or self.write is boxes.write_boxes
+
+    @property
     def read_as(self) -> tuple[str, str]:
         """The format of labels as which it is read, and a pattern of the files that have them."""
         return self.labels or ("points", f"*{self.endings[0]}")

@@ -210,6 +210,7 @@ class ExportOut(BaseModel):
 
     ``purpose`` groups the formats.  ``splits``: its frames are split for training and validation.
     ``whole_boxes``: it has whole boxes, not boxes that enclose only the visible points.
+    ``classes``: a label without a category becomes a class of its own in it.
     """
 
     format: str
@@ -219,6 +220,7 @@ class ExportOut(BaseModel):
     cannot_hold: list[str]
     splits: bool
     whole_boxes: bool
+    classes: bool
 
 
 @router.get("/exports")
@@ -233,6 +235,7 @@ def list_exports() -> list[ExportOut]:
             cannot_hold=list(each.cannot_hold),
             splits=each.splits,
             whole_boxes=each.whole_boxes,
+            classes=each.classes,
         )
         for each in EXPORTS.values()
     ]

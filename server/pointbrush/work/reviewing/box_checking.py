@@ -29,6 +29,10 @@ class BoxChecker:
         self._known: OrderedDict[tuple[str, int], tuple[Hashable, BoxSketch]] = OrderedDict()
         self._lock = threading.Lock()
 
+    def labels(self, sequence: str) -> set[int]:
+        """Return the labels that have boxes."""
+        return {box.label for box in self._store.boxes.listing(sequence).boxes}
+
     def check(
         self, recording: Recording, frames: range, names: Mapping[int, str], unchecked: list[str]
     ) -> Iterator[Finding]:

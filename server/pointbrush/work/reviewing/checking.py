@@ -56,6 +56,7 @@ class Checker:
         sketches, unsure, unchecked = self._sketches(recording, counts, frames)
         found = [
             *counting.same_names(palette, counts),
+            *counting.no_category(palette, counts, self._boxes.labels(sequence)),
             *counting.few_points(palette, counts, self._options),
             *counting.unlike_neighbours(
                 palette, counts, count, _excused(self._store.tracks(sequence)), self._options

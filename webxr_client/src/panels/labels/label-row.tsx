@@ -11,12 +11,13 @@ import { Icon } from '../../common/icons';
 import { lossOf, pointsOf } from './label-points';
 import { dragged, onRowDown, onRowFocus, onRowKey, tabStop } from './label-rows';
 import { LabelMenu } from './label-menu';
-import { keyOf, renaming } from '../../store/palette-list';
+import { keyOf, menuOf, renaming } from '../../store/palette-list';
 import { CutName } from '../parts/cut-name';
 import { Popover } from '../parts/popover';
 
 export function LabelRow({ label, number }: { label: Label; number: number }) {
-  const [menu, setMenu] = useState(false);
+  const menu = menuOf.value === label.id;
+  const setMenu = (open: boolean): void => void (menuOf.value = open ? label.id : null);
   const more = useRef<HTMLButtonElement>(null);
   const active = state.activeLabel.value === label.id;
   const solo = state.solo.value === label.id;

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import Label
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind
 
 NAMED = 3
-"""Empty labels that are named; of more their number is told."""
+"""Labels that a finding names; it counts the others."""
 Counts = NDArray[np.int64]
 """Points of a label (F,) in each frame."""
 
@@ -31,17 +31,35 @@ def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterat
             yield Finding("name", text, ids, frame, frame)
 
 
+def no_category(
+    palette: Sequence[Label], counts: Mapping[int, Counts], boxed: Collection[int]
+) -> Iterator[Finding]:
+    """Yield in one finding the used labels without a category; ``boxed`` are those with boxes.
+
+    A recording without boxes may use names alone: nothing is found if no label has a category.
+    """
+    used = [label for label in palette if label.id in boxed or counts[label.id].any()]
+    bare = [label for label in used if not label.category]
+    if bare and (boxed or len(bare) < len(used)):
+        yield _without("category", bare, "no category: exports write the name as a class")
+
+
+def _without(kind: Kind, labels: Sequence[Label], lacking: str) -> Finding:
+    """Return a finding about labels that lack something, the first of them by name."""
+    names = ", ".join(f"“{label.name}”" for label in labels[:NAMED])
+    more = f" and {len(labels) - NAMED} more" if len(labels) > NAMED else ""
+    have = "has" if len(labels) == 1 else "have"
+    ids = tuple(label.id for label in labels)
+    return Finding(kind, f"{names}{more} {have} {lacking}", ids)
+
+
 def few_points(
     palette: Sequence[Label], counts: Mapping[int, Counts], options: CheckOptions
 ) -> Iterator[Finding]:
     """Yield labels with hardly a point in a frame, and in one finding those without any."""
     empty = [label for label in palette if not counts[label.id].any()]
     if empty:
-        names = ", ".join(f"“{label.name}”" for label in empty[:NAMED])
-        more = f" and {len(empty) - NAMED} more" if len(empty) > NAMED else ""
-        have = "has" if len(empty) == 1 else "have"
-        text = f"{names}{more} {have} no points in any frame"
-        yield Finding("few", text, tuple(label.id for label in empty))
+        yield _without("few", empty, "no points in any frame")
     for label in palette:
         mine = counts[label.id]
         for frame in np.flatnonzero((mine > 0) & (mine <= options.few_points)).tolist():

@@ -7,14 +7,14 @@ from dataclasses import dataclass, fields, replace
 from typing import Literal, get_args
 
 Kind = Literal[
-    "name", "few", "stray", "jump", "unlike", "predicted",
+    "name", "category", "few", "stray", "jump", "unlike", "predicted",
     "box_jump", "box_size", "box_overlap", "box_ground", "box_empty", "box_outside",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
-"""Two labels of one name; a label of few points; points far from their object; a track that jumps;
-a frame unlike its neighbours; points that a classifier labelled without being sure.  A box that
-jumps or turns about; boxes of one label and two sizes; that share volume; off the ground; without
-points; points of a label outside its box."""
+"""Two labels of one name; labels without a category; a label of few points; points far from their
+object; a track that jumps; a frame unlike its neighbours; points that a classifier labelled without
+being sure.  A box that jumps or turns about; boxes of one label and two sizes; that share volume;
+off the ground; without points; points of a label outside its box."""
 
 
 @dataclass(frozen=True, slots=True)
