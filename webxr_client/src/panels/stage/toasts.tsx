@@ -16,7 +16,7 @@ export function Toasts() {
       {state.notices.value.map((notice) => (
         <li
           key={notice.id}
-          class="toast"
+          class="toast card"
           data-kind={notice.kind}
           role={notice.kind === 'error' ? 'alert' : undefined}
         >
