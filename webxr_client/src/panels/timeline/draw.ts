@@ -305,6 +305,7 @@ function drawPlayhead(
   if (picture.frame === null) return;
   const { ruler, height, font, fontSize, ink } = sizes;
   const x = Math.round(frameToX(picture.frame + 0.5, picture.span, inner));
+  if (x < 0 || x > inner) return;
   pen.font = `600 ${fontSize}px ${font}`;
   const text = String(picture.frame);
   const width = pen.measureText(text).width + fontSize;

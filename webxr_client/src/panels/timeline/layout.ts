@@ -133,14 +133,15 @@ const STEPS = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 2000
 const LABEL_ROOM = 56;
 const TICK_ROOM = 6;
 
-/** Ruler marks: numbered ones at round frames with room for the number, small ones between. */
+/** Marks at the middles of shown frames: numbered ones where a number has room, small ones between. */
 export function ticks(span: Span, width: number, frames: number): Tick[] {
   const perFrame = width / span.length;
   const major = STEPS.find((step) => step * perFrame >= LABEL_ROOM) ?? STEPS.at(-1)!;
   const minor = STEPS.find((step) => step * perFrame >= TICK_ROOM && major % step === 0) ?? major;
-  const last = Math.min(frames - 1, Math.ceil(span.first + span.length));
+  const [from, to] = [span.first - 0.5, span.first + span.length - 0.5];
+  const last = Math.min(frames - 1, Math.floor(to));
   const marks: Tick[] = [];
-  for (let frame = Math.ceil(span.first / minor) * minor; frame <= last; frame += minor) {
+  for (let frame = Math.max(0, Math.ceil(from / minor) * minor); frame <= last; frame += minor) {
     marks.push({ frame, major: frame % major === 0 });
   }
   return marks;

@@ -24,9 +24,7 @@ export function RangeBar({ span, frames, gutter }: RangeBarProps) {
   const last = Math.min(frames, Math.ceil(first + length)) - 1;
   return (
     <div class="range-bar" style={{ marginLeft: `${gutter}px` }} onPointerDown={jump}>
-      {doubtfulFrames(state.timeline.value.rows.values(), frames).map((frame) => (
-        <i key={frame} style={{ left: `${(100 * frame) / frames}%` }} />
-      ))}
+      <Doubts frames={frames} />
       <div
         class="shown"
         role="scrollbar"
@@ -53,6 +51,13 @@ export function RangeBar({ span, frames, gutter }: RangeBarProps) {
     const at = ((event.clientX - left) / width) * frames;
     span.value = clampSpan({ first: at - length / 2, length }, frames);
   }
+}
+
+/** Marks of doubtful frames, which zooming does not draw anew. */
+function Doubts({ frames }: { frames: number }) {
+  return doubtfulFrames(state.timeline.value.rows.values(), frames).map((frame) => (
+    <i key={frame} style={{ left: `${(100 * frame) / frames}%` }} />
+  ));
 }
 
 function keys(event: KeyboardEvent, span: Signal<Span>, frames: number): void {

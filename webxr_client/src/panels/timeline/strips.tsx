@@ -8,6 +8,7 @@ import { frameRange, type FrameRange } from '../../store/range';
 import { stripHover, stripPlace } from './strip-pointer';
 import { DARK_INK, drawTimeline, LIGHT_INK, type StripInk, type TimelineSizes } from './draw';
 import { RangeBar } from './range-bar';
+import { atNextPicture } from './next-picture';
 import { pan, reveal, xToFrame, zoom, type Span } from './layout';
 import { follow } from '../../store/watch';
 
@@ -57,7 +58,7 @@ export function Strips({ frames }: { frames: number }) {
         scroll.value = Math.min(row, Math.max(scroll.peek(), row - fit + 1));
       }
     });
-    let request = 0;
+    const { show, stop } = atNextPicture((paint: () => void) => paint());
     const redraw = follow(() => {
       const picture = {
         span: span.value,
@@ -71,8 +72,7 @@ export function Strips({ frames }: { frames: number }) {
         scroll: scroll.value,
       };
       const sizes = sizesOf(size.value);
-      cancelAnimationFrame(request);
-      request = requestAnimationFrame(() => {
+      show(() => {
         const ratio = devicePixelRatio;
         element.width = Math.round(sizes.width * ratio);
         element.height = Math.round(sizes.height * ratio);
@@ -90,7 +90,7 @@ export function Strips({ frames }: { frames: number }) {
       following();
       choosing();
       redraw();
-      cancelAnimationFrame(request);
+      stop();
     };
   }, [frames, scroll, size, span]);
 
