@@ -88,7 +88,7 @@ def press(headset: Headset, x: float, y: float, pad: str, hand: str = "right") -
 
 def quest(headset: Headset, truth: Truth) -> None:
     stroke(headset, truth)
-    gripped(headset, 0, 1, "thumbstick")
+    press(headset, 0, 1, "thumbstick")
     headset.button("a-button")
     stroke(headset, truth)
     headset.button("b-button")
@@ -100,7 +100,7 @@ def quest(headset: Headset, truth: Truth) -> None:
 
 def vive(headset: Headset, truth: Truth) -> None:
     stroke(headset, truth)
-    press(headset, 0, 0.9, "touchpad", "left")
+    press(headset, 0, 0.9, "touchpad")
     gripped(headset, 0, -0.9, "touchpad")
     stroke(headset, truth)
     gripped(headset, -0.9, 0, "touchpad")

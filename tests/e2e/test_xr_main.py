@@ -144,7 +144,7 @@ def test_eraser_undo_and_redo_are_buttons(
 # ── time ─────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_the_thumbstick_steps_runs_plays_and_sizes(headset: Headset) -> None:
+def test_the_thumbstick_steps_runs_and_plays_and_sizes_with_the_grip(headset: Headset) -> None:
     headset.pulses()
     headset.flick(1, 0)
     headset.until("pb.state.frame.value === 1 && pb.shown().frame === 1")
@@ -159,9 +159,16 @@ def test_the_thumbstick_steps_runs_plays_and_sizes(headset: Headset) -> None:
     headset.button("thumbstick")
     headset.until("!pb.state.playing.value")
     before = headset.ask("pb.state.brush.value.radius")
-    headset.lean(0, -1)
+    headset.ask("device.controllers.right.updateButtonValue('squeeze', 1)")
+    headset.frames()
+    headset.lean(1, 0)
+    headset.ask("device.controllers.right.updateButtonValue('squeeze', 0)")
+    headset.frames(4)
+    # What is left of the push steps through no frames.
+    frame = headset.ask("pb.state.frame.value")
     headset.lean(0, 0)
     assert headset.ask("pb.state.brush.value.radius") > before
+    assert headset.ask("pb.state.frame.value") == frame
 
 
 def test_scrubs_on_the_timeline_in_the_room(headset: Headset) -> None:

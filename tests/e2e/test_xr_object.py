@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.e2e.headset import QUEST, VIVE, Wear
+from tests.e2e.headset import QUEST, VIVE, Headset, Wear
 from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
 from tests.waiting import eventually
@@ -14,7 +14,20 @@ TICK = 15
 """Milliseconds of the pulse that tells of another level."""
 
 
-@pytest.mark.parametrize(("device", "pad"), [(QUEST, "thumbstick"), (VIVE, "touchpad")])
+DEVICES = [(QUEST, "thumbstick"), (VIVE, "touchpad")]
+
+
+def push(headset: Headset, y: float, pad: str, x: float = 0) -> None:
+    """Lean a stick, or press a touchpad, for a picture."""
+    controller = "device.controllers.right"
+    begin, end = (f"{controller}.updateAxes('{pad}', {a}, {b})" for a, b in ((x, y), (0, 0)))
+    if pad == "touchpad":
+        begin += f"; {controller}.updateButtonValue('touchpad', 1)"
+        end += f"; {controller}.updateButtonValue('touchpad', 0)"
+    headset.for_a_picture(begin, end)
+
+
+@pytest.mark.parametrize(("device", "pad"), DEVICES)
 def test_the_ray_shows_the_stick_walks_the_trigger_takes(
     put_on: Wear, server: LiveServer, truth: Truth, device: str, pad: str
 ) -> None:
@@ -28,34 +41,28 @@ def test_the_ray_shows_the_stick_walks_the_trigger_takes(
         x, y, z = headset.ask(f"hs.place({point})")
         headset.move("right", [x, y, z + 0.8], [x, y, z])
 
-    def push(y: float) -> None:
-        if pad == "touchpad":
-            headset.lean(0, y, pad=pad)
-            headset.for_a_picture(
-                "device.controllers.right.updateButtonValue('touchpad', 1)",
-                "device.controllers.right.updateButtonValue('touchpad', 0)",
-            )
-            headset.lean(0, 0, pad=pad)
-        else:
-            headset.flick(0, y)
-
     aim(person)
     headset.until("pb.state.object.value?.levels > 1 && pb.state.object.value.ready")
     shown = headset.ask("pb.state.object.value")
     assert headset.labels().get(65534) == shown["points"]
-    headset.pulses()
-    step = -1 if shown["level"] > 0 else 1
-    push(-step)
-    headset.until(f"pb.state.object.value.level === {shown['level'] + step}")
-    assert [p for p in headset.pulses() if p["milliseconds"] == TICK]
-    push(step)
-    headset.until(f"pb.state.object.value.level === {shown['level']}")
     headset.trigger(1)
-    headset.trigger(0)
     headset.until("pb.state.object.value?.taken")
     headset.settled()
-    first = painted(server, 0)
-    assert first == shown["points"]
+    assert painted(server, 0) == shown["points"]
+    # The pad walks through the levels while the trigger is held, and changes no label.
+    headset.pulses()
+    step = -1 if shown["level"] > 0 else 1
+    push(headset, -step, pad)
+    headset.until(f"pb.state.object.value.level === {shown['level'] + step}")
+    assert [p for p in headset.pulses() if p["milliseconds"] == TICK]
+    eventually(lambda: painted(server, 0) != shown["points"])
+    headset.settled()
+    push(headset, step, pad)
+    headset.until(f"pb.state.object.value.level === {shown['level']}")
+    headset.trigger(0)
+    eventually(lambda: painted(server, 0) == shown["points"])
+    headset.settled()
+    assert headset.ask("pb.state.activeLabel.value") == 1
     aim(pin)
     headset.trigger(1)
     headset.trigger(0)
@@ -72,19 +79,58 @@ def test_the_ray_shows_the_stick_walks_the_trigger_takes(
     headset.until("(pb.labels()[1] ?? 0) === 0")
 
 
-def test_a_press_of_the_stick_completes_a_stroke(
-    put_on: Wear, server: LiveServer, truth: Truth
+@pytest.mark.parametrize(("device", "pad"), DEVICES)
+def test_after_a_stroke_the_pad_means_what_it_meant_before(
+    put_on: Wear, server: LiveServer, truth: Truth, device: str, pad: str
 ) -> None:
-    headset = put_on()
-    headset.until("pb.state.activeLabel.value === 1")
+    server.create_label(SEQUENCE, "other", "#5ea2ff")
+    headset = put_on(device)
+    headset.until("pb.state.activeLabel.value === 1 && pb.state.palette.value.length === 2")
+    if device == VIVE:
+        headset.ask("(device.controllers.left.connected = false)")
+        headset.until("hs.pointers().length === 1")
     x, y, z = truth(0, PERSON)
-    headset.paint([[x, y, z], [x, y + 0.1, z], [x, y + 0.2, z]])
-    headset.until("pb.state.object.value?.completes")
+    path = [[x, y, z], [x, y + 0.1, z], [x, y + 0.2, z]]
+    offered = "pb.state.object.value?.completes === true"
+
+    def stroke() -> int:
+        headset.flick_to_frame(0)
+        headset.paint(path)
+        headset.until(offered)
+        headset.settled()
+        return painted(server, 0)
+
+    # Play plays, a push switches labels, left and right are frames: the array stays as it is.
+    count = stroke()
+    assert count > 0
+    name = "Pad" if device == VIVE else "Stick"
+    headset.until(
+        f"hs.headset.cockpit.tipSign.sign.text.endsWith('Hold Trigger, {name} ↑: object')"
+    )
+    push(headset, 0.9, pad)
+    headset.until("pb.state.activeLabel.value === 2")
+    push(headset, -0.9, pad)
+    headset.until("pb.state.activeLabel.value === 1")
+    assert stroke() == count
+    push(headset, 0, pad, 0.9)
+    headset.until("pb.state.frame.value === 1")
+    headset.until(f"!({offered})")
+    assert stroke() == count
+    headset.button(pad)
+    headset.until("pb.state.playing.value")
+    headset.until(f"!({offered})")
+    headset.button(pad)
+    headset.until("!pb.state.playing.value")
     headset.settled()
-    stroke = painted(server, 0)
-    assert stroke > 0
-    playing = headset.ask("pb.state.playing.value")
-    headset.button("thumbstick")
-    headset.until("!pb.state.object.value?.completes")
-    eventually(lambda: painted(server, 0) > stroke)
-    assert headset.ask("pb.state.playing.value") == playing
+    assert painted(server, 0) == count
+    # An offer ends by itself; a push while the trigger is held takes the object.
+    stroke()
+    headset.until(f"!({offered})")
+    headset.paint(path, release=False)
+    push(headset, -0.9, pad)
+    headset.until(offered)
+    shown = headset.ask("pb.state.object.value.points")
+    assert painted(server, 0) == count
+    headset.until("hs.headset.cockpit.painter.completion.age[0] > 300")
+    headset.trigger(0)
+    eventually(lambda: painted(server, 0) >= shown > count)

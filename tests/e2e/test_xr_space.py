@@ -167,12 +167,10 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     headset.until("pb.state.frame.value === 1")
     quadrant(-0.8, 0)
     headset.until("pb.state.frame.value === 0")
-    radius = headset.ask("pb.state.brush.value.radius")
+    quadrant(0, 0.8)
+    headset.until("pb.state.activeLabel.value === 2")
     quadrant(0, -0.8)
-    assert headset.ask("pb.state.brush.value.radius") > radius
-    quadrant(0, 0.8)
-    quadrant(0, 0.8)
-    assert headset.ask("pb.state.brush.value.radius") < radius
+    headset.until("pb.state.activeLabel.value === 1")
     quadrant(0, 0)
     headset.until("pb.state.playing.value")
     quadrant(0, 0)
@@ -213,11 +211,13 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     headset.settled()
     assert painted(server, 0) > 5
     assert headset.ask("pb.engine.viewer.world.position.length()") == 0
-    # The other hand's pad, down, walks through the labels.
-    quadrant(0, 0.8, "left")
-    headset.until("pb.state.activeLabel.value === 2")
-    quadrant(0, 0.8, "left")
-    headset.until("pb.state.activeLabel.value === 1")
+    # To the right the brush grows, and back it shrinks.
+    radius = headset.ask("pb.state.brush.value.radius")
+    gripped(0.8, 0)
+    assert headset.ask("pb.state.brush.value.radius") > radius
+    gripped(0, 0.8)
+    gripped(0, 0.8)
+    assert headset.ask("pb.state.brush.value.radius") < radius
 
 
 def test_a_pinch_paints_and_presses_all_that_a_trigger_does(

@@ -8,7 +8,7 @@ import { Listeners } from '../store/listeners';
 import { follow, peek } from '../store/watch';
 import { state } from '../store/state';
 import { roomWay } from '../tools/ways';
-import { Buttons, LabelSwitch } from './input/buttons';
+import { Buttons } from './input/buttons';
 import { Cues } from './painting/cues';
 import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './input/haptics';
 import { Hud } from './panels/hud';
@@ -29,6 +29,7 @@ import { standBefore } from './moving/standing';
 import { RoomScale } from './moving/room-scale';
 import { TipSign } from './painting/tip-sign';
 import { Lessons } from './input/lessons';
+import { UpDown } from './input/up-down';
 import { resetWorld, WorldGrab } from './moving/world';
 
 /** Metres from the floor to the eyes of somebody who stands. */
@@ -50,7 +51,7 @@ export class Cockpit {
   private readonly place: Place;
   private readonly grab = new WorldGrab();
   private readonly buttons: Buttons;
-  private readonly labelSwitch = new LabelSwitch();
+  private readonly upDown: UpDown;
   private readonly hud = new Hud();
   private readonly cues = new Cues(this.rig);
   private readonly tipSign: TipSign;
@@ -97,7 +98,12 @@ export class Cockpit {
     });
     const feelPulse = ({ strength, milliseconds }: Haptic): void => feel(strength, milliseconds);
     this.tipSign = new TipSign(() => feelPulse(LEVEL_TICK));
-    this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline(), feelPulse);
+    this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline());
+    this.upDown = new UpDown({
+      marked: () => feelPulse(LEVEL_TICK),
+      taken: () => this.lessons.done('label'),
+      level: (step) => this.painter.stepLevel(step),
+    });
     this.presence = new Presence(engine.link, viewer.afterwards);
     this.feelings = new Feelings(feelPulse);
     this.pulse = new Pulse(viewer.uniforms, this.panels.palette);
@@ -125,15 +131,6 @@ export class Cockpit {
     this.panels.addTo(group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
-  }
-
-  private switchLabels(pointer: Pointer | null, now: number): void {
-    if (!pointer) return;
-    const { pointers, panels } = this;
-    const { palette } = panels;
-    const onPalette = palette.open && pointers.bodyOf(pointer).on === palette;
-    if (!this.labelSwitch.update(pointer, pointers.partOf(pointer), onPalette, now)) return;
-    this.lessons.done('label');
   }
 
   private listen(): void {
@@ -192,8 +189,7 @@ export class Cockpit {
     parts.add(() => pointers.point(this.panels.all, this.panels.far, this.painter));
     parts.add(() => this.carryPanels());
     parts.add(() => this.panels.fold(pointers.at, seconds));
-    parts.add((now) => this.switchLabels(pointers.brush, now));
-    parts.add((now) => this.switchLabels(pointers.other, now));
+    parts.add((now) => this.upDown.update(pointers.brush, now));
     parts.add((now) => this.buttons.update(pointers.brush, pointers.other, seconds, now));
     parts.add(() => this.go());
     parts.add((now) => this.paint(now));
@@ -203,9 +199,7 @@ export class Cockpit {
     for (const panel of this.panels.all) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
     parts.add(() => pointers.teach(seconds, this.painter.painting));
-    parts.add((now) =>
-      this.tipSign.update(this.rig, this.painter.tip, this.brush?.tracked === true, now),
-    );
+    parts.add((now) => this.tipSign.update(this.rig, this.brush, this.painter, now));
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
@@ -271,6 +265,7 @@ export class Cockpit {
     if (this.rig.jumps !== this.jumps) this.interrupt();
     this.jumps = this.rig.jumps;
     this.painter.update(brush, other, this.rig.head, blocked, now);
+    this.painter.completion.update(this.pointing(brush) || !this.panels.palette.folded, now);
     if (this.painter.painting && !before) this.lessons.done('paint');
   }
 

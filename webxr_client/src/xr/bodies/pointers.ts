@@ -180,8 +180,7 @@ export class Pointers {
 
   /** Task of a pointer. */
   partOf(pointer: Pointer): Part {
-    if (pointer !== this.brush) return 'other';
-    return this.other ? 'brush' : 'alone';
+    return pointer === this.brush ? 'brush' : 'other';
   }
 
   /** Nothing is pressed until it was seen released: one jumped, or the system was in between. */

@@ -1,10 +1,8 @@
 /** Actions of sticks, pads and buttons besides painting. */
 import { actions } from '../../store/actions';
 import { peek } from '../../store/watch';
-import type { Label } from '../../protocol/messages';
 import { state } from '../../store/state';
-import { LEVEL_TICK, type Pulse } from './haptics';
-import type { Lessons, Part } from './lessons';
+import type { Lessons } from './lessons';
 import type { Pointer } from './pointer';
 
 /** The brush grows by this factor a second at full lean. */
@@ -16,10 +14,8 @@ export class Buttons {
   constructor(
     private readonly lessons: Lessons,
     private readonly togglePanel: () => void,
-    private readonly pulse: (pulse: Pulse) => void,
   ) {}
 
-  /** After the labels had their part of the other hand's pad. */
   update(brush: Pointer | null, other: Pointer | null, seconds: Float64Array, now: number): void {
     if (brush) this.ofBrush(brush, seconds, now);
     if (other) this.ofOther(other);
@@ -63,77 +59,22 @@ export class Buttons {
       this.lessons.done('step');
     }
     if (hand.edge.press === 1) {
-      if (actions.completeObject()) return;
       actions.togglePlay();
       this.lessons.done('play');
     }
   }
 
-  /** Up and down: the size of the brush, or the level of the object that is shown. */
+  /** The brush's size, by the pad while the grip is held. */
   private size(hand: Pointer, seconds: Float64Array, now: number): void {
-    const y = hand.sizes === 0 ? hand.pad.y : hand.sizes;
-    if ((peek(state.object)?.levels ?? 0) > 0) {
-      this.level(hand.repeatY.update(y, now));
-      return;
-    }
+    const lean = hand.sizes;
     if (hand.device.pad === 'touchpad') {
-      const notch = hand.repeatY.update(y, now);
+      const notch = hand.repeatSize.update(lean, now);
       if (notch === 0) return;
       actions.nudgeRadius(notch * NOTCHES);
       this.lessons.done('size');
-    } else if (y !== 0) {
-      actions.setRadius(peek(state.brush).radius * GROWTH ** (y * seconds[0]!));
+    } else if (lean !== 0) {
+      actions.setRadius(peek(state.brush).radius * GROWTH ** (lean * seconds[0]!));
       this.lessons.done('size');
     }
-  }
-
-  private level(step: number): void {
-    if (step === 0) return;
-    const before = peek(state.object)?.level;
-    actions.stepObject(step);
-    if (peek(state.object)?.level !== before) this.pulse(LEVEL_TICK);
-  }
-}
-
-/**
- * The part of a controller's pad that switches labels: its chord or second touchpad, all of up and down
- * while its ray is on the palette, a touchpad's quadrants where nothing else needs them.  Where one
- * looks changes nothing, and neither does a stick that goes somewhere.
- */
-export function labelLean(
-  { device, labels, pad }: Pick<Pointer, 'device' | 'labels' | 'pad'>,
-  part: Part,
-  onPalette: boolean,
-): number {
-  if (labels !== 0) return labels;
-  if (onPalette) return pad.y;
-  if (device.pad !== 'touchpad') return 0;
-  if (part === 'alone') return pad.y;
-  return part === 'other' ? Math.min(0, pad.y) : 0;
-}
-
-/** The label so many steps below the active one in the palette, round and round. */
-export function labelBeside(palette: readonly Label[], active: number, steps: number): number {
-  const at = palette.findIndex(({ id }) => id === active);
-  const from = at < 0 && steps < 0 ? 0 : at;
-  return palette[(from + steps + palette.length) % palette.length]?.id ?? active;
-}
-
-/** Switches labels by the pad of a hand, before the pad does anything else. */
-export class LabelSwitch {
-  /** Once per picture and hand; true when another label was chosen. */
-  update(hand: Pointer, part: Part, onPalette: boolean, now: number): boolean {
-    // Up and down of the hand that paints go through an object's levels while one is shown.
-    const levels = part !== 'other' && (peek(state.object)?.levels ?? 0) > 0;
-    const lean = levels && !onPalette && hand.labels === 0 ? 0 : labelLean(hand, part, onPalette);
-    const step = -hand.repeatLabel.update(lean, now);
-    if (lean !== 0) hand.pad.y = 0;
-    if (step === 0) return false;
-    const active = peek(state.activeLabel);
-    const next = labelBeside(peek(state.palette), active, step);
-    if (next === active) return false;
-    actions.selectLabel(next);
-    if (part === 'other') hand.pulse(LEVEL_TICK.strength, LEVEL_TICK.milliseconds);
-    return true;
   }
 }

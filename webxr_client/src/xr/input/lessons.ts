@@ -1,11 +1,11 @@
 /** Lessons: each button's action in words, and its uses, since what is learnt needs no words. */
 import { Listeners } from '../../store/listeners';
-import { chords, type Device, type PadKind } from './devices';
+import { chords, type Device } from './devices';
 
 export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
 
-/** Task of a controller: it paints and no other hand is there, it paints, or it helps. */
-export type Part = 'alone' | 'brush' | 'other';
+/** Task of a controller: it paints, or it helps. */
+export type Part = 'brush' | 'other';
 
 const LEARNT = 3;
 const KEY = 'pointbrush.learnt';
@@ -20,15 +20,14 @@ export interface Tip {
  * hand must not reach out of the picture.
  */
 export function tipsFor(device: Device, part: Part, left: boolean): Tip[] {
-  const paints = part !== 'other';
+  const paints = part === 'brush';
   if (device.pad === 'none') return [onlyTip(device.id === 'hand' ? 'Pinch' : 'Trigger', paints)];
-  const tips = paints ? paintingTips(device.pad, part) : otherTips(device.pad);
-  if (device.second) tips.push(tip('Pad ↑ ↓: labels', 'label'));
+  const tips = paints ? paintingTips(padName(device)) : otherTips(padName(device));
   const moves = device.squeeze >= 0 ? 'Grip' : paints ? '' : 'Trigger';
   if (moves) tips.push(tip(`${moves}: move the room`, 'grab'));
   tips.push(...buttonTips(device, left, paints));
-  if (chords(device) && device.pad === 'stick') {
-    tips.push(tip('Grip + Stick ↓: next label', 'label'));
+  if (paints && chords(device)) {
+    tips.push(tip(`Grip + ${padName(device)} → ↓: size`, 'size'));
   }
   return tips;
 }
@@ -53,33 +52,33 @@ function onlyTip(act: string, paints: boolean): Tip {
   return paints ? tip(`${act}: paint`, 'paint') : tip(`${act}: move the room`, 'grab');
 }
 
-function paintingTips(kind: PadKind, part: Part): Tip[] {
-  const touches = kind === 'touchpad';
-  const pad = touches ? 'Pad' : 'Stick';
+/** The name of a controller's pad in words for a person. */
+export function padName({ pad }: Device): string {
+  return pad === 'touchpad' ? 'Pad' : 'Stick';
+}
+
+function paintingTips(pad: string): Tip[] {
   return [
     tip('Trigger: paint', 'paint'),
     tip('Half pressed: smaller', 'paint'),
     tip(`${pad} ← →: frames`, 'step'),
-    part === 'alone' && touches ? tip('Pad ↑ ↓: labels', 'label') : tip(`${pad} ↑ ↓: size`, 'size'),
+    tip(`${pad} ↑ ↓: labels`, 'label'),
     tip(`${pad} pressed: play`, 'play'),
   ];
 }
 
-function otherTips(kind: PadKind): Tip[] {
-  const touches = kind === 'touchpad';
-  const pad = touches ? 'Pad' : 'Stick';
+function otherTips(pad: string): Tip[] {
   return [
     tip(`${pad} ↑: go there`, 'teleport'),
     tip(`${pad} ← →: turn`, 'turn'),
-    ...(touches ? [tip('Pad ↓: next label', 'label')] : []),
     tip(`${pad} pressed: doubtful`, 'doubt'),
   ];
 }
 
 /** Names of the two buttons, or the chords that stand in for them; empty where there is neither. */
 function buttonNames(device: Device, side: 0 | 1): readonly [string, string] {
-  const pad = device.pad === 'stick' ? 'Stick' : 'Pad';
-  const standIn = (arrow: string): string => (chords(device) ? `Grip + ${pad} ${arrow}` : '');
+  const standIn = (arrow: string): string =>
+    chords(device) ? `Grip + ${padName(device)} ${arrow}` : '';
   return [
     device.primary >= 0 ? device.primaryName[side] : standIn('↑'),
     device.secondary >= 0 ? device.secondaryName[side] : standIn('←'),

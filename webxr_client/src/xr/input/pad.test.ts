@@ -1,10 +1,10 @@
 import { describe, expect, it } from 'vitest';
-import { Repeat, Switch, takeChord, Thumb } from './pad';
+import { idlePad, Repeat, Switch, takeChord, Thumb } from './pad';
 import { Pressure } from './pressure';
 
-const out = { x: 0, y: 0, click: false };
+const out = idlePad();
 const pad = (kind: 'stick' | 'touchpad', x: number, y: number, pressed = false) => {
-  new Thumb().read(kind, x, y, pressed, out);
+  new Thumb().read(kind, x, y, pressed, false, out);
   return [Math.sign(out.x), Math.sign(out.y) || 0, out.click];
 };
 
@@ -30,6 +30,15 @@ describe('a touchpad', () => {
     expect(pad('touchpad', 0.1, 0.8, true)).toEqual([0, -1, false]);
     expect(pad('touchpad', 0.1, 0.1, true)).toEqual([0, 0, true]);
   });
+
+  it('says that the thumb rests on its upper or lower quadrant', () => {
+    const over = (x: number, y: number, pressed = false): number => {
+      pad('touchpad', x, y, pressed);
+      return out.over;
+    };
+    expect([over(0, -0.8), over(0.1, 0.8), over(0.8, 0.1), over(0, 0.1)]).toEqual([1, -1, 0, 0]);
+    expect(over(0, -0.8, true)).toBe(0);
+  });
 });
 
 describe('a thumb', () => {
@@ -37,7 +46,7 @@ describe('a thumb', () => {
   const slide = (kind: 'stick' | 'touchpad', ...places: readonly [number, number, boolean][]) => {
     const thumb = new Thumb();
     return places.map(([x, y, pressed]) => {
-      thumb.read(kind, x, y, pressed, out);
+      thumb.read(kind, x, y, pressed, false, out);
       return out.click ? 'middle' : [Math.sign(out.x), Math.sign(out.y) || 0].join();
     });
   };
@@ -72,25 +81,19 @@ describe('a thumb', () => {
 });
 
 describe('a pad while the grip is held', () => {
-  const chord = (kind: 'stick' | 'touchpad', x: number, y: number): number[] => {
-    const buttons = { primary: 0, secondary: 0, labels: 0, size: 0 };
-    new Thumb().read(kind, x, y, kind === 'touchpad', out);
-    takeChord(out, kind, buttons);
-    const { primary, secondary, labels, size } = buttons;
-    return [primary, secondary, labels, size, out.x, out.y, out.click ? 1 : 0];
-  };
-
-  it('is two buttons, and the size on a touchpad', () => {
-    expect(chord('touchpad', 0, -0.8)).toEqual([1, 0, 0, 0, 0, 0, 0]);
-    expect(chord('touchpad', -0.8, 0)).toEqual([0, 1, 0, 0, 0, 0, 0]);
-    expect(chord('touchpad', 0, 0.8)).toEqual([0, 0, 0, -1, 0, 0, 0]);
-    expect(chord('touchpad', 0.8, 0)).toEqual([0, 0, 0, 1, 0, 0, 0]);
-    expect(chord('touchpad', 0, 0)).toEqual([0, 0, 0, 0, 0, 0, 0]);
-  });
-
-  it('is two buttons, and the next label on a stick', () => {
-    expect(chord('stick', 0, -1)).toEqual([1, 0, 0, 0, 0, 0, 0]);
-    expect(chord('stick', 0, 1)).toEqual([0, 0, -1, 0, 0, 0, 0]);
+  it.each(['stick', 'touchpad'] as const)('is two buttons and the size: %s', (kind) => {
+    const chord = (x: number, y: number): number[] => {
+      const buttons = { primary: 0, secondary: 0, size: 0 };
+      new Thumb().read(kind, x, y, kind === 'touchpad', true, out);
+      takeChord(out, buttons);
+      expect(out).toEqual(idlePad());
+      return [buttons.primary, buttons.secondary, buttons.size];
+    };
+    expect(chord(0, -1)).toEqual([1, 0, 0]);
+    expect(chord(-1, 0)).toEqual([0, 1, 0]);
+    expect(chord(0, 1)).toEqual([0, 0, -1]);
+    expect(chord(1, 0)).toEqual([0, 0, 1]);
+    expect(chord(0, 0)).toEqual([0, 0, 0]);
   });
 });
 

@@ -7,6 +7,15 @@ export interface Pad {
   y: number;
   /** Pressed in the middle. */
   click: boolean;
+  /** The thumb rests on it. */
+  touched: boolean;
+  /** The thumb rests on the upper (1) or lower (−1) quadrant of a touchpad that is not pressed. */
+  over: number;
+}
+
+/** State of a pad that nothing touches. */
+export function idlePad(): Pad {
+  return { x: 0, y: 0, click: false, touched: false, over: 0 };
 }
 
 /** Lean of a stick that engages it, and below which it is let go: worn sticks rest at up to 0.4. */
@@ -27,10 +36,12 @@ export class Thumb {
   /** Direction of the touchpad's quadrant. */
   private sign = 0;
 
-  read(kind: PadKind, x: number, y: number, pressed: boolean, out: Pad): void {
+  read(kind: PadKind, x: number, y: number, pressed: boolean, touched: boolean, out: Pad): void {
     out.x = 0;
     out.y = 0;
     out.click = false;
+    out.touched = touched;
+    out.over = 0;
     if (kind === 'none') return;
     if (kind === 'touchpad') this.touchpad(x, y, pressed, out);
     else this.stick(x, y, pressed, out);
@@ -39,6 +50,9 @@ export class Thumb {
   private touchpad(x: number, y: number, pressed: boolean, out: Pad): void {
     if (!pressed) {
       this.latch = 'none';
+      const quadrant = Math.hypot(x, y) >= MIDDLE && greater(x, y) === 'y';
+      out.touched ||= x !== 0 || y !== 0;
+      out.over = quadrant ? -Math.sign(y) : 0;
       return;
     }
     if (this.latch === 'none') {
@@ -81,24 +95,20 @@ export interface Chord {
   /** The buttons that the pad stands in for, 0..1. */
   primary: number;
   secondary: number;
-  /** Steps through the labels, and of the brush's size; up and larger are positive. */
-  labels: number;
+  /** Lean for the brush's size; larger is positive. */
   size: number;
 }
 
 /**
- * Take a pad as buttons, as it is while the grip is held: forward the first, to the left the second.
- * A stick pulled back is for the next label; a touchpad, whose own quadrants have the labels, changes
- * the size, to the right larger and below smaller.  The pad itself says nothing then.
+ * Take a pad as buttons, as it is while the grip is held: forward the first, to the left the second;
+ * to the right the brush grows, and back it shrinks.  The pad itself says nothing then.
  */
-export function takeChord(pad: Pad, kind: PadKind, out: Chord): void {
+export function takeChord(pad: Pad, out: Chord): void {
   out.primary = Math.max(0, pad.y);
   out.secondary = Math.max(0, -pad.x);
-  const back = Math.min(0, pad.y);
-  out.labels = kind === 'stick' ? back : 0;
-  out.size = kind === 'touchpad' ? back + Math.max(0, pad.x) : 0;
-  pad.x = pad.y = 0;
-  pad.click = false;
+  out.size = Math.min(0, pad.y) + Math.max(0, pad.x);
+  pad.x = pad.y = pad.over = 0;
+  pad.click = pad.touched = false;
 }
 
 const PRESS = 0.35;

@@ -3,7 +3,7 @@ import { Group, Matrix4, Quaternion, Vector3 } from 'three';
 import { pulse } from './haptics';
 import { chords, type Device, type PadPlace } from './devices';
 import { buttonValue, type Kind, type Reach } from './kind';
-import { Repeat, Switch, takeChord, Thumb, type Chord, type Pad } from './pad';
+import { idlePad, Repeat, Switch, takeChord, Thumb, type Chord, type Pad } from './pad';
 import { pinchesForSystem, type Eyes } from './palm';
 import type { Poses } from './poses';
 import { Pressure } from './pressure';
@@ -50,7 +50,7 @@ export class Pointer implements Present {
   private palmTurned = false;
   /** It is pressed where the headset only guesses that it is; what points from the eyes never is. */
   guessed = false;
-  readonly pad: Pad = { x: 0, y: 0, click: false };
+  readonly pad = idlePad();
   readonly pressure = new Pressure();
   readonly click = new Switch();
   readonly squeeze = new Switch();
@@ -58,20 +58,19 @@ export class Pointer implements Present {
   readonly primaryButton = new Switch();
   readonly secondaryButton = new Switch();
   readonly repeatX = new Repeat();
-  readonly repeatY = new Repeat();
-  readonly repeatLabel = new Repeat();
-  /** Lean that is for labels and nothing else: a chord, or the touchpad beside a stick. */
-  labels = 0;
-  /** Lean that is for the brush's size and nothing else: a chord. */
+  readonly repeatSize = new Repeat();
+  /** Lean of the pad while the grip is held, for the brush's size. */
   sizes = 0;
   /** Edges of this frame: 1 down, −1 up. */
   readonly edge = { click: 0, squeeze: 0, press: 0, primary: 0, secondary: 0 };
   /** The grip that is held was for the pad's buttons: it moves nothing until it is let go. */
   chorded = false;
-  private readonly chord: Chord = { primary: 0, secondary: 0, labels: 0, size: 0 };
+  /** A push that began while the grip was held is a chord until the thumb lets go. */
+  private push: 'none' | 'plain' | 'chord' = 'none';
+  private readonly chord: Chord = { primary: 0, secondary: 0, size: 0 };
   private readonly thumb = new Thumb();
   private readonly secondThumb = new Thumb();
-  private readonly second: Pad = { x: 0, y: 0, click: false };
+  private readonly second = idlePad();
   /** Between `selectstart` and `selectend`; a press shorter than a picture is seen in one. */
   private selecting = false;
   private selectSeen = true;
@@ -191,7 +190,7 @@ export class Pointer implements Present {
     if (!this.pinching) this.armed = !this.palmTurned;
     this.trigger = this.armed ? pressed : 0;
     readThumb(this.thumb, device, gamepad, pad);
-    this.labels = this.sizes = 0;
+    this.sizes = 0;
     if (device.second) this.readSecond(device.second, gamepad);
     edge.click = this.click.update(this.trigger);
     edge.squeeze = this.squeeze.update(buttonValue(gamepad, device.squeeze));
@@ -207,30 +206,33 @@ export class Pointer implements Present {
     this.guessed = pressed && poses.guessed(this.input, frame, space);
   }
 
-  /** The touchpad beside a stick: up and down are labels, the rest is as on the stick. */
+  /** The touchpad beside a stick does what the stick does. */
   private readSecond(place: PadPlace, gamepad: Gamepad | null): void {
     const { pad, second } = this;
     readThumb(this.secondThumb, place, gamepad, second);
-    this.labels = second.y;
+    pad.touched ||= second.touched;
     const idle = pad.x === 0 && pad.y === 0 && !pad.click;
     if (!idle) return;
     pad.x = second.x;
+    pad.y = second.y;
     pad.click = second.click;
   }
 
   /** Two buttons: its own, or the pad's while the grip is held. */
   private readChord(gamepad: Gamepad | null): void {
-    const { chord, device, squeeze } = this;
+    const { chord, device, squeeze, pad } = this;
     chord.primary = chord.secondary = 0;
     if (!squeeze.down) this.chorded = false;
-    if (chords(device) && squeeze.down) {
-      takeChord(this.pad, device.pad, chord);
+    if (pad.x === 0 && pad.y === 0 && !pad.click) this.push = 'none';
+    else if (this.push === 'none') this.push = squeeze.down && chords(device) ? 'chord' : 'plain';
+    if (this.push === 'chord') {
+      takeChord(pad, chord);
+      // Without the grip the rest of the push means nothing.
+      if (!squeeze.down) chord.primary = chord.secondary = chord.size = 0;
       if (device.primary >= 0) chord.primary = 0;
       if (device.secondary >= 0) chord.secondary = 0;
-      this.labels ||= chord.labels;
       this.sizes = chord.size;
-      const used = chord.primary > 0 || chord.secondary > 0;
-      if (used || this.labels !== 0 || this.sizes !== 0) this.chorded = true;
+      if (chord.primary > 0 || chord.secondary > 0 || this.sizes !== 0) this.chorded = true;
     }
     if (device.primary >= 0) chord.primary = buttonValue(gamepad, device.primary);
     if (device.secondary >= 0) chord.secondary = buttonValue(gamepad, device.secondary);
@@ -240,8 +242,8 @@ export class Pointer implements Present {
   private rest(): void {
     const { edge, pad } = this;
     this.pinching = false;
-    this.trigger = pad.x = pad.y = this.labels = this.sizes = 0;
-    pad.click = this.chorded = false;
+    this.trigger = pad.x = pad.y = pad.over = this.sizes = 0;
+    pad.click = pad.touched = this.chorded = false;
     this.thumb.rest();
     this.secondThumb.rest();
     edge.click = this.click.update(0);
@@ -266,5 +268,6 @@ function readThumb(
   // Absent axes are null in some runtimes.
   const x = gamepad?.axes[axes[0]] || 0;
   const y = gamepad?.axes[axes[1]] || 0;
-  thumb.read(pad, x, y, buttonValue(gamepad, press) > 0.5, out);
+  const touched = press >= 0 && gamepad?.buttons[press]?.touched === true;
+  thumb.read(pad, x, y, buttonValue(gamepad, press) > 0.5, touched, out);
 }

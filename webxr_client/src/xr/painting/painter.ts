@@ -2,28 +2,26 @@
 import type { PointerSample } from '../../store/types';
 import { Vector3, type Object3D } from 'three';
 import { actions } from '../../store/actions';
-import { DELETED } from '../../cloud/points/piece';
 import type { Engine } from '../../engine/engine';
 import type { Brush, StrokeResult } from '../../protocol/messages';
 import { peek } from '../../store/watch';
 import { canEdit, isStroke, notify, state } from '../../store/state';
 import { brushFor, refusal } from '../../tools/brush';
-import { Path } from '../../tools/path';
 import type { Stroke } from '../../tools/strokes';
 import { completes, roomWay, wayOf, type Way } from '../../tools/ways';
 import { AirShape } from './air';
 import { Asking } from './asking';
-import { BoxGrab, type HandAt } from './box-grab';
 import { BrushLook } from './brush-look';
-import { BUMP, ChangeCounter, PAINT_MS, strengthOf } from '../input/haptics';
+import { Completion } from './completion';
+import { BUMP, ChangeCounter, LEVEL_TICK, PAINT_MS, strengthOf } from '../input/haptics';
 import type { Place } from './place';
+import { Pointing } from './pointing';
 import type { Pointer } from '../input/pointer';
 import type { Level } from '../input/pressure';
 
 /** A sample each time the tip has moved by this part of the radius. */
 const SAMPLE_STEP = 0.15;
 const RAY_EVERY_MS = 16;
-const PICK_RADIUS = 0.03;
 /** A far pointer looks for the surface so often, and finds points that are so near to its ray. */
 const DEPTH_EVERY_MS = 60;
 const DEPTH_RADIUS = 0.03;
@@ -43,7 +41,7 @@ export class Painter {
   private way: Way = wayOf('sphere');
   private level: Level = 0;
   /** The trigger went down to point at something once, and is not up again. */
-  private pointing = false;
+  private points = false;
   /** The press is not one that a panel or the room had first. */
   private free = false;
   /** The frame that the stroke began in, as asked for and as shown. */
@@ -61,10 +59,9 @@ export class Painter {
   };
   private readonly last = new Vector3();
   private lastRay = 0;
-  /** Path of the stroke, to be completed to an object. */
-  private readonly path = new Path();
+  readonly completion: Completion;
   private readonly asking: Asking;
-  private readonly boxes = new BoxGrab();
+  private readonly pointing: Pointing;
   private readonly unfeel: () => void;
 
   constructor(
@@ -74,7 +71,9 @@ export class Painter {
   ) {
     this.look = new BrushLook(engine, place);
     this.air = new AirShape(engine.viewer, place);
+    this.pointing = new Pointing(engine, place, this.look, pulse);
     this.asking = new Asking(engine);
+    this.completion = new Completion(engine.objects);
     this.unfeel = engine.strokes.results.add(this.felt);
   }
 
@@ -85,7 +84,7 @@ export class Painter {
   dispose(): void {
     this.finish();
     this.asking.dispose();
-    this.engine.objects.end();
+    this.completion.dispose();
     this.unfeel();
     this.look.dispose();
     this.air.dispose();
@@ -176,6 +175,22 @@ export class Painter {
     this.asking.update(way, this.pointed(), now);
   }
 
+  /** A push up (1) or down (−1) while the trigger is held: the object under the stroke, or its levels. */
+  stepLevel(steps: number): void {
+    if (!this.painting || this.points) return;
+    const before = peek(state.object)?.level;
+    const { stroke, completion } = this;
+    if (this.way.samples === 'clicks') actions.stepObject(steps);
+    else if (completion.held) completion.step(steps);
+    else if (stroke && steps > 0 && completes(this.way)) {
+      stroke.end();
+      this.stroke = null;
+      completion.hold(stroke.id);
+    }
+    if (peek(state.object)?.level !== before)
+      this.pulse(LEVEL_TICK.strength, LEVEL_TICK.milliseconds);
+  }
+
   /** Put the ray that a press of `way` sends into `local` and `aim`. */
   private aimAt(way: Way, hand: Pointer): void {
     const { place, local, aim } = this;
@@ -252,6 +267,10 @@ export class Painter {
 
   private turnTo(level: Level, hand: Pointer, head: Vector3, now: number): void {
     const before = this.level;
+    if (level > 0 && this.completion.held) {
+      this.level = level;
+      return;
+    }
     if (before > 0) this.finish(head);
     this.level = level;
     this.measureSphere();
@@ -261,11 +280,11 @@ export class Painter {
 
   /** A press begins, `first`, or goes on with another size of the brush. */
   private press(hand: Pointer, first: boolean): void {
-    if (first) this.pointing = !isStroke(peek(state.tool));
-    this.way = this.pointing ? wayOf('sphere') : roomWay();
+    if (first) this.points = !isStroke(peek(state.tool));
+    this.way = this.points ? wayOf('sphere') : roomWay();
     this.noteFrame();
-    if (this.pointing) {
-      if (first) this.pointAt(hand);
+    if (this.points) {
+      if (first) this.pointing.begin(hand, this.tip);
       return;
     }
     if (first && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
@@ -280,8 +299,7 @@ export class Painter {
       return;
     }
     this.asking.leave();
-    this.engine.objects.end();
-    this.path.clear();
+    this.completion.begin();
     this.stroke = brush && this.begin(brush);
     this.last.set(NaN, NaN, NaN);
   }
@@ -293,10 +311,7 @@ export class Painter {
   }
 
   private go(hand: Pointer, other: Pointer | null, now: number): void {
-    if (this.boxes.holds) {
-      this.boxes.move(this.handAt(hand));
-      return;
-    }
+    if (this.pointing.move(hand, this.tip)) return;
     if (this.way.samples === 'drawn') {
       this.air.go(this.tip, other);
       return;
@@ -305,7 +320,7 @@ export class Painter {
     this.last.copy(this.local);
     const pointed = this.pointed();
     this.stroke.add(pointed, now);
-    this.path.add(pointed, this.way.far ? 0 : this.radius[0]!);
+    this.completion.add(pointed, this.way.far ? 0 : this.radius[0]!);
   }
 
   private pointed(): PointerSample {
@@ -347,11 +362,10 @@ export class Painter {
   finish(eye: Vector3 | null = null): void {
     const { stroke } = this;
     stroke?.end();
-    this.boxes.end();
+    this.pointing.end();
     this.stroke = null;
-    if (stroke && eye && completes(this.way)) {
-      this.engine.objects.complete(this.path.samples(), stroke.id);
-    }
+    if (this.completion.held) this.completion.release(eye === null);
+    else if (stroke && eye && completes(this.way)) this.completion.offer(stroke.id);
     this.air.hide();
     if (this.level > 0 && this.way.samples === 'drawn' && eye) this.sendDrawn(eye);
     this.level = 0;
@@ -362,36 +376,5 @@ export class Painter {
     const shape = info && this.air.end(eye, info);
     const brush = shape && brushFor(this.way, this.radius[0]!);
     if (brush) this.begin({ ...brush, ...shape })?.end();
-  }
-
-  private pointAt(hand: Pointer): void {
-    const tool = peek(state.tool);
-    if (tool === 'pick') this.pick(hand);
-    if (tool === 'boxes' && this.boxes.begin(this.handAt(hand))) this.pulse(0.5, 30);
-    if (tool !== 'floor') return;
-    this.place.toLocal(hand.origin, this.local);
-    this.place.directionToLocal(hand.direction, this.aim);
-    void actions.pointAtFloor(structuredClone(this.pointed()));
-    this.pulse(0.5, 30);
-  }
-
-  private handAt(hand: Pointer): HandAt {
-    const { place } = this;
-    return {
-      tip: place.toLocal(this.tip, new Vector3()),
-      origin: place.toLocal(hand.origin, new Vector3()),
-      direction: place.directionToLocal(hand.direction, new Vector3()),
-      far: hand.reach === 'far',
-      scale: place.scale,
-    };
-  }
-
-  private pick(hand: Pointer): void {
-    const hit = this.look.hit(hand, PICK_RADIUS);
-    const label = hit ? (this.engine.playback.frame?.labelOf(hit.point) ?? 0) : 0;
-    if (label === 0 || label === DELETED) return;
-    actions.selectLabel(label);
-    actions.setTool('paint');
-    this.pulse(0.5, 30);
   }
 }

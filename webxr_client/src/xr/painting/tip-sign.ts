@@ -1,12 +1,17 @@
 /** Text at the brush: the label that was chosen just now, or the level of an object. */
+import { untracked } from '@preact/signals';
 import { Group, Vector3 } from 'three';
 import { shortCount } from '../../common/format';
+import type { Device } from '../input/devices';
+import { padName } from '../input/lessons';
+import type { Pointer } from '../input/pointer';
 import { activeLabel, state } from '../../store/state';
 import { faceEyes } from '../drawing/facing';
 import type { Rig } from '../moving/rig';
 import { Sign } from '../drawing/sign';
 import { SIZES } from '../drawing/sizes';
 import { follow } from '../../store/watch';
+import type { Painter } from './painter';
 import { preparation } from '../../tools/preparation';
 import { roomWay } from '../../tools/ways';
 
@@ -19,6 +24,9 @@ export class TipSign {
   private readonly sign = new Sign({ em: SIZES.tips.em, order: 125 });
   private readonly at = new Vector3();
   private text = '';
+  /** The sign's text is for this device, and for a trigger that is held or not. */
+  private device: Device | null = null;
+  private held = false;
   private label = '';
   private labelUntil = 0;
   private readonly unfollow: (() => void)[];
@@ -28,7 +36,7 @@ export class TipSign {
     this.group.add(this.sign.mesh);
     let before = state.activeLabel.peek();
     this.unfollow = [
-      follow(() => void (this.text = objectText())),
+      follow(() => void (this.text = objectText(this.device, this.held))),
       follow(() => {
         const now = state.activeLabel.value;
         if (now === before) return;
@@ -40,10 +48,15 @@ export class TipSign {
     ];
   }
 
-  /** `tip` in the scene; hidden while the hand has nothing to show. */
-  update(rig: Rig, tip: Vector3, visible: boolean, now: number): void {
+  /** Hidden while the hand is out of sight. */
+  update(rig: Rig, hand: Pointer | null, { tip, painting }: Painter, now: number): void {
+    if (hand && (hand.device !== this.device || painting !== this.held)) {
+      this.device = hand.device;
+      this.held = painting;
+      this.text = untracked(() => objectText(this.device, this.held));
+    }
     const text = now < this.labelUntil ? this.label : this.text;
-    this.sign.write(visible ? text : '');
+    this.sign.write(hand?.tracked === true ? text : '');
     if (!this.sign.mesh.visible) return;
     rig.group.worldToLocal(this.at.copy(tip));
     faceEyes(this.group, this.at, rig.headInRig, BESIDE);
@@ -56,16 +69,24 @@ export class TipSign {
   }
 }
 
-/** Text of what is offered, in at most three lines; empty when there is nothing. */
-export function objectText(): string {
+/** Text of an offered object and of the control that takes it, in at most three lines; empty when there is nothing. */
+export function objectText(device: Device | null, held: boolean): string {
   const view = state.object.value;
-  if (!view) return roomWay().samples === 'clicks' ? (preparation() ?? '') : '';
-  const lines = [];
-  if (view.levels > 0) {
-    lines.push(`${view.level + 1} of ${view.levels} · ${shortCount(view.points)} points`);
-  }
-  if (view.completes) lines.push('Stick pressed, or Complete: object');
-  else if (view.taken) lines.push('Trigger adds, eraser removes');
-  if (!view.ready) lines.push('Preparing this frame …');
-  return lines.join('\n');
+  const clicks = roomWay().samples === 'clicks';
+  if (!view) return clicks ? (preparation() ?? '') : '';
+  const shown = `${view.level + 1} of ${view.levels} · ${shortCount(view.points)} points`;
+  return [
+    view.levels > 0 ? shown : '',
+    view.completes || (view.taken && clicks) ? controlText(view.taken, device, held) : '',
+    view.ready ? '' : 'Preparing this frame …',
+  ]
+    .filter((line) => line !== '')
+    .join('\n');
+}
+
+function controlText(taken: boolean, device: Device | null, held: boolean): string {
+  const pad = device && device.pad !== 'none' ? padName(device) : null;
+  if (pad && held) return taken ? `${pad} ↑ ↓: level` : `${pad} ↑ ↓: level, let go: object`;
+  if (taken) return 'Trigger adds, eraser removes';
+  return pad ? `Hold Trigger, ${pad} ↑: object` : 'Palette, Tools: object';
 }

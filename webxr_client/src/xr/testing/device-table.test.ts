@@ -1,48 +1,12 @@
 import { readFileSync, writeFileSync } from 'node:fs';
-import { afterEach, describe, expect, it, vi } from 'vitest';
+import { describe, expect, it } from 'vitest';
+import { Bench } from './bench';
 import { ACTIONS, waysOf, type Action } from './gestures';
-import { registered } from './registry';
-import { TestSource, Worn } from './sources';
+import type { TestSource } from './sources';
+import { WORN_DEVICES } from './worn-devices';
 
 const DOCS = '../docs/headset-devices.md';
 const [BEGIN, END] = ['<!-- devices: made by device-table.test.ts -->', '<!-- /devices -->'];
-
-const both = (id: string, joints = false): TestSource[] => [
-  registered(id, 'left', joints),
-  registered(id, 'right', joints),
-];
-const one = (id: string, joints = false): TestSource[] => [registered(id, 'right', joints)];
-/** A source of a kind that only selects. */
-const only = (mode: string, side: XRHandedness = 'none'): TestSource[] => [
-  new TestSource({ mode, side, profile: 'generic-button' }),
-];
-
-const ROWS: readonly (readonly [string, () => TestSource[]])[] = [
-  ['Quest 2', () => both('oculus-touch-v3')],
-  ['Quest 3', () => both('meta-quest-touch-plus')],
-  ['Quest 3S', () => both('meta-quest-touch-plus-v2')],
-  ['Quest Pro', () => both('meta-quest-touch-pro')],
-  ['Quest 3, one controller', () => one('meta-quest-touch-plus')],
-  ['Vive, two wands', () => both('htc-vive')],
-  ['Vive, two wands with joints', () => both('htc-vive', true)],
-  ['Vive, one wand', () => one('htc-vive')],
-  ['Vive, one wand with joints', () => one('htc-vive', true)],
-  ['Index', () => both('valve-index')],
-  ['Index with joints', () => both('valve-index', true)],
-  ['Index, one controller', () => one('valve-index')],
-  ['Windows MR', () => both('microsoft-mixed-reality')],
-  ['HP Reverb G2', () => both('hp-mixed-reality')],
-  ['Pico 4', () => both('pico-4')],
-  ['Vive Focus 3', () => both('htc-vive-focus-3')],
-  ['Galaxy XR', () => both('samsung-galaxyxr')],
-  ['Magic Leap 2', () => one('magicleap-two', true)],
-  ['Logitech MX Ink', () => one('logitech-mx-ink')],
-  ['Oculus Go', () => one('oculus-go')],
-  ['Vision Pro', () => only('transient-pointer', 'right')],
-  ['bare hands', () => both('generic-hand-select', true)],
-  ['gaze', () => only('gaze')],
-  ['phone', () => only('screen')],
-];
 
 /** Actions that stand on panels for every device: rare, and not to be done by accident. */
 const PANELS: readonly Action[] = ['track', 'question', 'another recording', 'leave'];
@@ -58,26 +22,13 @@ const PRESSES = new Map([
   ['gaze', 'select'],
 ]);
 
-/** Whether the press of what paints is heard: it paints, and presses panels. */
-function presses(worn: Worn, source: TestSource): boolean {
-  const { brush } = worn.pointers;
-  worn.go();
-  const trigger = source.gamepad?.buttons[brush!.device.trigger];
-  if (trigger) trigger.value = 1;
-  else worn.select(source, true);
-  worn.go();
-  const heard = brush!.trigger > 0 && brush!.edge.click === 1;
-  if (trigger) trigger.value = 0;
-  else worn.select(source, false);
-  worn.go();
-  return heard;
-}
-
 function rowOf(sources: TestSource[]): Record<Action, string> {
-  const worn = new Worn(...sources);
-  const { brush } = worn.pointers;
-  const pressed = presses(worn, brush!.source as unknown as TestSource);
-  const found = waysOf(worn);
+  const bench = new Bench(...sources);
+  const { brush } = bench.worn.pointers;
+  bench.stroke();
+  const pressed = bench.edits.length > 0;
+  const found = waysOf(bench);
+  bench.dispose();
   const named = PRESSES.get(brush!.kind.name) ?? 'trigger';
   const cell = (action: Action): string => {
     if (action === 'enter') return 'page';
@@ -95,7 +46,7 @@ const OWN = ACTIONS.filter((action) => action !== 'enter' && !PANELS.includes(ac
 const TABLE = (): string => {
   const line = (cells: readonly string[]): string => `| ${cells.join(' | ')} |`;
   const named = new Map<string, string[]>();
-  for (const [name, sources] of ROWS) {
+  for (const [name, sources] of WORN_DEVICES) {
     const row = rowOf(sources());
     const ways = OWN.map((action) => row[action]).join(' | ');
     named.set(ways, [...(named.get(ways) ?? []), name]);
@@ -105,10 +56,8 @@ const TABLE = (): string => {
   return [head, head.map(() => '---'), ...rows].map(line).join('\n');
 };
 
-afterEach(() => vi.unstubAllGlobals());
-
 describe('what each device can do', () => {
-  it.each(ROWS)('%s: everything, by its own buttons where it has them', (name, sources) => {
+  it.each(WORN_DEVICES)('%s: everything, by its own buttons where it has them', (name, sources) => {
     const row = rowOf(sources());
     expect(Object.values(row)).not.toContain('no');
     if (BUTTONLESS.includes(name)) return;

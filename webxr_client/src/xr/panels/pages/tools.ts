@@ -87,7 +87,7 @@ function drawSize(ui: Ui, x: number, top: number, inner: number, way: Way): void
 type CheckRow = readonly [text: string, on: boolean, set: (on: boolean) => void];
 
 function checksOf(way: Way): readonly CheckRow[] {
-  const { onlyUnlabeled, through, takeLabelled, follow } = state.brush.peek();
+  const { onlyUnlabeled, through, takeLabelled, follow, complete } = state.brush.peek();
   const { stopUnsure } = xrSettings.peek();
   const stops: CheckRow = ['Tracking stops when unsure', stopUnsure, (on) => change({ stopUnsure: on })]; // prettier-ignore
   if (way.samples === 'clicks') {
@@ -97,10 +97,12 @@ function checksOf(way: Way): readonly CheckRow[] {
       stops,
     ];
   }
+  const offers: CheckRow = ['Offer objects after strokes', complete, (on) => patch(state.brush, { complete: on })]; // prettier-ignore
+  const passes: CheckRow = ['Ray goes through', through, (on) => patch(state.brush, { through: on })]; // prettier-ignore
   return [
     ['Only unlabeled points', onlyUnlabeled, (on) => patch(state.brush, { onlyUnlabeled: on })],
-    ['Ray goes through', through, (on) => patch(state.brush, { through: on })],
-    stops,
+    ...(way.samples === 'path' ? [offers] : []),
+    way.through ? passes : stops,
   ];
 }
 

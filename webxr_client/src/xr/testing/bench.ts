@@ -1,0 +1,163 @@
+/** For tests: a person with input sources, and all that turns their gestures into edits, without a GPU. */
+import { Object3D, Vector3 } from 'three';
+import { vi } from 'vitest';
+import { frameOf, wall } from '../../cloud/points/testing';
+import type { Engine } from '../../engine/engine';
+import type { Ask, ClientMessage, Label } from '../../protocol/messages';
+import { bindActions, type Actions } from '../../store/actions';
+import { state } from '../../store/state';
+import { brushNow } from '../../tools/brush';
+import { ObjectTool } from '../../tools/object';
+import { Strokes } from '../../tools/strokes';
+import { roomWay } from '../../tools/ways';
+import { Buttons } from '../input/buttons';
+import { Lessons } from '../input/lessons';
+import { UpDown } from '../input/up-down';
+import { Painter } from '../painting/painter';
+import { Place } from '../painting/place';
+import { Worn, type TestSource } from './sources';
+
+/** Milliseconds from one picture to the next. */
+const PICTURE_MS = 20;
+/** Points of the levels of every object. */
+const LEVELS = [10, 40, 90];
+/** Whatever is drawn: it takes every call. */
+const DRAWN: unknown = new Proxy({}, { get: () => () => true });
+
+export class Bench {
+  readonly worn: Worn;
+  /** Messages to the server, the newest last. */
+  readonly sent: ClientMessage[] = [];
+  /** Names of the actions that were asked for. */
+  readonly acted: string[] = [];
+  readonly painter: Painter;
+  readonly upDown: UpDown;
+  private readonly place: Place;
+  private readonly buttons: Buttons;
+  private readonly strokes: Strokes;
+  private readonly objects: ObjectTool;
+  private readonly unbind: () => void;
+  private now = 0;
+
+  constructor(...sources: TestSource[]) {
+    this.worn = new Worn(...sources);
+    state.sequence.value = { id: 'a', frames: 6, fps: 30, shift: [0, 0, 0] } as never;
+    state.palette.value = [1, 2, 3].map(
+      (id) => ({ id, color: '#5ea2ff', visible: true, locked: false }) as Label,
+    );
+    state.activeLabel.value = 1;
+    state.tool.value = 'paint';
+    state.object.value = null;
+    const frame = frameOf(wall(20, 1000));
+    const send = (message: ClientMessage): void => void this.sent.push(structuredClone(message));
+    const nothing = vi.fn();
+    this.strokes = new Strokes({ send, seen: () => true, hidden: () => [], layers: () => [], locked: () => false, changed: nothing, now: () => this.now }); // prettier-ignore
+    this.objects = new ObjectTool({
+      send, strokes: this.strokes, frame: () => frame, shift: () => [0, 0, 0],
+      brush: () => brushNow(roomWay(), 0.05), changed: nothing, later: () => nothing,
+    }); // prettier-ignore
+    const [world, room] = [new Object3D(), new Object3D()];
+    const viewer = { world, room, palette: { isShown: () => true }, uniforms: DRAWN };
+    const engine = {
+      viewer, strokes: this.strokes, objects: this.objects, regions: DRAWN, playback: { frame },
+      beginStroke: (brush: never) => this.strokes.begin(frame, brush, [0, 0, 0]),
+    } as unknown as Engine; // prettier-ignore
+    this.place = new Place(engine.viewer);
+    this.painter = new Painter(engine, this.place, nothing);
+    this.buttons = new Buttons(new Lessons(), () => this.acted.push('panels'));
+    this.upDown = new UpDown({
+      marked: nothing,
+      taken: nothing,
+      level: (step) => this.painter.stepLevel(step),
+    });
+    this.unbind = this.bind();
+    this.go(2);
+  }
+
+  /** Note every action; those of labels, objects and history do what the engine does. */
+  private bind(): () => void {
+    const { objects, sent } = this;
+    const travels = (type: 'undo' | 'redo') => () => sent.push({ type, id: '' });
+    const does: Partial<Record<keyof Actions, (value: never) => unknown>> = {
+      selectLabel: (id: number) => {
+        state.activeLabel.value = id;
+        objects.end();
+      },
+      completeObject: () => objects.accept(),
+      stepObject: (levels: number) => objects.step(levels),
+      endObject: () => objects.end(),
+      undo: travels('undo'),
+      redo: travels('redo'),
+    };
+    const names = new Set([...NAMES, ...(Object.keys(does) as (keyof Actions)[])]);
+    const noted = [...names].map((name) => [
+      name,
+      (value: never): unknown => {
+        this.acted.push(name);
+        return does[name]?.(value);
+      },
+    ]);
+    return bindActions(Object.fromEntries(noted) as Partial<Actions>);
+  }
+
+  /** Some pictures; questions about objects are answered between two. */
+  go(pictures = 1): void {
+    const { worn, painter } = this;
+    for (let i = 0; i < pictures; i++) {
+      this.now += PICTURE_MS;
+      worn.go(PICTURE_MS / 1000);
+      this.place.update();
+      const { brush, other } = worn.pointers;
+      this.upDown.update(brush, this.now);
+      this.buttons.update(brush, other, Float64Array.of(PICTURE_MS / 1000), this.now);
+      painter.update(brush, other, new Vector3(), false, this.now);
+      painter.completion.update(false, this.now);
+      this.answer();
+    }
+  }
+
+  private answer(): void {
+    const asked = this.sent.findLast((message): message is Ask => message.type === 'ask');
+    if (!asked) return;
+    const candidates = LEVELS.map((points, level) => {
+      const runs = new Uint8Array(Uint32Array.of(10, points).buffer);
+      return { id: `${asked.id}-${level}`, level, score: 0.5, points, runs };
+    });
+    const { id } = asked;
+    this.objects.onCandidates({ type: 'candidates', id, frame: 0, first: 0, ready: true, candidates }); // prettier-ignore
+  }
+
+  /** Press, or let go, whatever paints. */
+  trigger(down: boolean): void {
+    const brush = this.worn.pointers.brush!;
+    const source = brush.source as unknown as TestSource;
+    const button = source.gamepad?.buttons[brush.device.trigger];
+    if (button) button.value = down ? 1 : 0;
+    else this.worn.select(source, down);
+    this.go(5);
+  }
+
+  /** Paint a stroke and wait until its object is offered. */
+  stroke(): void {
+    this.trigger(true);
+    this.trigger(false);
+  }
+
+  /** Changes of labels asked of the server. */
+  get edits(): string[] {
+    return this.sent.flatMap(({ type }) => (EDITS.includes(type) ? type : []));
+  }
+
+  dispose(): void {
+    this.unbind();
+    this.painter.dispose();
+    vi.unstubAllGlobals();
+  }
+}
+
+const EDITS = ['stroke_begin', 'undo', 'redo', 'track'];
+/** Actions besides that a controller could ask for. */
+const NAMES: readonly (keyof Actions)[] = ['togglePlay', 'play', 'pause', 'step', 'toggleEraser',
+  'setRadius', 'nudgeRadius', 'nextDoubtful', 'setTool', 'setShape', 'deleteLabel', 'track',
+  'acceptHere', 'acceptStretch', 'clearStretch', 'clearLabels', 'continueRun', 'lastLabel',
+  'selectNthLabel', 'seek']; // prettier-ignore
