@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
+
 
 def ranges(start: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
     """The integers of all ranges ``start[i]:stop[i]`` (n,), one range after the other."""
@@ -33,3 +35,17 @@ def runs_of(numbers: NDArray[np.integer]) -> NDArray[np.int64]:
     starts = np.flatnonzero(np.diff(numbers, prepend=int(numbers[0]) - 2) != 1)
     lengths = np.diff(starts, append=len(numbers))
     return np.column_stack([numbers[starts], lengths]).astype(np.int64)
+
+
+def numbers_of(runs: bytes, count: int) -> NDArray[np.int64]:
+    """Return ascending numbers below ``count`` from ``runs``: first number and length, uint32 each.
+
+    Raises BadInputError where runs are cut off, overlap or reach too far.
+    """
+    if len(runs) % 8:
+        raise BadInputError(f"runs: expected 8 bytes each, got {len(runs)} bytes")
+    start, length = np.frombuffer(runs, "<u4").astype(np.int64).reshape(-1, 2).T
+    stop = start + length
+    if (start[1:] < stop[:-1]).any() or (len(stop) and stop[-1] > count):
+        raise BadInputError(f"runs: expected ascending runs of points 0 to {count - 1}")
+    return ranges(start, stop)

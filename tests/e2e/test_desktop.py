@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from playwright.sync_api import expect
 
 from tests.e2e.desk import Desk
@@ -192,25 +194,93 @@ def test_answered_strokes_survive_a_killed_server(
     desk.complaints.clear()
 
 
-def test_strokes_painted_offline_arrive_once(
-    server: LiveServer, open_desk: Open, truth: Truth
+STROKE = """([brush, samples]) => {
+  const stroke = window.__pointbrush.engine.beginStroke(brush);
+  for (const [origin, direction] of samples) stroke.add({ origin, direction });
+  stroke.end();
+  return [stroke.id, stroke.preview.points];
+}"""
+"""Make a stroke; returns its id and the points that the page expects to change."""
+NOTE_RESULTS = """() => {
+  window.changed = {};
+  window.__pointbrush.engine.strokes.results.add(({ id, final, changed }) => {
+    if (final) window.changed[id] = changed;
+  });
+}"""
+
+
+def random_stroke(
+    random: np.random.Generator, xyz: NDArray[np.float64], tools: list[str]
+) -> tuple[dict[str, Any], list[Any]]:
+    """Return a brush of any shape that the page selects by itself, and rays at points (n, 3)."""
+    tool = str(random.choice(tools))
+    shape = str(random.choice(["ray", "ray", "sphere", "box", "lasso"]))
+    target = xyz[random.integers(len(xyz))]
+    places = target + random.normal(0, 0.1, (6, 3))
+    brush = {
+        "tool": tool,
+        "label": int(random.integers(1, 4)) if tool == "paint" else 0,
+        "shape": shape,
+        "radius": float(random.uniform(0.01, 0.15)),
+        "through": bool(random.random() < 0.2),
+        "only_unlabeled": bool(random.random() < 0.3),
+    }
+    if shape == "box":
+        brush |= {"center": target.tolist(), "size": random.uniform(0.05, 0.5, 3).tolist()}
+    if shape == "lasso":
+        # A pinhole camera at the sensor, which looks along z.
+        u, v = target[:2] / target[2]
+        corners = [(-0.1, -0.1), (0.12, -0.05), (0.1, 0.1), (-0.07, 0.13)]
+        brush["polygon"] = [[float(u + a), float(v + b)] for a, b in corners]
+        sign = float(np.sign(target[2]))
+        brush["matrix"] = [sign, 0, 0, 0, 0, sign, 0, 0, 0, 0, sign, -0.1, 0, 0, sign, 0]
+        return brush, []
+    if shape == "box":
+        return brush, []
+    if shape == "sphere":
+        return brush, [[place.tolist(), [0.0, 0.0, 1.0]] for place in places[:3]]
+    ways = places / np.linalg.norm(places, axis=1)[:, None]
+    return brush, [[[0.0, 0.0, 0.0], way.tolist()] for way in ways]
+
+
+def test_what_a_stroke_shows_is_what_it_changes_also_offline(
+    server: LiveServer, open_desk: Open
 ) -> None:
     desk = open_desk()
-    name_person(desk, server)
+    for name in ("person", "pin", "wall"):
+        server.create_label(SEQUENCE, name, "#ff5d5d")
+    desk.until("pb.state.palette.value.length === 3")
+    desk.page.evaluate(NOTE_RESULTS)
+    xyz = server.points(SEQUENCE, 0).astype(np.float64)
+    random = np.random.default_rng(61)
+    shown: dict[str, int] = {}
+    for _ in range(50):
+        brush = random_stroke(random, xyz, ["paint", "paint", "erase", "delete", "restore"])
+        stroke, points = desk.page.evaluate(STROKE, list(brush))
+        shown[stroke] = points
+        desk.until(f"window.changed['{stroke}'] !== undefined")
+        desk.settled()
     server.kill()
     desk.until("pb.state.connection.value.state === 'offline'")
-    x, y, z = truth(0, PERSON)
-    desk.paint([[x, y, z], [x, y + 0.12, z]])
-    assert desk.ask("pb.state.pending.value") == 1
-    preview = desk.labels()[1]
-    assert preview > 20
+    for _ in range(50):
+        # The page does not know which label a deleted point has, so that it restores none here.
+        brush = random_stroke(random, xyz, ["paint", "paint", "erase", "delete"])
+        stroke, points = desk.page.evaluate(STROKE, list(brush))
+        shown[stroke] = points
+    labels = desk.labels()
+    assert desk.ask("pb.state.pending.value") == 50
     server.start()
     desk.until("pb.state.connection.value.state === 'online'")
     desk.settled()
-    count = painted(server, 0, 1)
-    assert abs(count - preview) <= 0.1 * preview
-    edits = server.request("GET", f"sequences/{SEQUENCE}/edits").json()
-    assert [edit["kind"] for edit in edits].count("paint") == 1
+    assert desk.ask("window.changed") == shown
+    assert sum(points > 0 for points in shown.values()) > 50
+    deleted = server.annotation(SEQUENCE, 0, "deleted")
+    for label in range(4):
+        kept = int(((server.annotation(SEQUENCE, 0) == label) & (deleted == 0)).sum())
+        assert kept == labels.get(label, 0)
+    edits = server.request("GET", f"sequences/{SEQUENCE}/edits?limit=1000").json()
+    assert len({edit["id"] for edit in edits}) == len(edits)
+    assert desk.ask("pb.state.notices.value.map((notice) => notice.title)") == []
     desk.complaints.clear()
 
 

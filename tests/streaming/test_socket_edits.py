@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import uuid
+from typing import Any
 
 import httpx
 import numpy as np
@@ -59,6 +60,36 @@ def test_a_stroke_on_several_frames_is_one_edit_that_all_of_them_hear_of(served:
             await anna.send(type="undo", id=undo)
             undone = await anna.until("stroke_result", id=undo)
             assert undone["changed"] == done["changed"]
+
+    run(scenario)
+
+
+def test_a_stroke_takes_the_points_that_the_page_found(served: Served) -> None:
+    async def end(client: Viewer, frame: int, runs: list[list[int]]) -> dict[str, Any]:
+        stroke = str(uuid.uuid4())
+        brush = {"label": 1, "radius": 0.3}
+        await client.send(type="stroke_begin", id=stroke, frame=1, brush=brush)
+        sample = {"origin": [0.0, 0.0, 3.0]}
+        await client.send(type="stroke_samples", id=stroke, samples=[sample])
+        touched = [{"frame": frame, "runs": np.array(runs, "<u4").tobytes()}]
+        await client.send(type="stroke_end", id=stroke, touched=touched)
+        while (answer := await client.receive()).get("final") is not True:
+            if answer["type"] == "error":
+                break
+        return answer
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token) as client:
+            await client.open("wall", frame=1)
+            await client.until("frame", frame=1, final=True)
+            done = await end(client, 1, [[3, 2], [9, 1]])
+            assert (done["touched"], done["changed"]) == (3, 3)
+            assert np.flatnonzero(stored_values(served, 1)).tolist() == [3, 4, 9]
+            assert (await end(client, 1, [[3, 2], [9, 3]]))["changed"] == 2
+            count = len(stored_values(served, 1))
+            for frame, runs in ((1, [[count - 1, 2]]), (1, [[5, 2], [6, 1]]), (2, [[0, 1]])):
+                assert (await end(client, frame, runs))["status"] == 422
+            assert np.count_nonzero(stored_values(served, 1)) == 5
 
     run(scenario)
 

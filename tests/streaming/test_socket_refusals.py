@@ -9,6 +9,7 @@ import msgpack
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from pointbrush.streaming.messages.values import RUN_BYTES
 from tests.serving import Served
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
@@ -36,7 +37,8 @@ BAD = [
     (msgpack.packb({"type": "forget", "frames": [0] * 70_000}), 400),
     (msgpack.packb({"type": "pause", "extra": 1}), 422),
     (msgpack.packb({"type": "hello", "name": "x" * 65}), 422),
-    (msgpack.packb({"type": "hello", "name": b"bytes"}), 400),
+    (msgpack.packb({"type": "hello", "name": b"bytes"}), 422),
+    (msgpack.packb({"type": "hello", "name": b"x" * (RUN_BYTES + 1)}), 400),
     (msgpack.packb({"type": "undo", "id": "not a uuid"}), 422),
     (msgpack.packb({"type": "stroke_end", "id": str(uuid.UUID(int=1))}), 422),
     (msgpack.packb(msgpack.ExtType(5, b"x")), 400),

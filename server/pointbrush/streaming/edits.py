@@ -270,6 +270,10 @@ class Editor:
         if isinstance(stroke, Commit):
             applied = Applied(next(iter(stroke.frames), 0), stroke.changed, stroke)
         else:
+            if edit.touched is not None:
+                if isinstance(stroke, ObjectStroke):
+                    raise BadInputError("touched: expected none of an object, got points")
+                stroke.replace([(one.frame, one.runs) for one in edit.touched])
             commit = stroke.commit(self._viewer.author)
             applied = Applied(stroke.frame, stroke.touched, commit)
         del self._live[edit.id]

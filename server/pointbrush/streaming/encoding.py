@@ -18,6 +18,7 @@ from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Chunk, StoredFrame
 from pointbrush.streaming import messages
 from pointbrush.streaming.messages import ClientMessage, Message
+from pointbrush.streaming.messages.values import RUN_BYTES
 from pointbrush.streaming.shared.status import MalformedError
 
 DELETED = 65535
@@ -35,7 +36,7 @@ def unpack(data: bytes) -> dict[Any, Any]:
             max_array_len=LONGEST,
             max_map_len=64,
             max_ext_len=0,
-            max_bin_len=0,
+            max_bin_len=RUN_BYTES,
             max_str_len=4096,
         )
     # msgpack raises its own errors, ValueError, TypeError or UnicodeDecodeError on junk.

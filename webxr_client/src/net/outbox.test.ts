@@ -91,7 +91,7 @@ describe('the outbox', () => {
     expect(soon.size).toBe(0);
     const later = new Outbox(disk, () => 60_000);
     await later.restore();
-    expect(later.resend('s').at(-1)).toEqual({ type: 'stroke_end', id: 'a' });
+    expect(later.resend('s').at(-1)).toMatchObject({ type: 'stroke_end', id: 'a' });
   });
 
   it('takes a tracking job for the answer to the request', () => {

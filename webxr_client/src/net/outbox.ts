@@ -9,6 +9,7 @@ import type {
   StrokeBegin,
   StrokeEnd,
   StrokeSamples,
+  TouchedPoints,
   Track,
   Undo,
 } from '../protocol/messages';
@@ -25,6 +26,8 @@ export interface OutboxEntry {
   readonly first: StrokeBegin | Undo | Redo | Track;
   readonly samples: Sample[];
   ended: boolean;
+  /** Points that the ended stroke takes, where the page says so. */
+  touched?: TouchedPoints[] | null;
 }
 
 export interface OutboxStorage {
@@ -69,7 +72,7 @@ export class Outbox {
       const entry = this.entries.get(message.id);
       if (!entry) return;
       if (message.type === 'stroke_samples') entry.samples.push(...message.samples);
-      else entry.ended = true;
+      else Object.assign(entry, { ended: true, touched: message.touched });
       if (entry.ended || this.now() - this.saved > SAVE_MS) this.save(entry);
       return;
     }
@@ -135,7 +138,8 @@ function messagesOf(entry: OutboxEntry): ClientMessage[] {
     const samples = entry.samples.slice(i, i + SAMPLES_PER_MESSAGE);
     messages.push({ type: 'stroke_samples', id: entry.id, samples });
   }
-  if (entry.ended) messages.push({ type: 'stroke_end', id: entry.id });
+  if (entry.ended)
+    messages.push({ type: 'stroke_end', id: entry.id, touched: entry.touched ?? null });
   return messages;
 }
 

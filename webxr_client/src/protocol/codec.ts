@@ -31,6 +31,18 @@ export function unpackU16(bytes: Uint8Array): Uint16Array<ArrayBuffer> {
   return new Uint16Array(bytes.slice().buffer);
 }
 
+/** Runs (first number and length, uint32 each) of sorted point numbers, some of them repeated. */
+export function runsOf(numbers: Uint32Array): Uint8Array<ArrayBuffer> {
+  const runs: number[] = [];
+  let end = -1;
+  for (const number of numbers) {
+    if (number === end) runs[runs.length - 1]! += 1;
+    else if (number > end) runs.push(number, 1);
+    end = number + 1;
+  }
+  return new Uint8Array(Uint32Array.from(runs).buffer);
+}
+
 /** Point numbers from runs (first number and length, uint32 each). */
 export function numbersOf(bytes: Uint8Array): Uint32Array {
   const runs = new Uint32Array(bytes.slice().buffer);

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'fae8b1d77873';
+export const SCHEMA_HASH = 'd1aa85d2006a';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -184,10 +184,18 @@ export interface StrokeCancel {
   id: string;
 }
 
-/** The stroke ends; the server answers a final ``stroke_result`` when the edit is durable. */
+/**
+ * The stroke ends; the server answers a final ``stroke_result`` when the edit is durable.
+ *
+ * ``touched``: the points that the client found in the shape, in each frame; the server takes
+ * these instead of its own selection, and applies the rules of tools, locks and hidden labels to
+ * them.  A client may send them if it has all points of the stroke's frames; positions in chunks
+ * are rounded, so that its selection differs from the server's at the border of the shape.
+ */
 export interface StrokeEnd {
   type: 'stroke_end';
   id: string;
+  touched?: TouchedPoints[] | null;
 }
 
 /** More samples of a stroke; the server answers ``stroke_result``, which is not final. */
@@ -195,6 +203,12 @@ export interface StrokeSamples {
   type: 'stroke_samples';
   id: string;
   samples: Sample[];
+}
+
+/** Points of a frame: ``runs`` holds first number and length of ascending runs, uint32 each. */
+export interface TouchedPoints {
+  frame: number;
+  runs: Uint8Array;
 }
 
 /** Start a tracking run; the server sends its ``job`` messages. */

@@ -3,7 +3,7 @@ import { PREVIEW } from '../cloud/picture/palette';
 import { frameOf, wall } from '../cloud/points/testing';
 import { state } from '../store/state';
 import type { Ask, Brush, Candidates, ClientMessage } from '../protocol/messages';
-import { numbersOf } from '../protocol/codec';
+import { numbersOf, runsOf } from '../protocol/codec';
 import { ObjectTool } from './object';
 import { preparation } from './preparation';
 import { Strokes } from './strokes';
@@ -272,5 +272,7 @@ describe('the object tool', () => {
 });
 
 it('reads runs of numbers', () => {
-  expect([...numbersOf(new Uint8Array(Uint32Array.of(3, 2, 9, 1).buffer))]).toEqual([3, 4, 9]);
+  const runs = new Uint8Array(Uint32Array.of(3, 2, 9, 1).buffer);
+  expect([...numbersOf(runs)]).toEqual([3, 4, 9]);
+  expect(runsOf(Uint32Array.of(3, 4, 4, 9))).toEqual(runs);
 });

@@ -318,11 +318,11 @@ export class ObjectTool {
         direction: direction as [number, number, number],
       });
     }
-    frame.setOverlay(stroke.id, { indices: chosen.indices, values: this.valueOf(brush) });
-    stroke.end();
-    this.sent.set(stroke.id, { ...question, like: chosen.indices });
-    const candidate = chosen.id;
     const edit = stroke.id;
+    frame.setOverlay(edit, { indices: chosen.indices, values: this.valueOf(brush), edit });
+    stroke.end();
+    this.sent.set(edit, { ...question, like: chosen.indices });
+    const candidate = chosen.id;
     const tool = question.brush;
     this.taken = { frame, edit, candidate, previous, positives, negatives, brush: tool };
     this.tell();

@@ -8,12 +8,20 @@ import { insideOutline } from '../cloud/points/inside';
 import { clipIn, directionIn, firstHitAmong, type Layer, placeIn } from '../cloud/points/layer';
 import { alongRay, inBox, inCapsule } from '../cloud/points/pick';
 import { DELETED } from '../cloud/points/piece';
-import type { Brush } from '../protocol/messages';
+import { runsOf } from '../protocol/codec';
+import type { Brush, TouchedPoints } from '../protocol/messages';
 import type { Seen } from './seen';
 import { Touched } from './touched';
 
 /** Whether a label may not be changed. */
 export type Locked = (label: number) => boolean;
+
+/** Shapes whose points the page finds by itself. */
+const FOUND_HERE: ReadonlySet<string> = new Set(['sphere', 'ray', 'lasso', 'box']);
+/** Bytes of runs up to which the page says which points a stroke takes. */
+const MOST_RUN_BYTES = 2 ** 20;
+/** Preview of a stroke that is still drawn or placed as one piece: shown until it is made. */
+const AHEAD = 'ahead';
 
 /** The part of a preview that lies on one frame, or on one object of a frame laid over it. */
 class Part {
@@ -22,6 +30,8 @@ class Part {
 
   constructor(
     private readonly id: string,
+    /** The stroke's id. */
+    private readonly edit: string,
     readonly frame: CloudFrame,
     private readonly layer: Layer | null,
     private readonly brush: Brush,
@@ -41,6 +51,16 @@ class Part {
   /** Points that the stroke would change, as far as they were shown. */
   get points(): number {
     return this.touched.size;
+  }
+
+  /** All points are here. */
+  get whole(): boolean {
+    return this.frame.complete && !this.frame.large;
+  }
+
+  /** Points in the shape, also those that stay as they are. */
+  met(): TouchedPoints {
+    return { frame: this.frame.index, runs: runsOf(this.touched.met().sort()) };
   }
 
   /** The points of a shape that needs no samples. */
@@ -78,9 +98,9 @@ class Part {
   }
 
   private readonly touch = (point: number): void => {
-    const label = this.frame.storedLabelOf(point);
-    if (this.layer?.holds(label) === false || !this.touched.meet(point)) return;
-    if (this.applies(label)) this.touched.take(point);
+    if (this.layer?.holds(this.frame.storedLabelOf(point)) === false) return;
+    if (!this.touched.meet(point)) return;
+    if (this.applies(this.frame.labelOf(point, this.edit))) this.touched.take(point);
   };
 
   private applies(current: number): boolean {
@@ -96,7 +116,9 @@ class Part {
     const { touched, values } = this;
     if (!touched.settle()) return;
     const indices = touched.numbers.subarray(0, touched.size);
-    this.frame.setOverlay(this.id, { indices, values });
+    const overlay = { indices, values };
+    const { edit } = this;
+    this.frame.setOverlay(this.id, edit === AHEAD ? overlay : { ...overlay, edit });
   }
 
   drop(): void {
@@ -109,6 +131,8 @@ export class StrokePreview {
   private readonly last: [number, number, number] = [NaN, NaN, NaN];
   private readonly parts: readonly Part[];
   private readonly clip: Matrix4 | null;
+  /** Every point that the stroke may take was here when it began. */
+  private readonly whole: boolean;
 
   constructor(
     readonly id: string,
@@ -124,14 +148,26 @@ export class StrokePreview {
     const clip = brush.clip ? cubeOf(brush.clip, shift) : null;
     this.clip = clip;
     const part = (name: string, of: CloudFrame, layer: Layer | null): Part =>
-      new Part(name, of, layer, brush, locked, seen, shift, layer ? clipIn(layer, clip) : clip);
+      new Part(name, id, of, layer, brush, locked, seen, shift, layer ? clipIn(layer, clip) : clip);
     const others = layers.map((layer, k) => part(`${id}:${k}`, layer.frame, layer));
     this.parts = [part(id, frame, null), ...others];
+    this.whole = FOUND_HERE.has(brush.shape ?? 'sphere') && this.parts.every((one) => one.whole);
   }
 
   /** Points that the stroke would change, as far as they were shown. */
   get points(): number {
     return this.parts.reduce((sum, part) => sum + part.points, 0);
+  }
+
+  /**
+   * Points that the stroke takes, so that the server changes what was shown.  Null where it has to
+   * select: it may find points that are not here.
+   */
+  taken(): TouchedPoints[] | null {
+    if (!this.whole || !this.parts.every((part) => part.whole)) return null;
+    const taken = this.parts.map((part) => part.met()).filter(({ runs }) => runs.length > 0);
+    const bytes = taken.reduce((sum, { runs }) => sum + runs.length, 0);
+    return bytes <= MOST_RUN_BYTES ? taken : null;
   }
 
   /** Take in a sample. */
@@ -142,7 +178,8 @@ export class StrokePreview {
       for (let i = 0; i < parts.length; i++) parts[i]!.along(origin, direction, radius);
     } else if (brush.shape === 'ray') {
       const meets = brush.tool === 'restore' ? isDeleted : this.seen;
-      const hit = firstHitAmong(frame, this.layers, origin, direction, radius, meets, this.clip);
+      const { layers, clip, id } = this;
+      const hit = firstHitAmong(frame, layers, origin, direction, radius, meets, clip, id);
       if (hit) this.sphere(hit.position, hit.position, radius);
     } else if (brush.shape === 'sphere') {
       this.sphere(Number.isNaN(last[0]) ? origin : last, origin, radius);
@@ -169,9 +206,6 @@ function isDeleted(label: number): boolean {
   return label === DELETED;
 }
 
-/** Preview of a stroke that is still drawn or placed as one piece: shown until it is made. */
-const OVERLAY = 'ahead';
-
 interface AheadDeps {
   readonly locked: Locked;
   readonly seen: Seen;
@@ -191,7 +225,7 @@ export class AheadPreview {
   show(frame: CloudFrame, brush: Brush): void {
     if (this.frame !== frame) this.hide();
     const { locked, seen, shift, changed } = this.deps;
-    const preview = new StrokePreview(OVERLAY, frame, brush, locked, seen, shift(), layers.peek());
+    const preview = new StrokePreview(AHEAD, frame, brush, locked, seen, shift(), layers.peek());
     this.preview?.drop();
     preview.show();
     this.preview = preview;

@@ -3,6 +3,8 @@ import { DELETED } from '../cloud/points/piece';
 import { Matrix4 } from 'three';
 import { firstHitAmong, layersOf, type Layer, type PlacedFrame } from '../cloud/points/layer';
 import { frameOf, wall } from '../cloud/points/testing';
+import { runsOf } from '../protocol/codec';
+import { state } from '../store/state';
 import type { Brush, ClientMessage, StrokeResult } from '../protocol/messages';
 import { Strokes } from './strokes';
 
@@ -98,6 +100,54 @@ describe('a stroke', () => {
     expect(painted(frame, 2)).toBe(21);
     strokes.drop(stroke.id);
     expect(painted(frame, 2)).toBe(0);
+  });
+
+  it('says which points it takes when all are here, and leaves it to the server otherwise', () => {
+    for (const complete of [true, false]) {
+      const { frame, sent, strokes } = setUp();
+      frame.complete = complete;
+      const stroke = strokes.begin(frame, ray, [0, 0, 0]);
+      stroke.add(at);
+      strokes.show();
+      const shown = [...frame.overlays.values()][0]!.indices;
+      stroke.end();
+      const touched = complete ? [{ frame: 0, runs: runsOf(shown) }] : null;
+      expect(sent.at(-1)).toMatchObject({ type: 'stroke_end', touched });
+    }
+  });
+
+  it('finds what the strokes before it leave, but not what it does itself', () => {
+    const near = wall(40, 500);
+    const frame = frameOf([...near, ...wall(40, 1000)]);
+    const { strokes } = setUp();
+    const digging = strokes.begin(frame, { ...ray, tool: 'delete' }, [0, 0, 0]);
+    for (let i = 0; i < 2; i++) {
+      digging.add(at);
+      strokes.show();
+    }
+    expect(painted(frame, DELETED)).toBe(21);
+    digging.end();
+    const second = strokes.begin(frame, { ...ray, only_unlabeled: true }, [0, 0, 0]);
+    second.add(at);
+    second.end();
+    const third = strokes.begin(frame, { ...ray, label: 3, only_unlabeled: true }, [0, 0, 0]);
+    third.add(at);
+    third.end();
+    expect([painted(frame, 2), painted(frame, 3)]).toEqual([21, 0]);
+  });
+
+  it('says when fewer points changed than it showed', () => {
+    for (const changed of [21, 20]) {
+      const { frame, strokes } = setUp();
+      state.notices.value = [];
+      const stroke = strokes.begin(frame, ray, [0, 0, 0]);
+      stroke.add(at);
+      stroke.end();
+      strokes.drop(stroke.id);
+      strokes.onResult(result(stroke.id, { changed }));
+      const titles = state.notices.value.map(({ title }) => title);
+      expect(titles).toEqual(changed < 21 ? ['20 of 21 points changed'] : []);
+    }
   });
 
   it('takes the preview away at once when nothing changed', () => {

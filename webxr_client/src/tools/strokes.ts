@@ -5,12 +5,14 @@
 import type { PointerSample, Vec } from '../store/types';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Layer } from '../cloud/points/layer';
+import { notify } from '../store/state';
 import type {
   Brush,
   ClientMessage,
   Sample,
   StrokeResult,
   StrokeSamples,
+  TouchedPoints,
 } from '../protocol/messages';
 import { Listeners } from '../store/listeners';
 import { type Locked, StrokePreview } from './preview';
@@ -81,6 +83,8 @@ class LiveStroke implements Stroke {
   private readonly message: StrokeSamples;
   readonly preview: StrokePreview;
   refused = false;
+  /** Points that it takes, once it has ended; null: the server selects them. */
+  taken: TouchedPoints[] | null = null;
 
   constructor(
     readonly id: string,
@@ -136,7 +140,8 @@ class LiveStroke implements Stroke {
   end(): void {
     this.show();
     this.send();
-    if (!this.refused) this.deps.send({ type: 'stroke_end', id: this.id });
+    this.taken = this.preview.taken();
+    if (!this.refused) this.deps.send({ type: 'stroke_end', id: this.id, touched: this.taken });
     this.finished(this);
   }
 }
@@ -145,6 +150,8 @@ export class Strokes {
   private readonly live: LiveStroke[] = [];
   /** Ended, and waiting for the server. */
   private readonly ended = new Map<string, StrokePreview>();
+  /** Points that those would change whose own points were sent, until the server's count is here. */
+  private readonly expected = new Map<string, number>();
   /** Told every answer: `touched` drives the haptic pulse. */
   readonly results = new Listeners<StrokeResult>();
   /** Told every stroke that begins. */
@@ -155,7 +162,9 @@ export class Strokes {
   begin(frame: CloudFrame, brush: Brush, shift: Vec): Stroke {
     const stroke = new LiveStroke(crypto.randomUUID(), frame, brush, shift, this.deps, (done) => {
       this.live.splice(this.live.indexOf(done), 1);
-      if (!done.refused) this.ended.set(done.id, done.preview);
+      if (done.refused) return;
+      this.ended.set(done.id, done.preview);
+      if (done.taken) this.expected.set(done.id, done.preview.points);
     });
     this.live.push(stroke);
     this.begins.run({ id: stroke.id, brush });
@@ -182,9 +191,19 @@ export class Strokes {
   onResult(result: StrokeResult): void {
     this.results.run(result);
     if (!result.final) return;
+    this.compare(result);
     // An unchanged frame needs no delta; otherwise the delta takes the preview away.
     if (result.changed === 0) this.drop(result.id);
     else setTimeout(() => this.drop(result.id), LINGER_MS);
+  }
+
+  /** Say that a stroke came out smaller than it was shown. */
+  private compare({ id, changed }: StrokeResult): void {
+    const points = this.expected.get(id) ?? 0;
+    this.expected.delete(id);
+    if (changed >= points) return;
+    const title = `${changed} of ${points} points changed`;
+    notify('info', title, 'Another edit or a lock came in between.');
   }
 
   /** The server's own values are here, or it refused: the preview has served. */

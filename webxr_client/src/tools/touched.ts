@@ -29,6 +29,11 @@ export class Touched {
     this.fresh[this.waiting++] = point;
   }
 
+  /** Every point that was met, in no order. */
+  met(): Uint32Array<ArrayBuffer> {
+    return this.table.filter((key) => key !== 0).map((key) => key - 1);
+  }
+
   /** Put what was taken into its place; false when there was nothing. */
   settle(): boolean {
     if (this.waiting === 0) return false;

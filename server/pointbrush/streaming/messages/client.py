@@ -18,6 +18,7 @@ from pointbrush.streaming.messages.values import (
     Pair,
     Pose,
     Sample,
+    TouchedPoints,
     Uuid,
     Vec3,
 )
@@ -128,10 +129,17 @@ class StrokeSamples(Message):
 
 
 class StrokeEnd(Message):
-    """The stroke ends; the server answers a final ``stroke_result`` when the edit is durable."""
+    """The stroke ends; the server answers a final ``stroke_result`` when the edit is durable.
+
+    ``touched``: the points that the client found in the shape, in each frame; the server takes
+    these instead of its own selection, and applies the rules of tools, locks and hidden labels to
+    them.  A client may send them if it has all points of the stroke's frames; positions in chunks
+    are rounded, so that its selection differs from the server's at the border of the shape.
+    """
 
     type: Literal["stroke_end"] = "stroke_end"
     id: Uuid
+    touched: Annotated[list[TouchedPoints], Field(max_length=65536)] | None = None
 
 
 class StrokeCancel(Message):

@@ -44,6 +44,8 @@ Pose = Annotated[list[Finite], Field(min_length=7, max_length=7)]
 Matrix4 = Annotated[list[Finite], Field(min_length=16, max_length=16)]
 """Row-major 4x4."""
 LabelId = Annotated[int, Field(ge=0, le=65534)]
+RUN_BYTES = 2**20
+"""Most bytes of the runs of points of a frame."""
 Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
@@ -62,6 +64,13 @@ class Sample(Message):
     origin: Vec3
     direction: Vec3 = [0.0, 0.0, -1.0]
     t: Finite = 0.0
+
+
+class TouchedPoints(Message):
+    """Points of a frame: ``runs`` holds first number and length of ascending runs, uint32 each."""
+
+    frame: FrameIndex
+    runs: Annotated[bytes, Field(max_length=RUN_BYTES)]
 
 
 class Label(Message):

@@ -175,7 +175,7 @@ class PaintedFrame:
         self, view: View, recording: Recording, placement: Placement, brush: Stroke
     ) -> None:
         self.frame, self._placement = placement.frame, placement
-        self._recording, self._view = recording, view
+        self._recording, self._view, self._brush = recording, view, brush
         x, y, z = recording.manifest.T_room_local[1, :3].tolist()
         self._points = frame_points(recording[self.frame], (x, y, z))
         self._seen = Seen(view, self.frame, brush.hidden)
@@ -229,6 +229,11 @@ class PaintedFrame:
     def take(self, numbers: NDArray[np.int64]) -> None:
         """Take in sorted stored numbers."""
         self._changing.add(self.taken.add(numbers))
+
+    def clear(self) -> None:
+        """Take nothing of what was taken so far."""
+        self.taken = PointSet()
+        self._changing = Changing(self._view, self.frame, self._brush)
 
     @property
     def changing(self) -> int:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import Commit, LabelStore, View, Write
 from pointbrush.labels.types import PAINTED, Only
+from pointbrush.ranges import numbers_of
 from pointbrush.selection import Stroke
 from pointbrush.selection.selecting import OverlaySelector
 from pointbrush.sequences import Sequence as Recording
@@ -93,6 +94,19 @@ class LiveStroke:
         for k, fresh in self._selector.add(stroke):
             self._of_layer[k].take(fresh)
             yield
+
+    def replace(self, touched: Sequence[tuple[int, bytes]]) -> None:
+        """Take the points that the client found, given as a frame and ``runs``, and no others.
+
+        Raises BadInputError when they are not points of the stroke's frames.
+        """
+        frames = {one.frame: one for one in self._painted}
+        for one in self._painted:
+            one.clear()
+        for frame, runs in touched:
+            if frame not in frames:
+                raise BadInputError(f"touched: expected frames {sorted(frames)}, got {frame}")
+            frames[frame].take(numbers_of(runs, len(self._recording[frame])))
 
     @property
     def touched(self) -> int:

@@ -242,10 +242,14 @@ export class CloudFrame {
     return piece && number < piece.first + piece.count ? piece : null;
   }
 
-  /** The label of a point as shown: overlays first. */
-  labelOf(number: number): number {
+  /**
+   * The label of a point as shown: overlays first.  With `edit`: as the server will find it when it
+   * applies that edit, after those on their way before it.
+   */
+  labelOf(number: number, edit?: string): number {
     let value = this.storedLabelOf(number);
     for (const overlay of this.overlays.values()) {
+      if (edit !== undefined && (overlay.edit === undefined || overlay.edit === edit)) continue;
       const at = search(overlay.indices, number);
       if (at >= 0) value = overlay.values[overlay.values.length === 1 ? 0 : at]!;
     }

@@ -63,13 +63,14 @@ export function firstHitAmong(
   radius: number,
   visible: (label: number) => boolean,
   clip: Matrix4 | null = null,
+  edit?: string,
 ): LayerHit | null {
-  const own = firstHit(frame, origin, direction, radius, visible, clip);
+  const own = firstHit(frame, origin, direction, radius, visible, clip, edit);
   let best: LayerHit | null = own && { ...own, frame };
   for (const layer of layers) {
     const seen = (label: number): boolean => layer.holds(label) && visible(label);
     const [from, way] = [placeIn(layer, origin), directionIn(layer, direction)];
-    const hit = firstHit(layer.frame, from, way, radius, seen, clipIn(layer, clip));
+    const hit = firstHit(layer.frame, from, way, radius, seen, clipIn(layer, clip), edit);
     if (hit === null || (best !== null && hit.distance >= best.distance)) continue;
     const at = (k: 0 | 1 | 2): number => origin[k] + direction[k] * hit.distance;
     best = { ...hit, position: [at(0), at(1), at(2)], frame: layer.frame };

@@ -6,6 +6,8 @@ export interface Overlay {
   readonly indices: Uint32Array;
   /** One value for each, or a single one for all. */
   readonly values: Uint16Array;
+  /** The edit on its way to the server that it shows, if it does. */
+  readonly edit?: string;
 }
 
 /** The same overlay with its numbers in order. */

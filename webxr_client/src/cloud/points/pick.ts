@@ -19,7 +19,7 @@ export interface Hit {
  *
  * As on the server: a point counts as met when the ray passes it within about the cloud's own
  * spacing there, never farther than `radius`; where nothing is that near, `radius` decides.
- * `clip`: `T_cube_local` of the box outside which nothing is met.
+ * `clip`: `T_cube_local` of the box outside which nothing is met.  `edit`: see `labelOf`.
  */
 export function firstHit(
   frame: CloudFrame,
@@ -28,6 +28,7 @@ export function firstHit(
   radius: number,
   visible: (label: number) => boolean = notDeleted,
   clip: Matrix4 | null = null,
+  edit?: string,
 ): Hit | null {
   let near = Infinity;
   let nearPoint = -1;
@@ -57,7 +58,7 @@ export function firstHit(
         const along = x * dx + y * dy + z * dz;
         if (along <= 0 || along >= near) continue;
         const off = x * x + y * y + z * z - along * along;
-        if (off > radius * radius || !visible(frame.labelOf(piece.first + i))) continue;
+        if (off > radius * radius || !visible(frame.labelOf(piece.first + i, edit))) continue;
         if (clip !== null && !shows(clip, x + ox, y + oy, z + oz)) continue;
         if (off <= reach * reach && along < near) {
           near = along;
