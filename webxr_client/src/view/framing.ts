@@ -17,7 +17,8 @@ const ONE_WAY = 0.6;
 /** Stray points beyond these parts of the others do not count. */
 const [LOW, HIGH] = [0.04, 0.96];
 
-function quantile(values: number[], part: number): number {
+/** The value below which a part of the values lies; sorts them. */
+export function quantile(values: number[], part: number): number {
   values.sort((a, b) => a - b);
   return values[Math.floor(part * (values.length - 1))] ?? 0;
 }
@@ -86,35 +87,6 @@ export function viewOf(
     .multiplyScalar((radius / half) * 0.85)
     .add(target);
   return { eye, target };
-}
-
-/** Metres of a layer of points, the least height of a ceiling above the floor, and what is cut off below it. */
-const [LAYER, LEAST_HEADROOM, BELOW] = [0.2, 1.8, 0.15];
-/** Cells across the plan, and the part of those inside, away from the walls, that a ceiling fills. */
-const [CELLS, FILLED] = [8, 0.3];
-
-/** Height below which a plan shows the room and not its ceiling, metres; null without a ceiling. */
-export function underCeiling(frame: CloudFrame, room: Matrix4): number | null {
-  const points = samplePoints(frame, room, SAMPLES);
-  const part = (of: (point: Vector3) => number, share: number): number =>
-    quantile(points.map(of), share);
-  const [left, right] = [part(({ x }) => x, LOW), part(({ x }) => x, HIGH)];
-  const [near, far] = [part(({ z }) => z, LOW), part(({ z }) => z, HIGH)];
-  const floor = part(({ y }) => y, 0.01);
-  const layers = new Map<number, Set<number>>();
-  for (const { x, y, z } of points) {
-    const column = Math.floor((CELLS * (x - left)) / (right - left));
-    const row = Math.floor((CELLS * (z - near)) / (far - near));
-    if (Math.min(column, row) < 1 || Math.max(column, row) > CELLS - 2) continue;
-    const layer = Math.floor((y - floor) / LAYER);
-    const cells = layers.get(layer) ?? new Set();
-    layers.set(layer, cells.add(CELLS * row + column));
-  }
-  const full = FILLED * (CELLS - 2) ** 2;
-  const high = [...layers.keys()].sort((a, b) => b - a);
-  const found = high.find((layer) => layers.get(layer)!.size >= full);
-  if (found === undefined || found * LAYER < LEAST_HEADROOM) return null;
-  return floor + found * LAYER - BELOW;
 }
 
 function directionOf(preset: ViewPreset): Vector3 {

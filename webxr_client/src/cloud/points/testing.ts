@@ -59,3 +59,12 @@ export function frameOf(...parts: (readonly Vector[])[]): CloudFrame {
   frame.add(segmentOf(parts));
   return frame;
 }
+
+/** The same round the origin, up to 30 m away. */
+export function frameAround(points: readonly Vector[]): CloudFrame {
+  const segment = segmentOf([points.map(([x, y, z]) => [x + 30000, y + 30000, z + 30000])]);
+  const chunks = segment.chunks.map((chunk) => ({ ...chunk, origin: [-30, -30, -30] as const }));
+  const frame = new CloudFrame(0, false);
+  frame.add({ ...segment, chunks });
+  return frame;
+}
