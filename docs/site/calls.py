@@ -344,6 +344,9 @@ nights.change(recordings=["room", "juggling"])
 # Project.statistics
 print(nights.statistics()["classes"])
 
+# Client.entries
+print([entry["name"] for entry in client.entries(server_path=Path("sequences").resolve())])
+
 # Project.import_each
 jobs = nights.import_each(server_path=Path("sequences").resolve())
 

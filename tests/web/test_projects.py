@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -258,6 +259,15 @@ def test_a_folder_of_recordings_comes_in_at_once(people: dict[str, Client], serv
             (inbox / "drives" / f"drive {number}" / f"{frame}.xyz").write_text(text)
     lead = people["lead"]
     project = lead.projects["night"]
+    found = lead.entries(inbox / "drives")
+    assert [(each["name"], Path(each["path"]).parent) for each in found] == [
+        ("drive 2", inbox / "drives"),
+        ("drive 10", inbox / "drives"),
+    ]
+    texts = (inbox / "drives" / "drive 2").iterdir()
+    assert found[0]["bytes"] == sum(text.stat().st_size for text in texts)
+    with pytest.raises(ForbiddenError):
+        people["ada"].entries(inbox / "drives")
     with pytest.raises(ForbiddenError):
         people["ada"].projects["night"].import_each(inbox / "drives")
     made = [lead.wait(job)["sequence"] for job in project.import_each(inbox / "drives", fps=5.0)]

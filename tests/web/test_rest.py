@@ -399,6 +399,7 @@ def test_the_list_tells_what_a_start_page_shows(api: httpx.Client) -> None:
     (later,) = (each for each in api.get("/sequences").json() if each["id"] == "wall")
     assert (later["labels"], later["labels_used"]) == (listed["labels"] + 1, listed["labels_used"])
     assert listed["created"].endswith(("Z", "+00:00"))
+    assert listed["created"] < listed["changed"] < later["changed"]
     picture = api.get("/sequences/wall/frames/0/thumbnail")
     assert picture.headers["content-type"] == "image/jpeg"
     assert picture.content[:3] == b"\xff\xd8\xff"

@@ -197,6 +197,13 @@ class Server(Part[L]):
         found: dict[str, Any] = (yield from send(request)).json()
         return found
 
+    @steps
+    def entries(self, server_path: AnyPath) -> Steps[list[dict[str, Any]]]:
+        """Return ``name``, ``path`` and ``bytes`` of each entry of a folder on the server."""
+        request = Request("POST", "/imports/entries", {"json": {"path": str(server_path)}})
+        found: list[dict[str, Any]] = (yield from send(request)).json()
+        return found
+
     # ── labels by example ────────────────────────────────────────────────────────────────
 
     @property

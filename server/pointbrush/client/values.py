@@ -72,6 +72,7 @@ class Bounds:
 class Manifest:
     """Facts of a recording; ``points`` per frame.
 
+    ``changed``: time of the last edit, or else of the import.
     ``labelled``: number of frames with labels; ``labels``: number of labels; ``labels_used``:
     number of labels with points; ``labels_missing``: why the labels in its files were not imported.
     """
@@ -88,6 +89,7 @@ class Manifest:
     source: str
     large: bool
     created: datetime | None = None
+    changed: datetime | None = None
     labelled: int = 0
     project: str = "default"
     labels: int = 0

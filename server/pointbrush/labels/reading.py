@@ -144,12 +144,20 @@ def progress(connection: Connection, wanted: Collection[str] | None = None) -> d
         .where(sequences.c.deleted.is_(None), counts.c.points > 0)
         .group_by(sequences.c.id)
     )
+    last = (edits.c.sequence == sequences.c.number) & (edits.c.revision == sequences.c.revision)
+    changed = (
+        select(sequences.c.id, edits.c.time).join(edits, last).where(sequences.c.deleted.is_(None))
+    )
     if wanted is not None and len(wanted) <= MOST_NAMED:
-        labels, done = (query.where(sequences.c.id.in_(wanted)) for query in (labels, done))
+        labels, done, changed = (
+            query.where(sequences.c.id.in_(wanted)) for query in (labels, done, changed)
+        )
     found = {name: (frames, used) for name, frames, used in connection.execute(done)}
+    created = {row[0]: row[1] for row in connection.execute(labels)}
+    times = {row.id: row.time for row in connection.execute(changed)}
     return {
-        str(name): Progress(*found.get(name, (0, 0)), count)
-        for name, count in connection.execute(labels)
+        str(name): Progress(*found.get(name, (0, 0)), created.get(name, 0), times.get(name))
+        for name in created.keys() | times.keys()
     }
 
 

@@ -166,11 +166,15 @@ class Commit:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Frames with labelled points, labels that have points somewhere, and labels in all."""
+    """Frames with labelled points, labels that have points somewhere, and labels in all.
+
+    ``changed``: time of the last edit, seconds since the epoch, or None.
+    """
 
     frames: int = 0
     used: int = 0
     labels: int = 0
+    changed: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -143,6 +143,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("DELETE", "/projects/{p}/tasks/{t}"): "manager",
     ("POST", "/sequences"): "manager",
     ("POST", "/imports/preview"): "manager",
+    ("POST", "/imports/entries"): "manager",
     ("DELETE", "/imports/{upload}"): "manager",
     ("PATCH", "/sequences/{seq}"): "manager",
     ("DELETE", "/sequences/{seq}"): "manager",

@@ -94,6 +94,9 @@ class SequenceOut(BaseModel):
     large: bool
     source: str
     created: Annotated[datetime | None, Field(description="when it was imported")] = None
+    changed: Annotated[
+        datetime | None, Field(description="time of its last edit, or else of its import")
+    ] = None
     labelled: Annotated[int, Field(description="number of frames with labelled points")] = 0
     labels: Annotated[int, Field(description="labels")] = 0
     labels_used: Annotated[int, Field(description="labels that have points in some frame")] = 0
@@ -116,7 +119,9 @@ class SequenceOut(BaseModel):
         """From the list of recordings; of a damaged one perhaps only the id is known."""
         if entry.manifest is None:
             return cls.unreadable(entry.id, entry.revision, entry.damaged)
+        changed = entry.progress.changed
         more = {
+            "changed": None if changed is None else datetime.fromtimestamp(changed, UTC),
             "damaged": entry.damaged,
             "labelled": entry.progress.frames,
             "labels": entry.progress.labels,
@@ -160,13 +165,15 @@ class SequenceOut(BaseModel):
             [float(x) + s for x, s in zip(corner, shift, strict=True)]
             for corner in (manifest.lo, manifest.hi)
         )
+        created = datetime.fromisoformat(manifest.created)
+        more["changed"] = more.get("changed") or created
         return cls(
             bounds=Bounds(lo=lo, hi=hi), revision=revision, shift=shift, room=manifest.room,
             id=manifest.id, name=manifest.name, frames=manifest.frames, fps=manifest.fps,
             points=list(manifest.points), fields=list(manifest.fields),
             position_error=manifest.position_error, dropped=list(manifest.dropped),
             large=manifest.large, source=manifest.source, identity=manifest.identity,
-            created=datetime.fromisoformat(manifest.created), **more,
+            created=created, **more,
         )  # fmt: skip
 
 

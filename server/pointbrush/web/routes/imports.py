@@ -24,7 +24,7 @@ from pointbrush.labels.project_tables import FIRST
 from pointbrush.web.auth import Caller, Gate, TheGate, resource
 from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import problem_of, responses
-from pointbrush.web.schemas import VISIBLE, Body
+from pointbrush.web.schemas import VISIBLE, Body, Out
 from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut, Text
 from pointbrush.web.upload_files import (
     KeptUploads,
@@ -35,7 +35,7 @@ from pointbrush.web.upload_files import (
     relative_path,
     save,
 )
-from pointbrush.work.imports.requests import recordings_in
+from pointbrush.work.imports.requests import bytes_of, recordings_in
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
@@ -126,6 +126,34 @@ class EachBody(Body):
 
     path: Text
     fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
+
+
+class FolderBody(Body):
+    """A folder on the server."""
+
+    path: Text
+
+
+class EntryOut(Out):
+    """A file or folder of a folder on the server."""
+
+    name: str
+    path: str
+    bytes: Annotated[int, Field(description="size of the file, or of all files in the folder")]
+
+
+@router.post("/imports/entries", responses=responses(404, 413))
+def list_entries(
+    body: FolderBody, workspace: Ws, who: Caller, gate: TheGate, request: Request
+) -> list[EntryOut]:
+    """List the entries of a folder under the allowed roots, each of which can be a recording."""
+    roots = workspace.import_roots(own=gate.is_own(request, who))
+    return [
+        EntryOut(name=entry.name, path=str(entry), bytes=bytes_of(entry))
+        for folder in allowed(body.path, roots)
+        for entry in recordings_in(folder)
+        if entry.name.isprintable()  # other names cannot be written as JSON
+    ]
 
 
 @router.post("/projects/{p}/imports", status_code=202, responses=responses(404, 413))

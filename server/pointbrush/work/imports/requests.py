@@ -84,6 +84,12 @@ def recordings_in(folder: Path) -> list[Path]:
     return sorted(inside, key=natural_key)
 
 
+def bytes_of(path: Path) -> int:
+    """Return the size of a file, or of all files in a folder."""
+    files = path.rglob("*") if path.is_dir() else [path]
+    return sum(file.stat().st_size for file in files if file.is_file())
+
+
 def drop_upload(upload: Path | None, job: Job) -> None:
     """Remove the uploaded files of a job that has ended; another server may go on with it."""
     if upload is not None and job.state in ENDED:
