@@ -221,6 +221,33 @@ def test_the_flag_of_a_workspace_wins_over_the_servers_variable(
     assert "--server: expected no --workspace" in capsys.readouterr().err
 
 
+def test_tokens_of_a_server(
+    served: Served, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("POINTBRUSH_SERVER", served.url)
+    monkeypatch.setenv("POINTBRUSH_TOKEN", TOKEN)
+
+    def run(line: str) -> str:
+        assert main(line.split()) == 0, capsys.readouterr().err
+        return capsys.readouterr().out.strip()
+
+    secret = run("token add ida --role reviewer --days 7")
+    with Client(served.url, secret) as client:
+        assert client.call("GET", "/session").json() == {"author": "ida", "role": "reviewer"}
+    (row,) = [line for line in run("token list").splitlines() if "\tida\t" in line]
+    token, *told = row.split("\t")
+    assert told == ["reviewer", "ida", "valid"]
+    run(f"token revoke {token}")
+    assert f"{token}\treviewer\tida\trevoked" in run("token list")
+    for wrong, words in (
+        ("token revoke 00000000", "expected the id of a token, got '00000000'"),
+        ("token add", "name: expected a value, got none"),
+        ("token add ida --role king", "role"),
+    ):
+        assert main(wrong.split()) == 1
+        assert words in capsys.readouterr().err
+
+
 def test_projects_tasks_webhooks_and_undo_of_a_server(
     served: Served,
     tmp_path: Path,
@@ -237,7 +264,11 @@ def test_projects_tasks_webhooks_and_undo_of_a_server(
     assert run("project add Night") == "added project night\n"
     assert "night\tadmin\t0\tNight" in run("project list")
     run(f"import {drift(tmp_path / 'drift')} --project night --name Drift")
-    added = run("task add Drift --project night --every 2 --assignee ada").splitlines()
+    line = "task add Drift --project night --every 2 --assignee ada"
+    assert main(line.split()) == 0
+    printed = capsys.readouterr()
+    assert "no account is called 'ada'" in printed.err
+    added = printed.out.splitlines()
     assert [line.split("\t")[1:3] for line in added] == [["drift", "0:2"], ["drift", "2:3"]]
     assert run("task list --project night --state open --assignee ada").splitlines() == added
     numbers = " ".join(line.split("\t")[0] for line in added)

@@ -459,6 +459,26 @@ except PointbrushError:
 # Project.delete
 client.projects.create("by mistake").delete()
 
+# Client.accounts
+people = client.accounts
+
+# Accounts.create
+made = client.accounts.create("lin", role="annotator", days=90)
+print(made.token)  # the secret, shown once
+
+# Accounts.all
+print({each.account: each.role for each in client.accounts.all()})
+
+# Accounts.add_token
+headset = client.accounts.add_token("lin", days=1)
+
+# Accounts.tokens
+print([(each.id, each.valid) for each in client.accounts.tokens("lin")])
+
+# Accounts.revoke
+client.accounts.revoke("lin", headset.id)
+client.accounts.revoke("lin")  # all of the account
+
 # Client.projects
 print(client.projects.all())
 

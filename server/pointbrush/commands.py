@@ -6,7 +6,6 @@ import argparse
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict
@@ -23,6 +22,7 @@ from pointbrush.errors import (
 )
 from pointbrush.following import follow
 from pointbrush.labels import check_database
+from pointbrush.labels.people import expiry_of
 from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import Answer
@@ -272,8 +272,7 @@ def token(given: argparse.Namespace, settings: Settings) -> Answer:
         if given.action == "revoke":
             tokens.revoke(given.name)
             return printing.confirmed(f"revoked {given.name}", token=given.name)
-        expires = None if given.days is None else time.time() + given.days * 86_400
-        secret = tokens.add(given.role, given.name, expires)
+        secret = tokens.add(given.role, given.name, expiry_of(given.days))
         return printing.confirmed(secret, token=secret)
 
 

@@ -57,7 +57,7 @@ class TokenEntry(Protocol):
     @property
     def valid(self) -> bool: ...  # noqa: D102
     @property
-    def revoked(self) -> float | None: ...  # noqa: D102
+    def revoked(self) -> object: ...  # noqa: D102
 
 
 class ExportFormat(Protocol):

@@ -13,7 +13,7 @@ from typing import Any
 
 from pointbrush import arguments, printing
 from pointbrush.client import PATIENCE, Classifier, Client, Job
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.following import follow
 from pointbrush.formats.corrections import Corrections
 from pointbrush.options import chosen
@@ -144,6 +144,24 @@ def export(given: argparse.Namespace, settings: Settings) -> Answer:
             _unpack(out, lambda target: recording.export(given.format, target, *asked))
         labels, boxes = [] if snapshot else recording.labels(), recording.boxes.all()
         return printing.exported(recording.id, out, known[given.format], labels, boxes)
+
+
+def token(given: argparse.Namespace, settings: Settings) -> Answer:
+    """Add, list or revoke tokens of the server."""
+    with client_of(settings) as client:
+        if given.action == "list":
+            return printing.tokens(
+                token for account in client.accounts.all() for token in account.tokens
+            )
+        name = arguments.required("name", given.name)
+        if given.action == "add":
+            secret = client.accounts.create(name, given.role, given.days).token
+            return printing.confirmed(secret, token=secret)
+        for account in client.accounts.all():
+            if name in (token.id for token in account.tokens):
+                client.accounts.revoke(account.account, name)
+                return printing.confirmed(f"revoked {name}", token=name)
+        raise NotFoundError(f"token: expected the id of a token, got {name!r}")
 
 
 def _unpack(out: Path, export: Callable[[Path], Path]) -> None:

@@ -20,10 +20,10 @@ from pointbrush.options import PREFIX, WORKSPACE, Option, markdown, option, opti
 SERVERS = ("demo", "serve")
 REMOTE = (
     "import", "import-labels", "track", "fit-boxes", "example", "export", "info", "labels",
-    "delete", "undelete", "rename", "check-labels", "compare", "report",
+    "delete", "undelete", "rename", "check-labels", "compare", "report", "token",
 )  # fmt: skip
 """Commands that work on the workspace of this machine, or on that of a server."""
-LOCAL = ("token", "check", "backup", "restore", "review", "move")
+LOCAL = ("check", "backup", "restore", "review", "move")
 """Commands that need the folder of the workspace."""
 CLIENTS = (*REMOTE, "project", "task", "webhook", "undo")
 """Commands that work on a server; the commands that are not in ``REMOTE`` need one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 from pointbrush import arguments, printing
 from pointbrush.errors import BadInputError
@@ -30,7 +31,7 @@ def project(given: argparse.Namespace, settings: Settings) -> Answer:
 def task(given: argparse.Namespace, settings: Settings) -> Answer:
     """List, add or delete tasks of a project."""
     with client_of(settings) as client:
-        queue = client.projects[given.project]
+        queue, warnings = client.projects[given.project], list[str]()
         if given.action == "delete":
             numbers = [_number(text) for text in given.items]
             arguments.required("task", " ".join(given.items))
@@ -40,8 +41,14 @@ def task(given: argparse.Namespace, settings: Settings) -> Answer:
             return printing.confirmed(f"deleted tasks {deleted}", tasks=numbers)
         if given.action == "add":
             recordings = [client[name].id for name in given.items] or None
+            assignee = given.assignee or ""
+            known = {each.account for each in client.accounts.all()} if assignee else {assignee}
+            if assignee not in known:
+                warnings.append(
+                    f"no account is called {assignee!r}: `pointbrush token add` creates it"
+                )
             found = queue.add_tasks(
-                recordings, frames=given.frames, every=given.every, assignee=given.assignee or ""
+                recordings, frames=given.frames, every=given.every, assignee=assignee
             )
         else:
             found = queue.tasks(given.state, given.assignee)
@@ -50,7 +57,7 @@ def task(given: argparse.Namespace, settings: Settings) -> Answer:
             for each in found
         ]
         head = ("NUMBER", "RECORDING", "FRAMES", "STATE", "ASSIGNEE")
-        return printing.table(found, head, rows)
+        return replace(printing.table(found, head, rows), warnings=warnings)
 
 
 def _number(text: str) -> int:

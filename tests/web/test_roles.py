@@ -77,6 +77,7 @@ def call(served: Served, secret: str, method: str, path: str) -> httpx.Response:
         ("t", "1"),
         ("s", "none"),
         ("w", "0" * 16),
+        ("a", "none"),
     ):
         path = path.replace(f"{{{name}}}", value)
     path = path.replace(f"labels/{UUID}", "labels/1").replace(f"boxes/{UUID}", "boxes/1")

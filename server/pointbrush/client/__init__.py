@@ -16,6 +16,7 @@ server.  Arrays are NumPy's, in the order of the points in the source.  A call t
 refuses raises an error of ``pointbrush.errors``.
 """
 
+from pointbrush.client.accounts import Account, Accounts, NewToken, Token
 from pointbrush.client.boxes import Box, Boxes, BoxPose
 from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
 from pointbrush.client.connection import AsyncClient, Client
@@ -52,6 +53,8 @@ from pointbrush.client.watching import Doubt, Watch
 
 __all__ = [
     "PATIENCE",
+    "Account",
+    "Accounts",
     "Agreement",
     "Annotation",
     "AsyncClient",
@@ -80,6 +83,7 @@ __all__ = [
     "Label",
     "LabelAgreement",
     "Manifest",
+    "NewToken",
     "PastEdit",
     "Place",
     "Prediction",
@@ -92,6 +96,7 @@ __all__ = [
     "Snapshot",
     "Standing",
     "Task",
+    "Token",
     "Track",
     "Watch",
 ]

@@ -14,6 +14,7 @@ from urllib.parse import parse_qs, urlsplit, urlunsplit
 
 import httpx
 
+from pointbrush.client.accounts import Accounts
 from pointbrush.client.classifiers import Classifiers
 from pointbrush.client.projects import Projects
 from pointbrush.client.recording import Recording
@@ -212,6 +213,11 @@ class Server(Part[L]):
         return Classifiers(self._link)
 
     # ── people ───────────────────────────────────────────────────────────────────────────
+
+    @property
+    def accounts(self) -> Accounts[L]:
+        """The accounts of people and their tokens, for managers."""
+        return Accounts(self._link)
 
     @property
     def projects(self) -> Projects[L]:

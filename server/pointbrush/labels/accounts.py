@@ -129,12 +129,14 @@ class Tokens:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def add(self, role: str, name: str = "", expires: float | None = None) -> str:
+    def add(
+        self, role: str, name: str = "", expires: float | None = None, *, another: bool = False
+    ) -> str:
         """Make a token and return its secret, which is shown this once.
 
         ``name`` is whom it is for; without one the token is an account of its own.  ``expires``:
         seconds since the epoch.  Raises BadInputError for an unknown role or a name that no token
-        may have, ConflictError for the name of a valid token.
+        may have, ConflictError for the name of a valid token unless it is ``another`` one of it.
         """
         if role not in ROLES:
             raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
@@ -154,7 +156,7 @@ class Tokens:
 
         def make(connection: Connection) -> str:
             same = connection.execute(select(tokens).where(tokens.c.name == name)).all()
-            if name and any(token_of(other).valid for other in same):
+            if name and not another and any(token_of(other).valid for other in same):
                 raise ConflictError(
                     f"name: expected one without a valid token, got {name!r}; revoke it first"
                 )

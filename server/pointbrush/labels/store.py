@@ -16,6 +16,7 @@ from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
 from pointbrush.labels.own_keys import OwnKeys
 from pointbrush.labels.palette import Palette
+from pointbrush.labels.people import People
 from pointbrush.labels.plans import Choose, NewBoxes, Writes, new_entry
 from pointbrush.labels.reading import View
 from pointbrush.labels.recordings import Recordings
@@ -54,6 +55,7 @@ class LabelStore:
             raise
         self._writer = Writer(self.database, self._sessions)
         self.tokens = Tokens(self.database)
+        self.people = People(self.tokens)
         self.accounts = Accounts(self.database)
         self.sign_ins = SignIns(self.database)
         self.signing_keys = SigningKeys(self.database)

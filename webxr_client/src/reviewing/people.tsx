@@ -4,6 +4,7 @@ import { Button } from '../panels/parts/controls';
 import { plural } from '../common/format';
 import { Icon } from '../common/icons';
 import { canManage, state } from '../store/state';
+import { AccountHint } from '../panels/parts/account-hint';
 import { assignmentsOf, framesOf, type Standing } from './model';
 import { FrameRange } from './frame-states';
 import { overview, put, visit } from './store';
@@ -80,11 +81,7 @@ function Give() {
           onInput={(event) => (given.value = { ...given.peek(), name: event.currentTarget.value })}
         />
       </label>
-      <datalist id="review-people">
-        {(overview.value?.people ?? []).map((person) => (
-          <option key={person} value={person} />
-        ))}
-      </datalist>
+      <AccountHint id="review-people" name={name} />
       <button type="submit" class="button primary" disabled={!name.trim()}>
         Assign frames
       </button>

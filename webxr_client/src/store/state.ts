@@ -186,7 +186,8 @@ export const canReview: ReadonlySignal<boolean> = computed(() => includes('revie
 /** Whether this person may import, rename and delete recordings. */
 export const canManage: ReadonlySignal<boolean> = computed(() => includes('manager'));
 
-const ROLES = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'] as const;
+/** Roles, from the least to the most. */
+export const ROLES = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'] as const;
 
 /**
  * Whether this person's role includes another; true until the server has told it, and false for

@@ -1,9 +1,12 @@
 /** The settings of a project: its name, and a tab for each of what its lead decides. */
 import { useEffect, useState } from 'preact/hooks';
-import { type Project, projects, settled } from '../engine/projects';
+import { type Project, settled } from '../engine/projects';
 import { Button, Check } from '../panels/parts/controls';
 import { useModal } from '../panels/parts/modal';
 import { Tabs } from '../panels/parts/tabs';
+import { AccountHint } from '../panels/parts/account-hint';
+import { WorkspaceAccounts } from './accounts-list';
+import { RoleSelect } from './role-select';
 import {
   deleteProject,
   loadTaxonomy,
@@ -18,7 +21,6 @@ import {
   taxonomy,
 } from './settings';
 import { Recordings, ProjectTasks } from './settings-work';
-import { ORDER } from './tasks';
 import { Webhooks } from './webhooks';
 
 const BODIES: Readonly<Record<SettingsTab, (props: { of: Project }) => preact.JSX.Element>> = {
@@ -70,7 +72,6 @@ function People({ of }: { of: Project }) {
   const [account, setAccount] = useState('');
   const [role, setNewRole] = useState('annotator');
   const rows = Object.entries(of.roles).sort();
-  const known = projects.value.flatMap(({ roles, people }) => [...Object.keys(roles), ...Object.keys(people)]); // prettier-ignore
   const submit = (event: Event): void => {
     event.preventDefault();
     if (account.trim()) void setRole(account.trim(), role);
@@ -87,7 +88,7 @@ function People({ of }: { of: Project }) {
         {rows.map(([name, own]) => (
           <li key={name}>
             <strong class="name">{name}</strong>
-            <Role of={name} value={own} onChange={(next) => void setRole(name, next)} />
+            <RoleSelect of={name} value={own} onChange={(next) => void setRole(name, next)} />
             <Button
               icon="close"
               tip={`Remove ${name} from the project`}
@@ -107,40 +108,14 @@ function People({ of }: { of: Project }) {
           value={account}
           onInput={(event) => setAccount(event.currentTarget.value)}
         />
-        <datalist id="settings-people">
-          {[...new Set(known)].filter(Boolean).map((name) => (
-            <option key={name} value={name} />
-          ))}
-        </datalist>
-        <Role of="the new person" value={role} onChange={setNewRole} />
+        <RoleSelect of="the new person" value={role} onChange={setNewRole} />
         <button type="submit" class="button primary" disabled={!account.trim()}>
           Add
         </button>
       </form>
+      <AccountHint id="settings-people" name={account} role={role} />
+      <WorkspaceAccounts />
     </>
-  );
-}
-
-interface RoleProps {
-  of: string;
-  value: string;
-  onChange: (role: string) => void;
-}
-
-function Role({ of, value, onChange }: RoleProps) {
-  return (
-    <select
-      class="field"
-      aria-label={`Role of ${of}`}
-      value={value}
-      onChange={(event) => onChange(event.currentTarget.value)}
-    >
-      {ORDER.map((role) => (
-        <option key={role} value={role}>
-          {role}
-        </option>
-      ))}
-    </select>
   );
 }
 

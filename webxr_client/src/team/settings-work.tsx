@@ -14,6 +14,7 @@ import { pickFiles } from '../panels/importing/files';
 import { Button, Check } from '../panels/parts/controls';
 import { actions } from '../store/actions';
 import { state } from '../store/state';
+import { AccountHint } from '../panels/parts/account-hint';
 import { deleteTask, loadTasks, makeTasks, projectTasks, save } from './settings';
 import { taskWords } from './store';
 
@@ -146,7 +147,7 @@ export function ProjectTasks({ of }: { of: Project }) {
             class="field"
             maxLength={128}
             placeholder="first free annotator"
-            list="settings-people"
+            list="task-people"
             value={assignee}
             onInput={(event) => setAssignee(event.currentTarget.value)}
           />
@@ -166,6 +167,7 @@ export function ProjectTasks({ of }: { of: Project }) {
           Make tasks
         </button>
       </form>
+      <AccountHint id="task-people" name={assignee} />
       <ul class="settings-rows">
         {projectTasks.value.map((task) => (
           <li key={task.number}>

@@ -6,7 +6,8 @@ import { plural } from '../common/format';
 import { Button } from '../panels/parts/controls';
 import type { Place } from '../reviewing/model';
 import { Pin } from '../reviewing/pin';
-import { state } from '../store/state';
+import { ROLES, state } from '../store/state';
+import { AccountHint } from '../panels/parts/account-hint';
 import {
   addTasks,
   begin,
@@ -23,9 +24,8 @@ import {
   taskWords,
 } from './store';
 
-export const ORDER = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'];
-export const may = ({ role }: Project, least: string): boolean =>
-  ORDER.indexOf(role) >= ORDER.indexOf(least);
+export const may = ({ role }: Project, least: Project['role']): boolean =>
+  ROLES.indexOf(role) >= ROLES.indexOf(least);
 
 export function Tasks() {
   const of = project.value;
@@ -236,10 +236,12 @@ function Make() {
             type="text"
             maxLength={128}
             placeholder="first free annotator"
+            list="queue-people"
             value={assignee}
             onInput={(event) => set({ assignee: event.currentTarget.value.trim() })}
           />
         </label>
+        <AccountHint id="queue-people" name={assignee} />
         <label>
           Annotators per task
           <input

@@ -1,6 +1,7 @@
 """REST resources: one module per resource, each with a ``router``."""
 
 from pointbrush.web.routes import (
+    accounts,
     agreement,
     annotations,
     boxes,
@@ -28,6 +29,6 @@ from pointbrush.web.routes import (
 RESOURCES = (
     edits, meta, sequences, imports, frames, labels, boxes, taxonomy, events, objects,
     annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
-    snapshots, agreement, webhooks,
+    snapshots, agreement, webhooks, accounts,
 )  # fmt: skip
 """In the order in which a path is looked for: strokes come many times as often as others."""

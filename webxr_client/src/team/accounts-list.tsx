@@ -1,0 +1,87 @@
+/** Accounts of the workspace, for managers. */
+import { useEffect, useState } from 'preact/hooks';
+import { plural } from '../common/format';
+import {
+  type Account,
+  accounts,
+  addToken,
+  createAccount,
+  newLink,
+  revokeAccess,
+} from '../engine/accounts';
+import { NewLink } from '../panels/parts/account-hint';
+import { Button } from '../panels/parts/controls';
+import { RoleSelect } from './role-select';
+
+export function WorkspaceAccounts() {
+  const [name, setName] = useState('');
+  const [role, setRole] = useState('annotator');
+  useEffect(() => () => void (newLink.value = null), []);
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    void createAccount(name.trim(), role).then(() => setName(''));
+  };
+  const all = accounts.value ?? [];
+  return (
+    <section class="settings-webhook" aria-label="Accounts of the workspace">
+      <h3>Accounts of the workspace</h3>
+      {all.length === 0 && <p class="soft">No accounts yet. Each person needs one.</p>}
+      <ul class="settings-rows" tabIndex={0} aria-label="Accounts">
+        {all.map((each) => (
+          <Entry key={each.account} of={each} />
+        ))}
+      </ul>
+      <NewLink />
+      <form class="settings-add" onSubmit={submit}>
+        <input
+          class="field"
+          aria-label="Name of the new account"
+          placeholder="Name of the new account"
+          maxLength={128}
+          value={name}
+          onInput={(event) => setName(event.currentTarget.value)}
+        />
+        <RoleSelect of="the new account" value={role} onChange={setRole} />
+        <button type="submit" class="button outlined" disabled={!name.trim()}>
+          Create account
+        </button>
+      </form>
+    </section>
+  );
+}
+
+function Entry({ of: { account, role, tokens } }: { of: Account }) {
+  const [sure, setSure] = useState(false);
+  const valid = tokens.filter((token) => token.valid).length;
+  return (
+    <li>
+      <strong class="name">{account}</strong>
+      <span class="soft">{role ? `${role} · ${plural(valid, 'token')}` : 'no access'}</span>
+      <Button
+        icon="plus"
+        tip={`New token for ${account}`}
+        small
+        onClick={() => void addToken(account)}
+      />
+      {sure ? (
+        <Button
+          label="Revoke"
+          kind="outlined"
+          small
+          onClick={() => {
+            setSure(false);
+            void revokeAccess(account);
+          }}
+        />
+      ) : (
+        <Button
+          icon="trash"
+          tip={`Revoke all tokens of ${account}`}
+          small
+          disabled={!role}
+          onClick={() => setSure(true)}
+        />
+      )}
+    </li>
+  );
+}
