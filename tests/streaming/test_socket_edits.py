@@ -73,10 +73,10 @@ def test_a_stroke_takes_the_points_that_the_page_found(served: Served) -> None:
         await client.send(type="stroke_samples", id=stroke, samples=[sample])
         touched = [{"frame": frame, "runs": np.array(runs, "<u4").tobytes()}]
         await client.send(type="stroke_end", id=stroke, touched=touched)
-        while (answer := await client.receive()).get("final") is not True:
-            if answer["type"] == "error":
-                break
-        return answer
+        while True:
+            answer = await client.receive()
+            if answer["type"] == "error" or (answer["type"] == "stroke_result" and answer["final"]):
+                return answer
 
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
