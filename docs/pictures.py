@@ -152,9 +152,9 @@ def clip(desk: Desk) -> None:
 
 def review(desk: Desk) -> None:
     """Open the findings: what cannot be followed is suspicious, too."""
-    desk.page.get_by_role("button", name="Review").first.click()
-    desk.page.get_by_role("complementary", name="Review").wait_for()
-    desk.page.locator(".findings li").first.wait_for()
+    desk.page.get_by_role("button", name="Work").click()
+    desk.page.get_by_role("tab", name="Findings").click()
+    desk.page.locator(".entries li").first.wait_for()
     save(desk, "desk-review")
 
 
@@ -233,7 +233,7 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     desk.page.get_by_role("button", name="Dark theme").click()
     dust = doubt(desk, server, truth)
     review(desk)
-    desk.page.get_by_role("button", name="Review").first.click()
+    desk.page.get_by_role("button", name="Work").click()
     last = OPTIONS.frames - 1
     by_example(desk, server, recording.truth[last], recording.frames[last].xyz)
     desk.context.close()

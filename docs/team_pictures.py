@@ -81,8 +81,8 @@ def _otherwise(right: NDArray[np.uint16], xyz: NDArray[np.floating]) -> NDArray[
 
 def tasks(desk: Desk, save: Callable[[Desk, str], None]) -> None:
     """Write a note for one that is handed in."""
-    desk.page.get_by_role("button", name="Tasks").first.click()
-    panel = desk.page.get_by_role("complementary", name="Tasks")
+    desk.page.get_by_role("button", name="Work").click()
+    panel = desk.page.get_by_role("complementary", name="Work")
     panel.get_by_role("button", name="Next to review").click()
     verdict = panel.get_by_role("form", name="Verdict")
     verdict.get_by_label("Note").fill(NOTE)
@@ -93,9 +93,9 @@ def tasks(desk: Desk, save: Callable[[Desk, str], None]) -> None:
 
 def agreement(desk: Desk, save: Callable[[Desk, str], None]) -> None:
     """Look at the largest difference, with both versions in the cloud."""
-    panel = desk.page.get_by_role("complementary", name="Tasks")
-    panel.get_by_role("button", name="Agreement").click()
-    panel.locator(".findings .menu-item").first.click()
+    panel = desk.page.get_by_role("complementary", name="Work")
+    panel.get_by_role("tab", name="Agreement").click()
+    panel.locator(".entries .menu-item").first.click()
     desk.until("pb.state.sequence.value?.id === 'drive'")
     desk.ready()
     panel.get_by_role("radio", name="Both").click()

@@ -85,13 +85,12 @@ def test_no_view_has_a_fault(browser: Browser, server: LiveServer) -> None:
             found += faults(page, view, "dialog, [role=dialog]")
             page.keyboard.press("Escape")
             expect(page.get_by_role("dialog")).to_have_count(0)
-        by_button("Review")(page)
-        for tab in ("Suspicious", "States", "People", "Agreement"):
+        by_button("Work")(page)
+        for tab in ("Tasks", "Findings", "Frames", "Agreement", "Versions"):
             page.get_by_role("tab", name=tab).click()
             found += faults(page, tab)
-        for panel in ("Tasks", "By example"):
-            by_button(panel)(page)
-            found += faults(page, panel)
+        by_button("By example")(page)
+        found += faults(page, "by example")
         by_button("By example")(page)
         for tool in ("navigate", "pick", "boxes", "floor"):
             desk.ask(f"pb.state.tool.value = '{tool}'")

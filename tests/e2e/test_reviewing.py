@@ -27,7 +27,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     page = desk.page
     # The key looks for findings, opens the review and goes to the first of them.
     desk.press("z")
-    panel = page.get_by_role("complementary", name="Review")
+    panel = page.get_by_role("complementary", name="Work")
     panel.get_by_text("has only 3 points").wait_for()
     for _ in range(3):
         if "has only" in panel.locator("[data-current]").inner_text():
@@ -35,7 +35,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
         desk.press("z")
     desk.until("pb.shown().frame === 1 && pb.state.activeLabel.value === 1")
     # The camera has flown: the place is in the middle of the picture.
-    page.locator(".review-mark").wait_for()
+    page.locator(".work-mark").wait_for()
     x, y = page.evaluate("[innerWidth, innerHeight]")
 
     def centred() -> bool:
@@ -56,7 +56,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     note.fill("a slip of the brush")
     panel.get_by_role("button", name="Pinned: change the place").click()
     page.mouse.click(*desk.place(middle))
-    panel.get_by_role("button", name="Reject").click()
+    panel.get_by_role("button", name="Needs correction").click()
 
     def rejected() -> Any:
         return server.request("GET", f"sequences/{SEQUENCE}/frames/1/review").json()
@@ -67,7 +67,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     panel.get_by_role("button", name="a slip of the brush").wait_for()
     desk.screenshot("review-states")
 
-    panel.get_by_role("tab", name="Suspicious").click()
+    panel.get_by_role("tab", name="Findings").click()
     # A finding about several labels does not change the label of the next stroke.
     panel.get_by_role("button", name="2 labels are called").click()
     panel.locator("[data-current]").get_by_text("2 labels are called").wait_for()
@@ -77,12 +77,7 @@ def test_leads_from_finding_to_finding_and_pins_a_note(
     checks = server.request("GET", f"sequences/{SEQUENCE}/checks").json()["findings"]
     assert [each["settled"] for each in checks if each["kind"] == "name"] == [True]
 
-    panel.get_by_role("tab", name="People").click()
-    panel.get_by_label("Person").fill("grace")
-    panel.get_by_role("button", name="Assign frames").click()
-    panel.get_by_role("button", name="grace").wait_for()
-    desk.screenshot("review-people")
-    panel.get_by_role("button", name="Close the review").click()
+    panel.get_by_role("button", name="Close the panel").click()
     panel.wait_for(state="hidden")
 
 

@@ -1,4 +1,4 @@
-"""A lead's walk: a project, its queue, two people compared, one returned, versions, an export."""
+"""A team's walk: a queue, work by the keyboard alone, reviews, agreement, versions, an export."""
 
 from __future__ import annotations
 
@@ -82,8 +82,10 @@ def queue(lead: Desk, server: LiveServer) -> None:
     """Make four tasks: one recording for two people, the others for one."""
     lead.page.get_by_role("button", name="Juggling").first.click()
     lead.ready()
-    lead.page.get_by_role("button", name="Tasks").first.click()
-    panel = tasks_of(lead)
+    lead.page.get_by_role("button", name="Work").click()
+    panel = work_of(lead)
+    panel.get_by_role("heading", name="Night").wait_for()
+    panel.get_by_role("tab", name="Tasks").click()
     panel.get_by_text("Make tasks").first.click()
     panel.get_by_label("Annotators per task").fill("2")
     panel.get_by_role("button", name="Make tasks").click()
@@ -93,23 +95,55 @@ def queue(lead: Desk, server: LiveServer) -> None:
 
 
 def apart(ada: Desk, bob: Client) -> None:
-    """Two people label the same, and see nothing of each other."""
+    """Two people label the same, and see nothing of each other; Ada uses the keyboard alone."""
     theirs = bob.projects["night"]
     ada.until("window.__pointbrush && pb.state.sequences.value?.length === 3")
-    ada.page.get_by_role("region", name="Night").get_by_role("button", name="Next task").click()
+    ada.page.get_by_role("region", name="Night").wait_for()
+    go_by_keys(ada, "Next task")
     ada.ready()
     task = theirs.next_task()
     assert task is not None
     assert task.sequence != ada.ask("pb.state.sequence.value.id")
     paint(bob, task.sequence, half=True)
     theirs.put_task(task.number, state="done")
-    panel = tasks_of(ada)
+    panel = work_of(ada)
     panel.get_by_role("region", name="My task").get_by_text("Juggling").wait_for()
     assert panel.get_by_text("bob").count() == 0
-    assert panel.get_by_role("button", name="Agreement").count() == 0
+    assert panel.get_by_role("tab", name="Agreement").count() == 0
+    # A task without a change is handed in only after a question.
     ada.press("Shift+N")
+    question = ada.page.get_by_role("dialog", name="Hand in without changes?")
+    question.wait_for()
+    ada.screenshot("team-question")
+    assert faults(ada.page, "question", "dialog") == []
+    ada.press("Enter")
+    question.wait_for(state="detached")
+    assert ada.ask("pb.state.sequence.value.id") != "hall"
+    hand_in_unchanged(ada)
     ada.until("pb.state.sequence.value?.id === 'hall'")
     ada.ready()
+
+
+def hand_in_unchanged(ada: Desk) -> None:
+    """Hand the task in though nothing was changed."""
+    ada.press("Shift+N")
+    ada.page.get_by_role("dialog", name="Hand in without changes?").wait_for()
+    ada.press("Tab")
+    ada.press("Enter")
+
+
+def go_by_keys(desk: Desk, name: str) -> None:
+    """Press Tab until a button has the focus, then Enter."""
+    wanted = f"document.activeElement?.textContent === '{name}'"
+    eventually(lambda: desk.press("Tab") or desk.ask(wanted))
+    desk.press("Enter")
+
+
+def command(desk: Desk, words: str) -> None:
+    """Run a command that is found by its words."""
+    desk.press("Control+k")
+    desk.page.get_by_label("Search commands").fill(words)
+    desk.press("Enter")
 
 
 def paint(client: Client, sequence: str, *, half: bool = False) -> None:
@@ -122,13 +156,14 @@ def paint(client: Client, sequence: str, *, half: bool = False) -> None:
 
 
 def returned(server: LiveServer, lead: Desk, ada: Desk, place: list[float]) -> None:
-    """Send a task back with a note and a place; its person is led there, and hands it in again."""
-    own = tasks_of(ada).get_by_role("region", name="My task")
+    """Send a task back with a note and a place; Ada is led there, and hands it in again."""
+    own = work_of(ada).get_by_role("region", name="My task")
     own.get_by_text("Hall").first.wait_for()
+    paint_by_keys(ada)
     ada.press("Shift+N")
     eventually(lambda: states(server)["hall"] == "done")
-    panel = tasks_of(lead)
-    eventually(lambda: again(panel, "Hall, frames 0–5"))
+    panel = work_of(lead)
+    eventually(lambda: again(lead, "Hall, frames 0–5"))
     panel.get_by_role("button", name="Hall, frames 0–5").click()
     lead.until("pb.state.sequence.value?.id === 'hall'")
     lead.ready()
@@ -138,40 +173,58 @@ def returned(server: LiveServer, lead: Desk, ada: Desk, place: list[float]) -> N
     lead.page.mouse.click(*lead.place(place))
     verdict.get_by_role("button", name="Pinned").wait_for()
     lead.screenshot("team-lead")
-    assert faults(lead.page, "tasks", "#team") == []
-    verdict.get_by_role("button", name="Send back").click()
+    assert faults(lead.page, "tasks", "#work") == []
+    verdict.get_by_role("button", name="Return").click()
     eventually(lambda: states(server)["hall"] == "returned")
-    ada.press("Shift+N")
+    ada.until("pb.state.sequence.value?.id === 'yard'")
+    ada.ready()
+    hand_in_unchanged(ada)
     eventually(lambda: states(server)["yard"] == "done")
     own.get_by_text("the hand is missing").wait_for()
-    own.get_by_role("button", name="Go to the place in frame 0").wait_for()
     ada.until("pb.state.sequence.value?.id === 'hall'")
-    ada.page.locator(".review-mark").wait_for()
+    ada.page.locator(".work-mark").wait_for()
     ada.until(f"{FLOWN}(pb.project({place}), document.querySelector('#view'))")
     ada.screenshot("team-returned")
+    paint_by_keys(ada)
     ada.press("Shift+N")
     eventually(lambda: states(server)["hall"] == "done")
-    panel.get_by_role("button", name="Next to review").click()
-    verdict.get_by_role("button", name="Accept").click()
+    reviewed(server, lead)
+
+
+def paint_by_keys(desk: Desk) -> None:
+    """Paint what is in the middle of the picture."""
+    desk.until("pb.state.activeLabel.value === 1")
+    desk.press("b")
+    desk.press("0")
+    desk.settled()
+
+
+def reviewed(server: LiveServer, lead: Desk) -> None:
+    """Accept the next task by the keyboard alone."""
+    lead.page.locator("#view").focus()
+    command(lead, "review the next task")
+    lead.until("document.querySelector('[aria-label=Verdict]') !== null")
+    lead.ready()
+    command(lead, "accept the task")
     eventually(lambda: "accepted" in states(server).values())
 
 
 def agreed(server: LiveServer, lead: Desk) -> None:
     """Look at a place where two people differ, see both versions, and take one's."""
-    panel = tasks_of(lead)
+    panel = work_of(lead)
     server.request("POST", "projects/night/snapshots", json={"name": "Before"})
     panel.get_by_role("button", name="Juggling, frames 0–5").first.click()
     lead.until("pb.state.sequence.value?.id.startsWith('juggling-')")
-    panel.get_by_role("button", name="Agreement").click()
+    panel.get_by_role("tab", name="Agreement").click()
     panel.get_by_text("person: only bob has it").click()
     lead.until(f"pb.state.sequence.value?.id === '{SEQUENCE}'")
     lead.ready()
-    lead.page.locator(".review-mark").wait_for()
+    lead.page.locator(".work-mark").wait_for()
     looks = panel.get_by_role("radiogroup", name="Show the labels of")
     looks.get_by_role("radio", name="bob").click()
     lead.until("pb.labels()[1] > 0")
     lead.screenshot("team-agreement")
-    assert faults(lead.page, "agreement", "#team") == []
+    assert faults(lead.page, "agreement", "#work") == []
     looks.get_by_role("radio", name="Recording").click()
     lead.until("!(pb.labels()[1] > 0)")
     panel.get_by_role("button", name="Use bob’s").click()
@@ -181,31 +234,31 @@ def agreed(server: LiveServer, lead: Desk) -> None:
 
 def versions(lead: Desk, server: LiveServer) -> None:
     """Name the labels, see how they differ from those before, and export them."""
-    panel = tasks_of(lead)
-    panel.get_by_role("button", name="Versions").click()
+    panel = work_of(lead)
+    panel.get_by_role("tab", name="Versions").click()
     panel.get_by_label("Name of the snapshot").fill("After")
     panel.get_by_role("button", name="Make a snapshot").click()
     panel.get_by_role("button", name="After").wait_for()
     panel.get_by_role("button", name="Before").click()
     difference = panel.get_by_role("region", name="Difference")
-    difference.get_by_role("button", name="Go to frame 0").wait_for()
+    difference.get_by_role("button", name="0", exact=True).wait_for()
     lead.screenshot("team-versions")
-    assert faults(lead.page, "versions", "#team") == []
+    assert faults(lead.page, "versions", "#work") == []
     with lead.page.expect_download() as saved:
         panel.get_by_label("Export this recording from the snapshot").select_option("npz")
     archive = ZipFile(BytesIO(saved.value.path().read_bytes()))
     assert any(name.endswith(".npz") for name in archive.namelist())
 
 
-def tasks_of(desk: Desk) -> Locator:
-    return desk.page.get_by_role("complementary", name="Tasks")
+def work_of(desk: Desk) -> Locator:
+    return desk.page.get_by_role("complementary", name="Work")
 
 
-def again(panel: Locator, entry: str) -> bool:
-    """Whether an entry is there; what others do is fetched when the tab is opened."""
-    panel.get_by_role("button", name="Versions").click()
-    panel.get_by_role("button", name="Tasks", exact=True).click()
-    return panel.get_by_role("button", name=entry).count() > 0
+def again(desk: Desk, entry: str) -> bool:
+    """Whether an entry is there; the tasks of others are loaded when the panel is opened."""
+    for _ in ("close", "open"):
+        desk.page.get_by_role("button", name="Work", exact=True).click()
+    return work_of(desk).get_by_role("button", name=entry).count() > 0
 
 
 def states(server: LiveServer) -> dict[str, Any]:

@@ -14,14 +14,14 @@ import { Predicting } from './example/predicting';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
-import { Flight } from './reviewing/flight';
-import { mountReview, ReviewButton } from './reviewing/panel';
-import { Compared } from './team/compared';
-import { mountTeam, TeamButton } from './team/panel';
 import { ProjectSettings } from './team/settings-dialog';
 import { notify, state } from './store/state';
 import { installTheme } from './store/theme';
 import { follow } from './store/watch';
+import { Compared } from './work/compared';
+import { Flight } from './work/flight';
+import { mountWork, WorkButton } from './work/panel';
+import { HandInQuestion } from './work/question';
 
 /** Nobody waits longer for a picture before the rest is loaded. */
 const LONGEST_MS = 1500;
@@ -48,14 +48,13 @@ export function startPage(early: Early): void {
   // The points come first.  Nobody takes up a tool or a headset before there is a picture.
   void pictured(early).then(async () => {
     mountPanels({
-      buttons: [ExampleButton, ReviewButton, TeamButton],
+      buttons: [ExampleButton, WorkButton],
       bars: [ExampleBar],
-      dialogs: [Help, CommandPalette, ProjectSettings],
+      dialogs: [Help, CommandPalette, ProjectSettings, HandInQuestion],
     });
     followOwnKeys();
     new Predicting(engine);
-    mountReview();
-    mountTeam();
+    mountWork();
     new Compared(engine);
     mountBoxes();
     new Flight(engine);

@@ -4,8 +4,6 @@
  */
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
-import { judgeHere, stepFindings } from '../reviewing/store';
-import { nextTask, openTeam } from '../team/store';
 import { signOut } from '../engine/sign-out';
 import { exportOpen } from '../panels/export-menu';
 import { historyOpen } from '../panels/history-menu';
@@ -28,6 +26,10 @@ import {
   type Tool,
   type ViewSettings,
 } from '../store/state';
+import { NOTE } from '../work/parts';
+import { accept, judged, nextReview, nextTask } from '../work/queue';
+import { judgeHere, stepFindings } from '../work/review';
+import { openWork, tabs } from '../work/store';
 import { KEYS, type KeyBinding } from './keys';
 
 type Group = KeyBinding['group'];
@@ -35,6 +37,23 @@ type Group = KeyBinding['group'];
 const inRecording = (): boolean => state.sequence.peek() !== null;
 const edits = (): boolean => inRecording() && canEdit.peek();
 const hasLabel = (): boolean => edits() && activeLabel.peek() !== null;
+
+const reviews = (): boolean => inRecording() && canReview.peek();
+const judges = (): boolean => inRecording() && judged.peek() !== null;
+
+const WORK = [
+  ['tasks', 'Tasks of the project'],
+  ['findings', 'Suspicious places'],
+  ['frames', 'States and notes of frames'],
+  ['agreement', 'Agreement of annotators'],
+  ['versions', 'Versions of the labels'],
+] as const;
+
+/** Open the form for the note of the task to review. */
+function writeNote(): void {
+  openWork('tasks');
+  requestAnimationFrame(() => document.getElementById(NOTE)?.focus());
+}
 
 /** A command that has no shortcut. */
 function plain(
@@ -112,18 +131,24 @@ const MORE: readonly KeyBinding[] = [
     run: () => (helpOpen.value = true),
   },
   plain('View', 'First steps: a tour of five cards', beginTour),
-  key('z', 'Z', 'Review', 'Next suspicious place', () => stepFindings(1)),
-  key('shift+z', 'Shift Z', 'Review', 'Previous suspicious place', () => stepFindings(-1)),
-  key('shift+y', 'Shift Y', 'Review', 'Confirm the doubtful labels of this frame', () => {
+  key('z', 'Z', 'Work', 'Next suspicious place', () => stepFindings(1)),
+  key('shift+z', 'Shift Z', 'Work', 'Previous suspicious place', () => stepFindings(-1)),
+  key('shift+y', 'Shift Y', 'Work', 'Confirm the doubtful labels of this frame', () => {
     if (canReview.peek()) void actions.acceptHere();
   }),
-  key('ctrl+enter', 'Ctrl Enter', 'Review', 'Accept this frame', () => judgeHere('accepted')),
-  key('ctrl+backspace', 'Ctrl Backspace', 'Review', 'Reject this frame', () =>
+  key('ctrl+enter', 'Ctrl Enter', 'Work', 'Mark this frame as checked', () =>
+    judgeHere('accepted'),
+  ),
+  key('ctrl+backspace', 'Ctrl Backspace', 'Work', 'Mark this frame as to be corrected', () =>
     judgeHere('rejected'),
   ),
-  key('shift+n', 'Shift N', 'Review', 'Hand in my task and open the next', () => nextTask()),
-  plain('Review', 'Tasks of the project', () => openTeam('tasks')),
-  plain('Review', 'Versions of the labels', () => openTeam('versions')),
+  key('shift+n', 'Shift N', 'Work', 'Hand in my task and open the next', () => nextTask()),
+  plain('Work', 'Review the next task', nextReview, reviews),
+  plain('Work', 'Accept the task', () => accept(judged.peek()!), judges),
+  plain('Work', 'Return the task with a note…', writeNote, judges),
+  ...WORK.map(([tab, what]) =>
+    plain('Work', what, () => openWork(tab), () => inRecording() && tabs.peek().includes(tab)),
+  ), // prettier-ignore
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
     actions.nextUnlabelled(-1),

@@ -23,7 +23,7 @@ const MOUSE = [
   ['Drag on the strips', 'Choose a range of frames'],
 ].map(([shown, what]) => ({ shown: shown!, what: what!, group: 'Mouse' }));
 
-const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'Review', 'View', 'Boxes', 'Mouse'] as const;
+const GROUPS = ['Time', 'Tools', 'Labels', 'Edit', 'Work', 'View', 'Boxes', 'Mouse'] as const;
 
 interface HelpRow {
   readonly shown: string;

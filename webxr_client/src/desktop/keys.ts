@@ -14,7 +14,7 @@ export interface KeyBinding {
   /** Name in print, e.g. "Space". */
   readonly shown: string;
   readonly what: string;
-  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit' | 'Review' | 'Recordings';
+  readonly group: 'Time' | 'Tools' | 'Labels' | 'View' | 'Edit' | 'Work' | 'Recordings';
   /** Also when the key is held. */
   readonly repeats?: boolean;
   /** Whether it makes sense now; without it: whenever a recording is open. */

@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { api } from '../net/rest';
 import type { SequenceOut } from '../net/early';
 import type { Job, Welcome } from '../protocol/messages';
-import { state, type SequenceSummary } from '../store/state';
+import { ROLES, state, type SequenceSummary } from '../store/state';
 import { attempt, jobOf, noteJob, rowOf } from './recordings';
 
 export const TASK_STATES = ['open', 'taken', 'done', 'review', 'returned', 'accepted'] as const;
@@ -80,6 +80,11 @@ export function projectPath(id: string): string {
 export function openProject(): Project | null {
   const id = rowOf(state.sequence.value?.id)?.project;
   return projects.value.find((project) => project.id === id) ?? null;
+}
+
+/** True if the caller's role in a project includes another one. */
+export function may(of: Project | null, least: Project['role']): boolean {
+  return of !== null && ROLES.indexOf(of.role) >= ROLES.indexOf(least);
 }
 
 export interface Group {

@@ -26,14 +26,21 @@ type RecordingActions = Pick<
   | 'cancelJob'
 >;
 
-/** Show what went wrong, in the server's words. */
-export async function attempt(what: string, work: () => Promise<void>): Promise<void> {
+/** Do some work and return true, or show what went wrong in the server's words. */
+export async function succeeds(what: string, work: () => Promise<void>): Promise<boolean> {
   try {
     await work();
+    return true;
   } catch (error) {
     const detail = error instanceof ApiError ? error.message : String(error);
     notify('error', what, detail);
+    return false;
   }
+}
+
+/** The same where the outcome does not matter. */
+export async function attempt(what: string, work: () => Promise<void>): Promise<void> {
+  await succeeds(what, work);
 }
 
 /** Job messages come over the socket and from answers; the newest word counts. */

@@ -140,7 +140,7 @@ async function acceptHere(): Promise<void> {
   const frame = state.frame.peek();
   const labels = unsure.peek();
   if (labels.length === 0) return;
-  await attempt('The frame was not accepted', async () => {
+  await attempt('The labels were not confirmed', async () => {
     await api('POST', `sequences/${id}/frames/${frame}/accept`, { labels });
   });
 }
@@ -223,7 +223,7 @@ function trackAgain(): void {
 }
 
 export const stretchActions: Pick<Actions, 'acceptStretch' | 'clearStretch' | 'trackStretch'> = {
-  acceptStretch: () => judge('accept', 'The range was not accepted'),
+  acceptStretch: () => judge('accept', 'The range was not confirmed'),
   clearStretch: () => judge('clear', 'The range was not cleared'),
   trackStretch: trackAgain,
 };

@@ -2,9 +2,9 @@
 import { signal } from '@preact/signals';
 import { attempt, sequencePath } from '../engine/recordings';
 import { api, apiBytes } from '../net/rest';
-import { marked } from '../reviewing/store';
 import { actions } from '../store/actions';
 import { notify, state } from '../store/state';
+import { marked } from '../work/places';
 import {
   predictionOf,
   type Classifier,

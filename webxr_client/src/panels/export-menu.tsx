@@ -146,7 +146,7 @@ function Range({ all, range }: RangeProps) {
     </label>
   );
   return (
-    <div class="row frame-range">
+    <div class="track-range">
       {field('Frames', from, (value) => choose(value, Math.max(value, to)))}
       {field('to', to, (value) => choose(Math.min(from, value), value))}
       {range && (

@@ -9,6 +9,8 @@ export type OwnKeys = Readonly<Record<string, string>>;
 
 /** Former words of commands → their words now: stored keys may have the former ones. */
 const RENAMED: OwnKeys = {
+  'Accept this frame': 'Mark this frame as checked',
+  'Reject this frame': 'Mark this frame as to be corrected',
   'Confirm what is doubtful in this frame': 'Confirm the doubtful labels of this frame',
   'Hand in my task, and begin the next': 'Hand in my task and open the next',
   'Forget in and out points': 'Clear in and out points',

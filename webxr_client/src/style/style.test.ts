@@ -10,9 +10,9 @@ const named = (ending: string) =>
   );
 
 const TOKENS = join('style', 'tokens.css');
-/** `light.css` gives tokens other values; the review's rules are replaced with its panel. */
+/** `light.css` gives tokens other values. */
 const RULES = named('.css').filter(
-  (path) => !['tokens.css', 'light.css', 'review.css'].some((name) => path.endsWith(name)),
+  (path) => !['tokens.css', 'light.css'].some((name) => path.endsWith(name)),
 );
 
 const COLOUR = /#[0-9a-f]{3,8}\b|\b(?:rgba?|hsla?|oklch|lab)\(|(?<![-\w])(?:black|white)(?![-\w])/;

@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { type Project, settled } from '../engine/projects';
 import { Button, Check } from '../panels/parts/controls';
 import { useModal } from '../panels/parts/modal';
-import { Tabs } from '../panels/parts/tabs';
+import { Tabs, tabId } from '../panels/parts/tabs';
 import { AccountHint } from '../panels/parts/account-hint';
 import { WorkspaceAccounts } from './accounts-list';
 import { RoleSelect } from './role-select';
@@ -60,8 +60,18 @@ export function ProjectSettings() {
         )}
         <Button icon="close" tip="Close the settings" onClick={close} />
       </header>
-      <Tabs label="Settings" tabs={TABS} chosen={settingsTab} />
-      <div class="settings-body" key={of.id}>
+      <Tabs
+        label="Settings"
+        tabs={TABS}
+        chosen={settingsTab.value}
+        onChoose={(tab) => (settingsTab.value = tab)}
+      />
+      <div
+        class="settings-body"
+        role="tabpanel"
+        aria-labelledby={tabId('Settings', settingsTab.value)}
+        key={of.id}
+      >
         <Body of={of} />
       </div>
     </dialog>

@@ -1,6 +1,5 @@
 /** Settings of a project: its recordings, which are moved in or imported, and its tasks. */
 import { useEffect, useState } from 'preact/hooks';
-import { plural } from '../common/format';
 import {
   importEach,
   importInto,
@@ -14,9 +13,9 @@ import { pickFiles } from '../panels/importing/files';
 import { Button, Check } from '../panels/parts/controls';
 import { actions } from '../store/actions';
 import { state } from '../store/state';
-import { AccountHint } from '../panels/parts/account-hint';
-import { deleteTask, loadTasks, makeTasks, projectTasks, save } from './settings';
-import { taskWords } from './store';
+import { MakeTasks } from '../work/make-tasks';
+import { taskWords } from '../work/queue';
+import { deleteTask, loadProjectTasks, projectTasks, save } from './settings';
 
 const titleOf = (recording: string): string => rowOf(recording)?.name ?? recording;
 
@@ -102,72 +101,10 @@ function Import({ of: { id } }: { of: Project }) {
 }
 
 export function ProjectTasks({ of }: { of: Project }) {
-  const [every, setEvery] = useState('');
-  const [people, setPeople] = useState(1);
-  const [assignee, setAssignee] = useState('');
-  const [recording, setRecording] = useState('');
-  useEffect(() => void loadTasks(), [of.id]);
-  const submit = (event: Event): void => {
-    event.preventDefault();
-    const recordings = recording ? [recording] : null;
-    void makeTasks({ recordings, every: Number(every) || null, assignee: assignee.trim(), people });
-  };
+  useEffect(() => void loadProjectTasks(), [of.id]);
   return (
     <>
-      <form class="settings-tasks" onSubmit={submit}>
-        <label>
-          Recordings
-          <select
-            class="field"
-            value={recording}
-            onChange={(event) => setRecording(event.currentTarget.value)}
-          >
-            <option value="">all {plural(of.recordings.length, 'recording')}</option>
-            {of.recordings.map((id) => (
-              <option key={id} value={id}>
-                {titleOf(id)}
-              </option>
-            ))}
-          </select>
-        </label>
-        <label>
-          Frames per task
-          <input
-            class="field"
-            type="number"
-            min={1}
-            placeholder="all"
-            value={every}
-            onInput={(event) => setEvery(event.currentTarget.value)}
-          />
-        </label>
-        <label>
-          Assignee
-          <input
-            class="field"
-            maxLength={128}
-            placeholder="first free annotator"
-            list="task-people"
-            value={assignee}
-            onInput={(event) => setAssignee(event.currentTarget.value)}
-          />
-        </label>
-        <label data-tip="Each annotator gets an own copy and does not see the other copies">
-          Annotators per task
-          <input
-            class="field"
-            type="number"
-            min={1}
-            max={9}
-            value={people}
-            onInput={(event) => setPeople(Number(event.currentTarget.value) || 1)}
-          />
-        </label>
-        <button type="submit" class="button primary" disabled={of.recordings.length === 0}>
-          Make tasks
-        </button>
-      </form>
-      <AccountHint id="task-people" name={assignee} />
+      <MakeTasks of={of} onMade={() => void loadProjectTasks()} />
       <ul class="settings-rows">
         {projectTasks.value.map((task) => (
           <li key={task.number}>

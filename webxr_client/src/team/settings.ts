@@ -2,10 +2,10 @@
 import { computed, signal } from '@preact/signals';
 import { loadCategories } from '../engine/categories';
 import { type Project, projectPath, projects, refreshProjects, settled } from '../engine/projects';
-import { attempt } from '../engine/recordings';
+import { attempt, succeeds } from '../engine/recordings';
 import { api } from '../net/rest';
 import { actions } from '../store/actions';
-import { addTasks, type NewTasks, refresh, type Task } from './store';
+import { loadTasks, type Task } from '../work/queue';
 
 export const TABS = [
   ['people', 'People'],
@@ -106,21 +106,16 @@ export const loadTaxonomy = (): Promise<void> =>
     taxonomy.value = found.categories;
   });
 
-export const loadTasks = (): Promise<void> =>
+export const loadProjectTasks = (): Promise<void> =>
   attempt('The tasks did not load', async () => {
     projectTasks.value = await api<Task[]>('GET', place('/tasks?limit=10000'));
   });
-
-export async function makeTasks(wanted: NewTasks): Promise<void> {
-  await addTasks(wanted, settled.peek() ?? undefined);
-  await loadTasks();
-}
 
 export async function deleteTask({ number }: Task): Promise<void> {
   await attempt('The task was not deleted', async () => {
     await api('DELETE', place(`/tasks/${number}`));
   });
-  await Promise.all([loadTasks(), refresh()]);
+  await Promise.all([loadProjectTasks(), loadTasks()]);
 }
 
 export const loadWebhooks = (): Promise<void> =>
@@ -132,16 +127,12 @@ export const loadWebhooks = (): Promise<void> =>
     webhooks.value = found;
   });
 
-/** Add a webhook; tells whether the server took it. */
+/** Add a webhook; returns true if the server took it. */
 export async function addWebhook(url: string, topics: readonly string[]): Promise<boolean> {
-  let done = false;
-  await attempt('The webhook was not added', async () => {
-    const made = await api<Webhook & { secret: string }>('POST', place('/webhooks'), {
-      url,
-      topics,
-    });
+  const done = await succeeds('The webhook was not added', async () => {
+    const body = { url, topics };
+    const made = await api<Webhook & { secret: string }>('POST', place('/webhooks'), body);
     secret.value = { webhook: made.id, words: made.secret };
-    done = true;
   });
   await loadWebhooks();
   return done;

@@ -24,7 +24,7 @@ export function RadioGroup<T extends string>(props: RadioGroupProps<T>) {
   const usable = options.filter(({ disabled }) => disabled !== true);
   const stop = usable.find((option) => option.value === value) ?? usable[0];
   return (
-    <div class={props.class} role="radiogroup" aria-label={props.label} onKeyDown={roveRadios}>
+    <div class={props.class} role="radiogroup" aria-label={props.label} onKeyDown={rove}>
       {options.map((option) => (
         <button
           key={option.value}
@@ -64,11 +64,13 @@ export function nextIndex(key: string, at: number, length: number): number | nul
   return step === undefined ? null : (at + step + length) % length;
 }
 
-/** Handler of a radio group's keys: arrows choose the next one. */
-function roveRadios(event: KeyboardEvent): void {
+/** Handler of the keys of a group of radios or tabs: arrows choose the next one. */
+export function rove(event: KeyboardEvent): void {
   if (!focusedByKeys() || event.ctrlKey || event.altKey || event.metaKey) return;
   const group = event.currentTarget as HTMLElement;
-  const radios = [...group.querySelectorAll<HTMLElement>('[role=radio]:not(:disabled)')];
+  const radios = [
+    ...group.querySelectorAll<HTMLElement>(':is([role=radio], [role=tab]):not(:disabled)'),
+  ];
   const to = nextIndex(event.key, radios.indexOf(event.target as HTMLElement), radios.length);
   if (to === null) return;
   event.preventDefault();

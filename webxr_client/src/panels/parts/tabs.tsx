@@ -1,23 +1,34 @@
-/** Buttons of which one is pressed: the part of a panel that is shown. */
-import type { Signal } from '@preact/signals';
-import { Button } from './controls';
+/** Tabs: the arrow keys go from one to the next. */
+import { rove } from './radio-group';
 
 interface TabsProps<T extends string> {
   label: string;
-  tabs: readonly (readonly [T, string])[];
-  chosen: Signal<T>;
+  /** Value and words of each, and a count to show beside them. */
+  tabs: readonly (readonly [value: T, words: string, count?: number])[];
+  chosen: T;
+  onChoose: (tab: T) => void;
 }
 
-export function Tabs<T extends string>({ label, tabs, chosen }: TabsProps<T>) {
+/** Id of a tab, for the panel that it labels. */
+export const tabId = (label: string, tab: string): string => `${label.toLowerCase()}-${tab}`;
+
+export function Tabs<T extends string>({ label, tabs, chosen, onChoose }: TabsProps<T>) {
   return (
-    <div class="review-tabs" role="group" aria-label={label}>
-      {tabs.map(([tab, words]) => (
-        <Button
+    <div class="tabs" role="tablist" aria-label={label} onKeyDown={rove}>
+      {tabs.map(([tab, words, count = 0]) => (
+        <button
           key={tab}
-          label={words}
-          pressed={chosen.value === tab}
-          onClick={() => (chosen.value = tab)}
-        />
+          id={tabId(label, tab)}
+          type="button"
+          role="tab"
+          class="button"
+          aria-selected={tab === chosen}
+          tabIndex={tab === chosen ? 0 : -1}
+          onClick={() => onChoose(tab)}
+        >
+          {words}
+          {count > 0 && <span class="pill warn">{count}</span>}
+        </button>
       ))}
     </div>
   );

@@ -1,6 +1,4 @@
 /** Values of the review: the server's answers by its names, their order, and their words. */
-import { cellKind, type CellKind, wantsLook } from '../store/cells';
-import type { TimelineRow } from '../store/types';
 
 export type ReviewState = 'open' | 'review' | 'accepted' | 'rejected';
 export type Place = readonly [number, number, number];
@@ -90,9 +88,9 @@ export interface Agreement {
 export const STATES: readonly ReviewState[] = ['open', 'review', 'accepted', 'rejected'];
 export const STATE_WORDS: Readonly<Record<ReviewState, string>> = {
   open: 'open',
-  review: 'in review',
-  accepted: 'accepted',
-  rejected: 'rejected',
+  review: 'to check',
+  accepted: 'checked',
+  rejected: 'to correct',
 };
 
 /** The findings that nobody has settled. */
@@ -138,19 +136,6 @@ export function notesOf(overview: Overview | null): readonly Standing[] {
   return [...(overview?.frames ?? []), ...(overview?.labels ?? [])].filter(({ note }) => note);
 }
 
-/** Ranges that were given to people, joined where only the state differs. */
-export function assignmentsOf(overview: Overview | null): readonly Standing[] {
-  const runs: Standing[] = [];
-  for (const each of overview?.frames ?? []) {
-    if (each.label !== null || !each.assignee) continue;
-    const before = runs.at(-1);
-    if (before?.assignee === each.assignee && before.last! + 1 === each.first) {
-      runs[runs.length - 1] = { ...before, last: each.last };
-    } else runs.push(each);
-  }
-  return runs;
-}
-
 /** Return the decisions that accept a finding: each of its labels in its frames, or the frames. */
 export function acceptances({ labels, first, last }: Finding): readonly ReviewPatch[] {
   const frames = first === null || last === null ? {} : { first, last };
@@ -170,35 +155,4 @@ export function worstFrames({ frames }: Agreement, most = 6): Agreement['frames'
 /** 0.5 → "50 %"; of nothing there is no share. */
 export function percent(share: number | null): string {
   return share === null ? '–' : `${(100 * share).toFixed(share > 0.995 && share < 1 ? 1 : 0)} %`;
-}
-
-/** Frames of a label by who answers for its points there. */
-export interface LabelProgress {
-  readonly label: number;
-  readonly painted: number;
-  /** Tracked, and sure or hidden. */
-  readonly tracked: number;
-  /** Tracked, and doubtful or lost. */
-  readonly doubtful: number;
-}
-
-/** Progress of the labels that have points or tracks, the most doubtful first. */
-export function progressOf(rows: ReadonlyMap<number, TimelineRow>): readonly LabelProgress[] {
-  const found = [...rows].map(([label, row]) => {
-    const frames = { painted: 0, tracked: 0, doubtful: 0 };
-    for (let frame = 0; frame < row.points.length; frame++) {
-      const part = partOf(cellKind(row, frame));
-      if (part) frames[part] += 1;
-    }
-    return { label, ...frames };
-  });
-  return found
-    .filter(({ painted, tracked, doubtful }) => painted + tracked + doubtful > 0)
-    .sort((a, b) => b.doubtful - a.doubtful || a.label - b.label);
-}
-
-function partOf(kind: CellKind): 'painted' | 'tracked' | 'doubtful' | null {
-  if (kind === 'none') return null;
-  if (kind === 'painted') return 'painted';
-  return wantsLook(kind) ? 'doubtful' : 'tracked';
 }

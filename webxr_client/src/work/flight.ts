@@ -5,7 +5,7 @@ import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
 import type { Place } from './model';
-import { looking, marked, pointing } from './store';
+import { looking, marked, pointing } from './places';
 
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */
 const NEAR_SHARE = 0.2;
@@ -26,7 +26,7 @@ export class Flight {
     const { canvas } = engine.viewer;
     this.aim = new Aim(engine.viewer, () => engine.playback.frame);
     this.mark = document.createElement('div');
-    this.mark.className = 'review-mark';
+    this.mark.className = 'work-mark';
     this.mark.hidden = true;
     canvas.after(this.mark);
     looking.at = () => this.middle();

@@ -1,17 +1,19 @@
 import { beforeEach, expect, test, vi } from 'vitest';
 import { type Project, projects } from '../engine/projects';
 import type { SequenceInfo } from '../protocol/messages';
-import { marked } from '../reviewing/store';
 import { bindActions } from '../store/actions';
 import { state, type SequenceSummary } from '../store/state';
+import { follow } from '../store/watch';
 import {
-  at,
+  choose,
+  chosenPair,
   current,
   type Disagreement,
   followCopies,
   grouped,
   groups,
   type Pair,
+  pair,
   pairs,
   personOf,
   shows,
@@ -20,7 +22,9 @@ import {
   wordsOf,
 } from './copies';
 import { coloursOf, idsOf, labelsOf } from './shown-copies';
-import { followTeam, type Task, tasks, teamOpen, teamTab } from './store';
+import { arrive, marked } from './places';
+import { type Task, tasks } from './queue';
+import { openWork } from './store';
 
 const place = (frame: number, more: Partial<Disagreement> = {}): Disagreement => ({
   kind: 'missed', frame, first: ['car 1'], second: [], labels: [[1], []], points: 10,
@@ -40,7 +44,7 @@ beforeEach(() => {
     return Promise.resolve(Response.json(path.startsWith('agreement') ? answer : []));
   });
   bindActions({ seek, openSequence });
-  projects.value = [{ id: 'night' } as Project];
+  projects.value = [{ id: 'night', role: 'reviewer' } as Project];
   state.sequences.value = [{ id: 'room', project: 'night' } as SequenceSummary];
   state.copies.value = ['room-2', 'room-3'].map((id) => ({ id, project: 'night', copy_of: 'room' }) as SequenceSummary); // prettier-ignore
   state.sequence.value = { id: 'room-2' } as SequenceInfo;
@@ -48,7 +52,7 @@ beforeEach(() => {
   tasks.value = [{ sequence: 'room-2', assignee: 'ada' } as Task];
   answer = [{ first: 'room-2', second: 'room-3', agreement: { miou: 1, same: 1, labels: [], frames: [] }, places: [place(4), place(2, { points: 30, has: 0 })] }]; // prettier-ignore
   pairs.value = answer;
-  at.value = 0;
+  chosenPair.value = '';
 });
 
 test('what differs alike in several frames is one entry, the most points first', () => {
@@ -66,7 +70,7 @@ test('people are called by their names, and one who has not begun by nobody’s'
 });
 
 test('a place is flown to in the recording, though a copy is open', async () => {
-  const stop = followTeam();
+  const stop = follow(arrive);
   visitGroup(groups.value[0]!);
   expect(openSequence).toHaveBeenCalledWith('room');
   expect(current.value?.frame).toBe(2);
@@ -90,13 +94,23 @@ test('one’s labels are taken at the places of an entry alone, and people compa
 test('the tab compares once it is open, and shows the recording again when it is left', async () => {
   const stop = followCopies();
   expect(calls).toEqual([]);
-  [teamOpen.value, teamTab.value] = [true, 'agreement'];
+  openWork('agreement');
   expect(calls.map(([call]) => call)).toEqual(['GET agreement?sequence=room']);
   await vi.waitFor(() => expect(pairs.value).toEqual(answer));
   shows.value = 'first';
-  teamTab.value = 'tasks';
+  openWork('tasks');
   expect(shows.value).toBe('recording');
   stop();
+});
+
+test('another import of the same points is compared with the recording', async () => {
+  const row = { project: 'night', frames: 9, damaged: null };
+  state.sequences.value = [{ id: 'room', name: 'Room', ...row }, { id: 'hall', name: 'Hall', ...row }] as SequenceSummary[]; // prettier-ignore
+  await choose('room/hall');
+  expect(calls.map(([call]) => call)).toEqual(['GET http://host/api/v1/sequences/room/agreement?with=hall']); // prettier-ignore
+  expect(pair.value).toMatchObject({ first: 'room', second: 'hall', places: null });
+  expect([personOf('room'), personOf('hall')]).toEqual(['this recording', 'Hall']);
+  expect(groups.value).toEqual([]);
 });
 
 test('a copy has the recording’s colours, its own labels theirs, and differences four', () => {

@@ -4,7 +4,7 @@ import type { Label } from '../protocol/messages';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import type { Finding } from './model';
-import { goTo } from './store';
+import { goToFinding } from './review';
 
 const finding = (...labels: number[]) => ({ id: labels.join(), labels, first: null }) as unknown as Finding; // prettier-ignore
 
@@ -17,15 +17,15 @@ beforeEach(() => {
 
 test('a finding about several labels, or none, leaves the label of the next stroke', () => {
   for (const labels of [[2, 3], [1, 2], []]) {
-    goTo(finding(...labels));
+    goToFinding(finding(...labels));
     expect(state.activeLabel.value).toBe(1);
   }
   expect(state.notices.value).toEqual([]);
 });
 
 test('a finding about one label selects it and announces the change once', () => {
-  goTo(finding(3));
-  goTo(finding(3));
+  goToFinding(finding(3));
+  goToFinding(finding(3));
   expect(state.activeLabel.value).toBe(3);
   expect(state.notices.value.map(({ title, times }) => [title, times])).toEqual([
     ['Active label: pin 3', 1],

@@ -1,24 +1,35 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { type Project, projects } from '../engine/projects';
 import type { SequenceInfo } from '../protocol/messages';
-import { looking, marked } from '../reviewing/store';
 import { bindActions } from '../store/actions';
-import { state, type Me, type SequenceSummary } from '../store/state';
-import { begin, followTeam, mine, nextTask, sendBack, type Task, tasks } from './store';
+import { state, type HistoryEntry, type Me, type SequenceSummary } from '../store/state';
+import { follow } from '../store/watch';
+import { arrive, looking, marked } from './places';
+import { accept, begin, giveBack, mine, nextTask, question, type Task, tasks } from './queue';
 
 const task = (number: number, more: Partial<Task> = {}): Task => ({
   number, sequence: 'room', first: 0, last: 4, state: 'taken', assignee: 'ada', reviewer: '',
   note: '', frame: null, place: null, ...more,
 }); // prettier-ignore
+const edit = (more: Partial<HistoryEntry> = {}): Partial<HistoryEntry> => ({
+  author: 'ada', kind: 'paint', time: '2026-01-02T11:00:00Z', frames: [3], undone: false, ...more,
+}); // prettier-ignore
 const night = { id: 'night', name: 'Night', role: 'annotator', recordings: ['room'] };
 let calls: [string, unknown][] = [];
 let next: Task | null = null;
+let edits: Partial<HistoryEntry>[] = [];
+let events: { state: string; at: string }[] = [];
 const seek = vi.fn();
 const openSequence = vi.fn();
 let stop = (): void => undefined;
 
 beforeEach(() => {
   calls = [];
+  events = [
+    { state: 'taken', at: '2026-01-02T10:00:00Z' },
+    { state: 'open', at: '2026-01-02T09:00:00Z' },
+  ];
+  edits = [edit()];
   vi.stubGlobal('document', { baseURI: 'http://host/', hidden: false });
   vi.stubGlobal('fetch', (url: string, { method, body }: RequestInit) => {
     const path = url.replace('http://host/api/v1/', '');
@@ -28,19 +39,21 @@ beforeEach(() => {
     const told =
       method === 'PATCH' ? { ...task(number), ...(sent as object) }
       : method === 'POST' ? next
+      : path.includes('/edits') ? edits
+      : path.endsWith('/history') ? events
       : path === 'projects' ? [night] : tasks.peek(); // prettier-ignore
     return Promise.resolve(Response.json(told));
   });
   bindActions({ refreshSequences: () => Promise.resolve(), seek, openSequence });
   projects.value = [night as unknown as Project];
-  state.me.value = { account: 'ada' } as Me;
+  state.me.value = { author: 'ada', account: 'owner:1' } as Me;
   state.sequences.value = [
     { id: 'room', name: 'Room', project: 'night' } as SequenceSummary,
     { id: 'hall', name: 'Hall', project: 'night' } as SequenceSummary,
   ];
   state.sequence.value = { id: 'room', frames: 9 } as SequenceInfo;
   state.framed.value = true;
-  stop = followTeam();
+  stop = follow(arrive);
 });
 afterEach(() => {
   stop();
@@ -57,6 +70,36 @@ test('one key hands in the task of the open recording and begins the next', asyn
     ['POST projects/night/tasks/next', { work: 'label' }],
   ]);
   expect(seek).toHaveBeenCalledWith(5);
+});
+
+test.each([
+  ['no edit', []],
+  ['the edit of another person', [edit({ author: 'bob' })]],
+  ['an edit of other frames', [edit({ frames: [7] })]],
+  ['an edit before the task', [edit({ time: '2026-01-01T09:00:00Z' })]],
+  ['an edit that was undone', [edit({ kind: 'undo' }), edit({ undone: true })]],
+])('a task with %s is handed in after a question only', async (_, found) => {
+  edits = found;
+  tasks.value = [task(1)];
+  const kept = nextTask();
+  await vi.waitFor(() => expect(question.value?.task.number).toBe(1));
+  question.value!.answer(false);
+  await kept;
+  expect(calls).toEqual([]);
+  const done = nextTask();
+  await vi.waitFor(() => expect(question.value).not.toBe(null));
+  question.value!.answer(true);
+  await done;
+  expect(calls[0]).toEqual(['PATCH projects/night/tasks/1', { state: 'done' }]);
+  expect(question.value).toBe(null);
+});
+
+test('edits before a task was returned are no answer to its note', async () => {
+  events = [{ state: 'taken', at: '2026-01-02T13:00:00Z' }, { state: 'returned', at: '2026-01-02T12:00:00Z' }, ...events]; // prettier-ignore
+  tasks.value = [task(1)];
+  void nextTask();
+  await vi.waitFor(() => expect(question.value?.task.number).toBe(1));
+  question.value!.answer(false);
 });
 
 test('a task whose recording is not open is gone to, and not handed in', async () => {
@@ -94,9 +137,15 @@ test('own tasks are those begun, then those returned; others are not', () => {
 test('a task is sent back with the middle of the picture, in one of its frames only', async () => {
   looking.at = () => [4, 5, 6];
   state.frame.value = 3;
-  await sendBack(task(1), 'the roof', null);
+  await giveBack(task(1), 'the roof', null);
   expect(calls[0]![1]).toEqual({ state: 'returned', note: 'the roof', frame: 3, place: [4, 5, 6] });
   state.frame.value = 7;
-  await sendBack(task(1), 'the roof', null);
+  await giveBack(task(1), 'the roof', null);
   expect(calls[1]![1]).toEqual({ state: 'returned', note: 'the roof' });
+});
+
+test('a task of another person is accepted', async () => {
+  tasks.value = [task(1, { state: 'done', assignee: 'bob' })];
+  expect(await accept(tasks.value[0]!)).toBe(true);
+  expect(calls).toEqual([['PATCH projects/night/tasks/1', { state: 'accepted' }]]);
 });

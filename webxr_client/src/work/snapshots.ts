@@ -1,7 +1,7 @@
 /** Snapshots of the open recording's project, and the difference of two. */
 import { signal } from '@preact/signals';
 import { projectPath } from '../engine/projects';
-import { attempt } from '../engine/recordings';
+import { attempt, succeeds } from '../engine/recordings';
 import { api } from '../net/rest';
 import { project } from './store';
 
@@ -61,16 +61,12 @@ export async function loadSnapshots(): Promise<void> {
   });
 }
 
-/** Name the project's labels as they are; tells whether the server did. */
-export async function createSnapshot(name: string): Promise<boolean> {
-  let done = false;
-  await attempt('The snapshot was not made', async () => {
+/** Name the current labels of the project; returns true if the server did. */
+export const createSnapshot = (name: string): Promise<boolean> =>
+  succeeds('The snapshot was not made', async () => {
     const made = await api<Snapshot>('POST', path(), { name });
     snapshots.value = [made, ...snapshots.peek()];
-    done = true;
   });
-  return done;
-}
 
 /** Find the difference of a snapshot and another one, or ("") the labels of now. */
 export async function compare(snapshot: Snapshot, other = ''): Promise<void> {

@@ -1,7 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import {
   acceptances,
-  assignmentsOf,
   type Finding,
   framesOf,
   type Overview,
@@ -9,7 +8,6 @@ import {
   standingOf,
   stepFrom,
   worstFrames,
-  progressOf,
 } from './model';
 
 function finding(id: string, first: number | null, labels: number[] = [1]): Finding {
@@ -59,19 +57,6 @@ it('finds how a frame stands, not a label in it', () => {
   expect(standingOf(told, 7)).toBeNull();
 });
 
-it('joins what one person was given across states', () => {
-  const told = overview(
-    standing(0, 2, { assignee: 'ada', state: 'accepted' }),
-    standing(3, 5, { assignee: 'ada' }),
-    standing(6, 7, { assignee: 'grace' }),
-    standing(8, 8),
-  );
-  expect(assignmentsOf(told).map(({ assignee, first, last }) => [assignee, first, last])).toEqual([
-    ['ada', 0, 5],
-    ['grace', 6, 7],
-  ]);
-});
-
 it('accepts each label of a finding, or its frames', () => {
   expect(acceptances(finding('a', 3, [1, 2]))).toEqual([
     { first: 3, last: 3, label: 1, state: 'accepted' },
@@ -89,23 +74,4 @@ it('names the frames that differ most', () => {
   ];
   const found = worstFrames({ miou: 1, same: 1, labels: [], frames });
   expect(found.map(({ frame }) => frame)).toEqual([1, 0]);
-});
-
-it('tells of each label who answers for its frames, the most doubtful first', () => {
-  const row = (points: number[], painted: number[], confidence: number[], states: number[]) => ({
-    points: Uint32Array.from(points),
-    painted: Uint32Array.from(painted),
-    confidence: Float32Array.from(confidence),
-    state: Uint8Array.from(states),
-  });
-  const none = [0, 0, 0, 0, 0];
-  const rows = new Map([
-    [1, row([9, 9, 9, 0, 0], [9, 0, 0, 0, 0], [NaN, 0.9, 0.9, NaN, NaN], none)],
-    [2, row(none, none, none, none)],
-    [3, row([9, 9, 9, 0, 0], none, [0.9, 0.2, 0.9, 0, 0], [2, 2, 2, 3, 4])],
-  ]);
-  expect(progressOf(rows)).toEqual([
-    { label: 3, painted: 0, tracked: 3, doubtful: 2 },
-    { label: 1, painted: 1, tracked: 2, doubtful: 0 },
-  ]);
 });

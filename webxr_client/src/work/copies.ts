@@ -1,12 +1,14 @@
-/** Agreement of people who label copies of one recording: where they differ, and whose is taken. */
+/** Agreement of two people on the same points: in copies of the recording, or in another import. */
 import { computed, signal } from '@preact/signals';
 import { projectPath } from '../engine/projects';
-import { attempt, rowOf } from '../engine/recordings';
+import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings';
 import { api } from '../net/rest';
-import type { Agreement, Place } from '../reviewing/model';
 import { notify, state } from '../store/state';
 import { watch } from '../store/watch';
-import { addTasks, goTo, project, tasks, teamOpen, teamTab } from './store';
+import type { Agreement, Place } from './model';
+import { goTo } from './places';
+import { addTasks, tasks } from './queue';
+import { project, shows as onScreen } from './store';
 
 export type Who = 0 | 1;
 
@@ -24,12 +26,13 @@ export interface Disagreement {
   readonly has: Who | null;
 }
 
-/** Agreement of two copies, by their ids. */
+/** Agreement of two copies or recordings, by their ids. */
 export interface Pair {
   readonly first: string;
   readonly second: string;
   readonly agreement: Agreement;
-  readonly places: readonly Disagreement[];
+  /** null: another recording, of which the server finds no places. */
+  readonly places: readonly Disagreement[] | null;
 }
 
 /** Work of a person on frames of known truth; objects found, missed and added. */
@@ -54,14 +57,18 @@ export interface Group {
 /** Labels in the cloud: the recording's, the first's, the second's, or differences of both. */
 export type Shows = 'recording' | 'first' | 'second' | 'difference';
 
-/** null until the server has answered. */
+/** Pairs of copies, and the other recordings that were compared; null: not answered yet. */
 export const pairs = signal<readonly Pair[] | null>(null);
 export const scores = signal<readonly Score[]>([]);
-/** Index of the pair that one looks at. */
-export const at = signal(0);
-export const pair = computed(() => pairs.value?.[at.value] ?? pairs.value?.[0] ?? null);
-export const groups = computed(() => (pair.value ? grouped(pair.value.places) : []));
-/** Key of the group that one looks at, and the frame in it. */
+/** Key of the pair that was chosen, or "" for the first. */
+export const chosenPair = signal('');
+export const pair = computed(() => {
+  const all = pairs.value ?? [];
+  const key = chosenPair.value;
+  return (key ? all.find((each) => keyOf(each) === key) : all[0]) ?? null;
+});
+export const groups = computed(() => grouped(pair.value?.places ?? []));
+/** Key of the group on screen, and the frame in it. */
 export const current = signal<{ readonly key: string; readonly frame: number } | null>(null);
 export const shows = signal<Shows>('recording');
 /** The recording whose copies are compared: the one that is open, or that it is a copy of. */
@@ -69,8 +76,15 @@ export const original = computed(() => {
   const open = state.sequence.value?.id;
   return rowOf(open)?.copy_of ?? open ?? null;
 });
-/** True while the tab is on screen. */
-export const comparing = computed(() => teamOpen.value && teamTab.value === 'agreement');
+/** Other recordings that may have the same points. */
+export const others = computed(() => {
+  const frames = rowOf(original.value ?? undefined)?.frames;
+  const rows = state.sequences.value ?? [];
+  return rows.filter((row) => row.id !== original.value && row.frames === frames && !row.damaged);
+});
+
+export const keyOf = ({ first, second }: Pick<Pair, 'first' | 'second'>): string =>
+  `${first}/${second}`;
 
 /** Put what differs alike in several frames together, the most points first. */
 export function grouped(places: readonly Disagreement[]): readonly Group[] {
@@ -89,9 +103,11 @@ export function grouped(places: readonly Disagreement[]): readonly Group[] {
     .sort((a, b) => b.points - a.points);
 }
 
-/** The people who label a copy. */
-export function personOf(copy: string): string {
-  const own = tasks.value.filter(({ sequence, assignee }) => sequence === copy && assignee);
+/** The annotators of a copy, or the name of a recording. */
+export function personOf(id: string): string {
+  const row = rowOf(id);
+  if (row && !row.copy_of) return id === original.value ? 'this recording' : row.name;
+  const own = tasks.value.filter(({ sequence, assignee }) => sequence === id && assignee);
   return [...new Set(own.map(({ assignee }) => assignee))].join(' and ') || 'unassigned';
 }
 
@@ -117,7 +133,7 @@ export function wordsOf(place: Disagreement, [one, other]: readonly [string, str
 
 const path = (rest: string): string => `${projectPath(project.peek()?.id ?? '')}/${rest}`;
 
-/** Answers to earlier questions are of no interest. */
+/** Number of the last request: answers to earlier ones are dropped. */
 let asked = 0;
 
 export async function loadAgreement(): Promise<void> {
@@ -129,6 +145,20 @@ export async function loadAgreement(): Promise<void> {
     const told = await api<Score[]>('GET', path('scores'));
     if (turn === asked) [pairs.value, scores.value] = [found, told];
   });
+  if (!pair.peek()) await choose(chosenPair.peek());
+}
+
+/** Show a pair; another recording is compared first. */
+export async function choose(key: string): Promise<void> {
+  [chosenPair.value, current.value] = [key, null];
+  const [first, second] = key.split('/');
+  if (!first || !second || pair.peek()) return;
+  const done = await succeeds('The recordings were not compared', async () => {
+    const query = new URLSearchParams({ with: second }).toString();
+    const agreement = await api<Agreement>('GET', `${sequencePath(first)}/agreement?${query}`);
+    pairs.value = [...(pairs.peek() ?? []), { first, second, agreement, places: null }];
+  });
+  if (!done && chosenPair.peek() === key) chosenPair.value = '';
 }
 
 /** Fly to a place of a group: in the recording, whichever copy is open. */
@@ -142,12 +172,12 @@ function largest({ places }: Group): Disagreement {
 }
 
 /** Take the labels of a copy, or of the majority: all, or only at the places of a group. */
-export async function take(of: string, group?: Group, frame: number | null = null): Promise<void> {
+export async function take(of: string, group?: Group): Promise<void> {
   const between = pair.peek();
   const [first, second] = group?.places[0]?.labels ?? [];
   const region = between && first && second && {
     labels: { [between.first]: first, [between.second]: second },
-    frame,
+    frame: null,
   }; // prettier-ignore
   await attempt('The labels were not merged', async () => {
     const body = { sequence: original.peek(), take: of, id: crypto.randomUUID() };
@@ -160,25 +190,21 @@ export async function take(of: string, group?: Group, frame: number | null = nul
 /** Give the next person a copy without labels of this recording, whose own are right. */
 export async function giveAsTruth(): Promise<void> {
   const made = await addTasks({ recordings: [original.peek()!], every: null, truth: true });
-  if (made)
-    notify(
-      'success',
-      'Ground truth task made',
-      'The next annotator gets a copy. The score appears here.',
-    );
+  const next = 'The next annotator gets a copy. The score appears here.';
+  if (made) notify('success', 'Ground truth task made', next);
 }
 
-const wanted = computed(() => (comparing.value && project.value ? original.value : null));
+const wanted = computed(() => (onScreen('agreement') && project.value ? original.value : null));
 
 /** Compare anew when the tab is opened, or another recording; the result ends it. */
 export function followCopies(): () => void {
-  let told: string | null = null;
+  let compared: string | null = null;
   return watch([wanted], () => {
     const now = wanted.peek();
     if (now === null) shows.value = 'recording';
     else void loadAgreement();
-    if (now === null || now === told) return;
-    told = now;
-    [pairs.value, current.value, at.value] = [null, null, 0];
+    if (now === null || now === compared) return;
+    compared = now;
+    [pairs.value, current.value, chosenPair.value] = [null, null, ''];
   });
 }

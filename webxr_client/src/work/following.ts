@@ -1,0 +1,59 @@
+/** Keeps the Work panel up to date with this person's edits, the open recording and others. */
+import { state } from '../store/state';
+import { follow, watch } from '../store/watch';
+import { followCopies } from './copies';
+import { arrive } from './places';
+import { chosen, loadTasks } from './queue';
+import { checks, forgetReview, loadStates, refreshReview } from './review';
+import { openWork, shows, workOpen } from './store';
+
+/** No message says that others have changed a task or a state: they are loaded this often. */
+const AGAIN_MS = 20_000;
+/** Edits come one after the other: findings are looked for in a pause. */
+const PAUSE_MS = 1200;
+
+/** Load states and findings anew when labels have changed; forget those of another recording. */
+function followEdits(): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let shown = '';
+  const stop = follow(() => {
+    const id = state.sequence.value?.id ?? '';
+    const wanted = [state.timeline.value, state.palette.value, shows('findings')];
+    if (id !== shown) forgetReview();
+    shown = id;
+    clearTimeout(timer);
+    if (!workOpen.value || !id || wanted.length === 0) return;
+    timer = setTimeout(() => void refreshReview(), checks.peek() ? PAUSE_MS : 0);
+  });
+  return () => {
+    clearTimeout(timer);
+    stop();
+  };
+}
+
+function again(): void {
+  const online = state.connection.peek().state === 'online';
+  if (!online || !workOpen.peek() || !state.sequence.peek() || document.hidden) return;
+  void loadTasks();
+  void loadStates().catch(() => undefined);
+}
+
+/** The result ends it. */
+export function followWork(): () => void {
+  const stops = [
+    followEdits(),
+    followCopies(),
+    follow(arrive),
+    watch([chosen], () => {
+      if (chosen.peek() !== null) openWork('tasks');
+    }),
+    follow(() => {
+      if (workOpen.value && state.sequence.value) queueMicrotask(() => void loadTasks());
+    }),
+  ];
+  const timer = setInterval(again, AGAIN_MS);
+  return () => {
+    clearInterval(timer);
+    for (const stop of stops) stop();
+  };
+}

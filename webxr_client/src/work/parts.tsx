@@ -1,0 +1,134 @@
+/** Pieces of the Work panel: entries of a list, notes with their pin, fields of a form, tables. */
+import type { ComponentChildren, ComponentProps } from 'preact';
+import { Icon, type IconName } from '../common/icons';
+import { Button } from '../panels/parts/controls';
+import type { Place } from './model';
+import { pointing } from './places';
+
+interface EntryProps {
+  icon?: IconName;
+  current?: boolean;
+  /** The second line. */
+  about: ComponentChildren;
+  onClick: () => void;
+  /** Buttons below or beside it. */
+  actions?: ComponentChildren;
+  children: ComponentChildren;
+}
+
+/** An entry of a list: a click goes to it. */
+export function Entry({ icon, current = false, about, onClick, actions, children }: EntryProps) {
+  return (
+    <li data-current={current || undefined}>
+      <button
+        type="button"
+        class="menu-item"
+        aria-current={current ? 'true' : undefined}
+        onClick={onClick}
+      >
+        {icon && <Icon name={icon} />}
+        <span class="what">
+          {children}
+          <span class="soft">{about}</span>
+        </span>
+      </button>
+      {actions}
+    </li>
+  );
+}
+
+interface Note {
+  readonly note: string;
+  readonly place: Place | null;
+}
+
+interface NoteFieldProps extends Note {
+  onChange: (patch: Partial<Note>) => void;
+}
+
+/** Id of the field of a note, which commands give the focus. */
+export const NOTE = 'work-note';
+
+/** A note, and the place of it: the next click in the cloud gives it. */
+export function NoteField({ note, place, onChange }: NoteFieldProps) {
+  const waits = pointing.value !== null;
+  const point = (): void => {
+    pointing.value = waits ? null : (at) => onChange({ place: at });
+  };
+  return (
+    <>
+      <label>
+        Note
+        <textarea
+          id={NOTE}
+          class="field"
+          rows={2}
+          maxLength={2000}
+          value={note}
+          placeholder="Describe the correction"
+          onInput={(event) => onChange({ note: event.currentTarget.value })}
+        />
+      </label>
+      <div class="group">
+        <Button
+          icon="target"
+          label={waits ? 'Click the place…' : place ? 'Pinned: change the place' : 'Pin to a place'}
+          kind="outlined"
+          small
+          pressed={waits}
+          onClick={point}
+        />
+        {place && (
+          <Button
+            icon="close"
+            tip="Remove the pin"
+            small
+            onClick={() => onChange({ place: null })}
+          />
+        )}
+      </div>
+    </>
+  );
+}
+
+type FieldProps = ComponentProps<'input'> & { label: string; tip?: string };
+
+export function Field({ label, tip, ...input }: FieldProps) {
+  return (
+    <label data-tip={tip}>
+      {label}
+      <input class="field" {...input} />
+    </label>
+  );
+}
+
+interface TableProps {
+  /** Words of each column, and what they mean. */
+  head: readonly (readonly [words: string, tip?: string])[];
+  rows: readonly (readonly ComponentChildren[])[];
+}
+
+export function Table({ head, rows }: TableProps) {
+  return (
+    <table>
+      <thead>
+        <tr>
+          {head.map(([words, tip]) => (
+            <th key={words} data-tip={tip}>
+              {words}
+            </th>
+          ))}
+        </tr>
+      </thead>
+      <tbody class="number">
+        {rows.map((cells, row) => (
+          <tr key={row}>
+            {cells.map((cell, column) => (
+              <td key={column}>{cell}</td>
+            ))}
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}
