@@ -72,8 +72,8 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     before = sum(desk.labels().get(label, 0) for label in (1, 2))
     desk.press("Enter")
     desk.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
-    page.get_by_role("button", name="Apply…").click()
-    page.get_by_role("button", name="Apply", exact=True).click()
+    page.get_by_role("button", name="Turn into labels…").click()
+    page.get_by_role("button", name="Label the points").click()
     desk.until("pb.labels(0)[0] === undefined || pb.labels(0)[0] === 0")
     after = server.annotation(SEQUENCE, 0)
     assert (after > 0).sum() > before

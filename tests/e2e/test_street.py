@@ -35,7 +35,7 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     for _ in range(SHOWN):
         desk.press("ArrowRight")
     desk.until(f"pb.shown().frame === {SHOWN} && pb.shown().drawn === pb.shown().total")
-    page.get_by_role("button", name="Overlay neighbouring frames").click()
+    page.get_by_role("button", name="Frames", exact=True).click()
     page.get_by_role("button", name="All frames").click()
     desk.press("Escape")
     total = desk.ask("pb.shown().total")

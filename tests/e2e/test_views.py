@@ -101,7 +101,7 @@ def test_boxes_are_adjusted_and_a_slab_bounds_every_tool(
     assert taken.max() > 1.4
     undo(desk)
 
-    desk.page.get_by_role("button", name="Clip: show and paint", exact=False).click()
+    desk.page.get_by_role("button", name="Clip", exact=True).click()
     desk.page.get_by_role("radio", name="Level").click()
     desk.press("Escape")
     desk.press("o")

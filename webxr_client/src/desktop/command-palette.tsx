@@ -12,6 +12,9 @@ import { useModal } from '../panels/parts/modal';
 import { commandsOpen } from '../panels/parts/popover';
 import { nextIndex } from '../panels/parts/radio-group';
 
+/** Commands that are listed at once. */
+const MOST = 100;
+
 export function CommandPalette() {
   return commandsOpen.value ? <Opened /> : null;
 }
@@ -21,7 +24,7 @@ function Opened() {
   const [query, setQuery] = useState('');
   const [at, setAt] = useState(0);
   const all = useMemo(() => lastFirst(commandsNow()), []);
-  const shown = [...frameCommand(query), ...found(all, query)];
+  const shown = [...frameCommand(query), ...found(all, query)].slice(0, MOST);
   useEffect(() => {
     document.getElementById(optionId(at))?.scrollIntoView({ block: 'nearest' });
   }, [at]);

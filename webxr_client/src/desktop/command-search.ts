@@ -2,7 +2,7 @@
 import { actions } from '../store/actions';
 import { keep, kept } from '../store/kept';
 import { COMMANDS } from './commands';
-import { state } from '../store/state';
+import { activeLabel, canEdit, state } from '../store/state';
 import { listed } from '../store/palette-list';
 import { shownOf } from './shortcuts';
 
@@ -12,8 +12,58 @@ export interface Command {
   readonly group: string;
   /** The shortcut to print; empty when there is none. */
   readonly shown: string;
+  /** Other words that find it. */
+  readonly also?: string;
   readonly run: () => unknown;
 }
+
+/** Other words for commands, as people ask for them: text of the command, words. */
+export const EVERYDAY: Readonly<Record<string, string>> = {
+  'Accept this frame': 'mark as checked approve good done',
+  'Agreement of annotators: compare, majority, ground truth': 'known truth gold consensus vote score difference quality iou',
+  'All recordings': 'home start list files back',
+  'Box from the label’s points in this frame': 'fit cuboid bounding automatic',
+  'Boxes of objects': 'bounding box cuboid draw detection 3d',
+  Box: 'cube select area volume',
+  Cluster: 'connected points group',
+  'Clip box follows the active object: on or off': 'crop track moving',
+  'Clip to a box or show everything': 'crop cut out region isolate hide outside section',
+  'Clip to a level slab': 'crop height slice floor ceiling section',
+  'Colour points by how they were labelled': 'provenance origin source painted tracked',
+  'Delete noise': 'remove points outlier dust clean',
+  Eraser: 'rubber unlabel wipe clear remove label',
+  'Export points and labels…': 'save download file',
+  Fill: 'magic wand bucket flood region grow',
+  'Follow painted labels: on or off': 'auto track',
+  'Go to the active label’s object': 'find focus zoom center centre',
+  Ground: 'floor plane wall surface',
+  'Hand in my task and open the next': 'submit finish done send',
+  'History of edits': 'changes log versions past',
+  'Import files…': 'upload load open add new recording',
+  'Interpolate between two drawn boxes': 'in between keyframe',
+  'Keyboard and mouse': 'help shortcut hotkey',
+  'Label by example: show or hide the prediction': 'ai machine learning auto classifier predict automatic segmentation',
+  'Light or dark theme': 'mode night bright appearance',
+  'Look from above': 'top bird eye plan map',
+  'Neighbouring frames: overlay or not': 'accumulate merge stack several frames laid over together',
+  'New label': 'add create class category',
+  'Next suspicious place': 'problem error check finding',
+  Object: 'smart select click segment instance',
+  'Only labeled points: show or hide': 'hide unlabeled background',
+  'Only unlabeled points: on or off': 'keep protect other labels overwrite',
+  Paint: 'brush pen draw annotate colour',
+  'Pick a label': 'eyedropper pipette',
+  'Points behind the first surface: on or off': 'through see deep depth hidden x-ray',
+  'Polygon: click the corners of an outline': 'lasso select area',
+  'Rectangle: drag an outline from corner to corner': 'lasso select box area',
+  'Restore deleted points': 'undelete bring back recover',
+  'Set the floor': 'ground level height up',
+  'Show everything': 'fit zoom reset view all home',
+  'Sign out': 'log out logout user account',
+  'Split the label into parts': 'separate divide instances cut',
+  'Track labels…': 'propagate copy next frames follow auto interpolate',
+  Undo: 'revert back mistake',
+}; // prettier-ignore
 
 /** Commands that make sense now: the table's, and one for each label and recording. */
 export function commandsNow(): readonly Command[] {
@@ -23,8 +73,23 @@ export function commandsNow(): readonly Command[] {
     what: binding.what,
     group: binding.group,
     shown: shownOf(binding),
+    also: EVERYDAY[binding.what] ?? '',
     run: () => binding.run(binding.keys[0] ?? ''),
   }));
+  const active = activeLabel.peek();
+  const merges = listed.peek().flatMap(({ id, name, locked }) =>
+    !canEdit.peek() || !active || active.locked || locked || id === active.id
+      ? []
+      : [
+          {
+            what: `Merge ${active.name} into ${name}`,
+            group: 'Labels',
+            shown: '',
+            also: 'combine join unite labels',
+            run: () => actions.mergeLabel(active.id, id),
+          },
+        ],
+  );
   const labels = listed.peek().map(({ id, name }) => ({
     what: `Choose ${name}`,
     group: 'Labels',
@@ -40,22 +105,30 @@ export function commandsNow(): readonly Command[] {
       shown: '',
       run: () => actions.openSequence(id),
     }));
-  return [...table, ...labels, ...recordings];
+  return [...table, ...labels, ...recordings, ...merges];
 }
 
-/** Return the commands with every word, best first: at the beginning of the text, then of a word. */
+/** Words of a question that say nothing. */
+const SMALL = new Set(['a', 'the', 'of', 'to', 'my', 'with', 'how']);
+
+/**
+ * Return the commands with every word, best first: at the beginning of the text, then of a word,
+ * then of one of its other words.
+ */
 export function found<T extends Omit<Command, 'run'>>(
   commands: readonly T[],
   query: string,
 ): readonly T[] {
-  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
-  const rank = ({ what, group, shown }: T): number => {
+  const asked = query.toLowerCase().split(/\s+/).filter(Boolean);
+  const words = asked.filter((word) => asked.length === 1 || !SMALL.has(word)).map(singular);
+  const rank = ({ what, group, shown, also = '' }: T): number => {
     const text = `${what} ${group} ${shown}`.toLowerCase();
     let sum = 0;
     for (const word of words) {
       const at = text.indexOf(word);
-      if (at < 0) return -1;
-      sum += at === 0 ? 0 : text.includes(` ${word}`) ? 1 : 2;
+      const other = ` ${also}`.includes(` ${word}`);
+      if (at < 0 && !other) return -1;
+      sum += at === 0 ? 0 : text.includes(` ${word}`) ? 1 : other ? 2 : 3;
     }
     return sum;
   };
@@ -64,6 +137,11 @@ export function found<T extends Omit<Command, 'run'>>(
     .filter((each) => each.rank >= 0)
     .sort((a, b) => a.rank - b.rank)
     .map(({ command }) => command);
+}
+
+/** A word without the s of its plural. */
+function singular(word: string): string {
+  return word.length > 3 ? word.replace(/s$/, '') : word;
 }
 
 const KEY = 'pointbrush.last-command';

@@ -26,11 +26,15 @@ import {
   type Tool,
   type ViewSettings,
 } from '../store/state';
+import { accumulation } from '../cloud/points/accumulation';
+import { chooseTheme, theme } from '../store/theme';
+import { clip } from '../tools/clip';
+import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { NOTE } from '../work/parts';
 import { accept, judged, nextReview, nextTask } from '../work/queue';
 import { judgeHere, stepFindings } from '../work/review';
 import { openWork, tabs } from '../work/store';
-import { KEYS, type KeyBinding } from './keys';
+import { key, KEYS, type KeyBinding } from './keys';
 
 type Group = KeyBinding['group'];
 
@@ -45,7 +49,7 @@ const WORK = [
   ['tasks', 'Tasks of the project'],
   ['findings', 'Suspicious places'],
   ['frames', 'States and notes of frames'],
-  ['agreement', 'Agreement of annotators'],
+  ['agreement', 'Agreement of annotators: compare, majority, ground truth'],
   ['versions', 'Versions of the labels'],
 ] as const;
 
@@ -62,21 +66,23 @@ function plain(
   run: () => unknown,
   when: () => boolean = inRecording,
 ): KeyBinding {
-  return { keys: [], shown: '', group, what, run, when };
+  return key([], '', group, what, run, { when });
 }
 
 function tool(name: Tool, what: string): KeyBinding {
   return plain('Tools', what, () => actions.setTool(name), edits);
 }
 
-function key(
-  name: string,
-  shown: string,
-  group: Group,
-  what: string,
-  run: () => unknown,
-): KeyBinding {
-  return { keys: [name], shown, group, what, run, when: inRecording };
+function outline(kind: OutlineKind, what: string): KeyBinding {
+  return plain(
+    'Tools',
+    what,
+    () => {
+      actions.setShape('lasso');
+      outlineKind.value = kind;
+    },
+    edits,
+  );
 }
 
 type Switches<T> = { [K in keyof T]: T[K] extends boolean ? K : never }[keyof T];
@@ -131,6 +137,12 @@ const MORE: readonly KeyBinding[] = [
     run: () => (helpOpen.value = true),
   },
   plain('View', 'First steps: a tour of five cards', beginTour),
+  plain(
+    'View',
+    'Light or dark theme',
+    () => chooseTheme(theme.peek() === 'light' ? 'dark' : 'light'),
+    () => true,
+  ),
   key('z', 'Z', 'Work', 'Next suspicious place', () => stepFindings(1)),
   key('shift+z', 'Shift Z', 'Work', 'Previous suspicious place', () => stepFindings(-1)),
   key('shift+y', 'Shift Y', 'Work', 'Confirm the doubtful labels of this frame', () => {
@@ -160,10 +172,12 @@ const MORE: readonly KeyBinding[] = [
     plain('Time', `Play at ${speed}×`, () => actions.setSpeed(speed)),
   ),
   tool('paint', 'Paint with the last shape'),
+  outline('polygon', 'Polygon: click the corners of an outline'),
+  outline('rectangle', 'Rectangle: drag an outline from corner to corner'),
   tool('floor', 'Set the floor'),
   plain('Tools', 'Reset the floor to the import', () => actions.resetFloor(), edits),
   brushSwitch('onlyUnlabeled', 'Only unlabeled points'),
-  brushSwitch('through', 'Through the first surface'),
+  brushSwitch('through', 'Points behind the first surface'),
   brushSwitch('takeLabelled', 'Take objects from other labels'),
   brushSwitch('complete', 'Offer objects after a stroke'),
   brushSwitch('follow', 'Follow painted labels'),
@@ -171,6 +185,7 @@ const MORE: readonly KeyBinding[] = [
   label('Hide or show the label', (id) => actions.toggleVisible(id)),
   label('Lock or unlock the label', (id) => actions.toggleLock(id)),
   label('Show only the label, or all', (id) => actions.solo(id)),
+  label('Split the label into parts', (id) => actions.splitLabel(id)),
   label('Delete the label', (id) => actions.deleteLabel(id)),
   plain('Labels', 'Add the labels of a palette file…', () => actions.pickPalette(), edits),
   plain('Labels', 'Save the palette as a file', () => actions.savePalette()),
@@ -187,6 +202,14 @@ const MORE: readonly KeyBinding[] = [
   colour('distance', 'distance'),
   colour('normal', 'surface direction'),
   colour('plain', 'one colour'),
+  colour('provenance', 'how they were labelled'),
+  plain('View', 'Neighbouring frames: overlay or not', () =>
+    patch(accumulation, { on: !accumulation.peek().on }),
+  ),
+  plain('View', 'Clip box follows the active object: on or off', () => {
+    const now = clip.peek();
+    if (now) clip.value = { ...now, follows: !now.follows };
+  }),
   plain('View', 'Clip to a level slab', () => actions.clipTo(1)),
   plain('View', 'Clip to a slab across the view', () => actions.clipTo(2)),
   plain('View', 'Clip to a slab along the view', () => actions.clipTo(0)),

@@ -32,93 +32,43 @@ function chooseShape(shape: BrushShape): void {
   else actions.setShape(shape);
 }
 
+const HELD = { repeats: true } as const;
+
+/** A command with a key, or with several. */
+export function key(
+  keys: string | readonly string[],
+  shown: string,
+  group: KeyBinding['group'],
+  what: string,
+  run: KeyBinding['run'],
+  more: Partial<KeyBinding> = {},
+): KeyBinding {
+  return { keys: typeof keys === 'string' ? [keys] : keys, shown, group, what, run, ...more };
+}
+
 /** A key of the chosen box's, whichever tool is out. */
-function boxed(key: string, shown: string, what: string, run: () => unknown): KeyBinding {
-  return { keys: [key], shown, what, group: 'Tools', when: () => canEdit.peek(), run };
+function boxed(name: string, shown: string, what: string, run: () => unknown): KeyBinding {
+  return key(name, shown, 'Tools', what, run, { when: () => canEdit.peek() });
 }
 
 export const KEYS: readonly KeyBinding[] = [
-  {
-    keys: [' '],
-    shown: 'Space',
-    what: 'Play or pause',
-    group: 'Time',
-    run: () => actions.togglePlay(),
-  },
-  {
-    keys: ['arrowleft'],
-    shown: '←',
-    what: 'One frame back',
-    group: 'Time',
-    repeats: true,
-    run: () => actions.step(-1),
-  },
-  {
-    keys: ['arrowright'],
-    shown: '→',
-    what: 'One frame forward',
-    group: 'Time',
-    repeats: true,
-    run: () => actions.step(1),
-  },
-  {
-    keys: ['shift+arrowleft'],
-    shown: 'Shift ←',
-    what: 'Ten frames back',
-    group: 'Time',
-    repeats: true,
-    run: () => actions.step(-10),
-  },
-  {
-    keys: ['shift+arrowright'],
-    shown: 'Shift →',
-    what: 'Ten frames forward',
-    group: 'Time',
-    repeats: true,
-    run: () => actions.step(10),
-  },
-  { keys: ['home'], shown: 'Home', what: 'First frame', group: 'Time', run: () => actions.seek(0) },
-  {
-    keys: ['end'],
-    shown: 'End',
-    what: 'Last frame',
-    group: 'Time',
-    run: () => actions.seek(Number.MAX_SAFE_INTEGER),
-  },
-  {
-    keys: [','],
-    shown: ',',
-    what: 'Previous doubtful frame',
-    group: 'Time',
-    run: () => actions.nextDoubtful(-1),
-  },
-  {
-    keys: ['.'],
-    shown: '.',
-    what: 'Next doubtful frame',
-    group: 'Time',
-    run: () => actions.nextDoubtful(1),
-  },
-  { keys: ['l'], shown: 'L', what: 'Loop', group: 'Time', run: () => actions.toggleLoop() },
+  key(' ', 'Space', 'Time', 'Play or pause', () => actions.togglePlay()),
+  key('arrowleft', '←', 'Time', 'One frame back', () => actions.step(-1), HELD),
+  key('arrowright', '→', 'Time', 'One frame forward', () => actions.step(1), HELD),
+  key('shift+arrowleft', 'Shift ←', 'Time', 'Ten frames back', () => actions.step(-10), HELD),
+  key('shift+arrowright', 'Shift →', 'Time', 'Ten frames forward', () => actions.step(10), HELD),
+  key('home', 'Home', 'Time', 'First frame', () => actions.seek(0)),
+  key('end', 'End', 'Time', 'Last frame', () => actions.seek(Number.MAX_SAFE_INTEGER)),
+  key(',', ',', 'Time', 'Previous doubtful frame', () => actions.nextDoubtful(-1)),
+  key('.', '.', 'Time', 'Next doubtful frame', () => actions.nextDoubtful(1)),
+  key('l', 'L', 'Time', 'Loop', () => actions.toggleLoop()),
 
-  {
-    keys: ['v'],
-    shown: 'V',
-    what: 'Look around',
-    group: 'Tools',
-    run: () => actions.setTool('navigate'),
-  },
-  {
-    keys: ['b'],
-    shown: 'B',
-    what: 'Paint',
-    group: 'Tools',
-    run: () => {
-      actions.setTool('paint');
-      actions.setShape('brush');
-    },
-  },
-  { keys: ['c'], shown: 'C', what: 'Eraser', group: 'Tools', run: () => actions.toggleEraser() },
+  key('v', 'V', 'Tools', 'Look around', () => actions.setTool('navigate')),
+  key('b', 'B', 'Tools', 'Paint', () => {
+    actions.setTool('paint');
+    actions.setShape('brush');
+  }),
+  key('c', 'C', 'Tools', 'Eraser', () => actions.toggleEraser()),
   ...DESK_WAYS.filter(({ shape }) => shape !== 'brush').map(({ shape, desk }): KeyBinding => ({
     keys: [desk.key.toLowerCase()],
     shown: desk.key,
@@ -126,48 +76,22 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'Tools',
     run: () => chooseShape(shape),
   })),
-  {
-    keys: ['enter'],
-    shown: 'Enter',
-    what: 'Close the polygon, take the points in the box, or choose the first class',
-    group: 'Tools',
-    run: () => actions.closeOutline() || answerDoubt(0),
-  },
-  {
-    keys: ['shift+enter'],
-    shown: 'Shift Enter',
-    what: 'Choose the second class of a doubt',
-    group: 'Tools',
-    run: () => answerDoubt(1),
-  },
-  {
-    keys: [';'],
-    shown: ';',
-    what: 'By example: next doubt',
-    group: 'Tools',
-    run: () => nextDoubt(),
-  },
-  {
-    keys: ['shift+g'],
-    shown: 'Shift G',
-    what: 'Snap the box to the ground',
-    group: 'Tools',
-    run: () => actions.snapBox(),
-  },
-  {
-    keys: ['0'],
-    shown: '0',
-    what: 'Use the tool at the centre of the view',
-    group: 'Tools',
-    run: () => actions.useInMiddle(),
-  },
-  {
-    keys: ['backspace'],
-    shown: 'Backspace',
-    what: 'Remove the polygon’s last corner',
-    group: 'Tools',
-    run: () => actions.takeBackCorner(),
-  },
+  key(
+    'enter',
+    'Enter',
+    'Tools',
+    'Close the polygon, take the points in the box, or choose the first class',
+    () => actions.closeOutline() || answerDoubt(0),
+  ),
+  key('shift+enter', 'Shift Enter', 'Tools', 'Choose the second class of a doubt', () =>
+    answerDoubt(1),
+  ),
+  key(';', ';', 'Tools', 'By example: next doubt', () => nextDoubt()),
+  key('shift+g', 'Shift G', 'Tools', 'Snap the box to the ground', () => actions.snapBox()),
+  key('0', '0', 'Tools', 'Use the tool at the centre of the view', () => actions.useInMiddle()),
+  key('backspace', 'Backspace', 'Tools', 'Remove the polygon’s last corner', () =>
+    actions.takeBackCorner(),
+  ),
   {
     keys: ['escape'],
     shown: 'Esc',
@@ -176,69 +100,24 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'Tools',
     run: () => actions.cancelStroke(),
   },
-  {
-    keys: ['tab'],
-    shown: 'Tab',
-    what: 'Complete the stroke to an object, or return to the last label',
-    group: 'Tools',
-    run: () => actions.completeObject() || actions.lastLabel(),
-  },
-  {
-    keys: ['+', '='],
-    shown: '+',
-    what: 'Object: towards the group',
-    group: 'Tools',
-    repeats: true,
-    run: () => actions.stepObject(1),
-  },
-  {
-    keys: ['-'],
-    shown: '−',
-    what: 'Object: towards the part',
-    group: 'Tools',
-    repeats: true,
-    run: () => actions.stepObject(-1),
-  },
-  {
-    keys: ['shift+x'],
-    shown: 'Shift X',
-    what: 'Restore deleted points',
-    group: 'Tools',
-    run: () => actions.setTool('restore'),
-  },
-  {
-    keys: ['x'],
-    shown: 'X',
-    what: 'Delete noise',
-    group: 'Tools',
-    run: () => actions.setTool('delete'),
-  },
-  {
-    keys: ['i'],
-    shown: 'I',
-    what: 'Pick a label',
-    group: 'Tools',
-    run: () => actions.setTool('pick'),
-  },
-  {
-    keys: ['shift+b'],
-    shown: 'Shift B',
-    what: 'Boxes of objects',
-    group: 'Tools',
-    run: () => actions.setTool('boxes'),
-  },
+  key(
+    'tab',
+    'Tab',
+    'Tools',
+    'Complete the stroke to an object, or return to the last label',
+    () => actions.completeObject() || actions.lastLabel(),
+  ),
+  key(['+', '='], '+', 'Tools', 'Object: towards the group', () => actions.stepObject(1), HELD),
+  key('-', '−', 'Tools', 'Object: towards the part', () => actions.stepObject(-1), HELD),
+  key('shift+x', 'Shift X', 'Tools', 'Restore deleted points', () => actions.setTool('restore')),
+  key('x', 'X', 'Tools', 'Delete noise', () => actions.setTool('delete')),
+  key('i', 'I', 'Tools', 'Pick a label', () => actions.setTool('pick')),
+  key('shift+b', 'Shift B', 'Tools', 'Boxes of objects', () => actions.setTool('boxes')),
   boxed('shift+f', 'Shift F', 'Box from the label’s points in this frame', boxFromPoints),
   boxed('shift+p', 'Shift P', 'Points from the box in this frame', () => pointsFromBox(false)),
   boxed('shift+c', 'Shift C', 'Copy the box to the next frame', () => copyToFrame(1)),
   boxed('shift+l', 'Shift L', 'Interpolate between two drawn boxes', interpolate),
-  {
-    keys: ['['],
-    shown: '[',
-    what: 'Smaller brush',
-    group: 'Tools',
-    repeats: true,
-    run: () => actions.nudgeRadius(-1),
-  },
+  key('[', '[', 'Tools', 'Smaller brush', () => actions.nudgeRadius(-1), HELD),
   {
     keys: [']'],
     shown: ']',
@@ -264,92 +143,29 @@ export const KEYS: readonly KeyBinding[] = [
     group: 'Labels',
     run: (key) => actions.selectNthLabel(9 + Number(key)),
   },
-  {
-    keys: ['/'],
-    shown: '/',
-    what: 'Search the labels',
-    group: 'Labels',
-    run: () => openSearch(),
-  },
-  {
-    keys: ['n'],
-    shown: 'N',
-    what: 'New label',
-    group: 'Labels',
-    run: () => void actions.newLabel(),
-  },
+  key('/', '/', 'Labels', 'Search the labels', () => openSearch()),
+  key('n', 'N', 'Labels', 'New label', () => void actions.newLabel()),
 
-  {
-    keys: ['r'],
-    shown: 'R',
-    what: 'Look from the sensor',
-    group: 'View',
-    run: () => actions.viewFrom('sensor'),
-  },
-  {
-    keys: ['t'],
-    shown: 'T',
-    what: 'Look from above',
-    group: 'View',
-    run: () => actions.viewFrom('top'),
-  },
-  {
-    keys: ['f'],
-    shown: 'F',
-    what: 'Go to the active label’s object',
-    group: 'View',
-    run: () => actions.goToObject(),
-  },
-  {
-    keys: ['y'],
-    shown: 'Y',
-    what: 'Clip to a box or show everything',
-    group: 'View',
-    run: () => {
-      if (clip.peek()) clip.value = null;
-      else actions.clipTo(null);
-    },
-  },
-  {
-    keys: ['pageup'],
-    shown: 'Page ↑',
-    what: 'Move the clip box along its thinnest side',
-    group: 'View',
-    repeats: true,
-    run: () => scrollClip(1),
-  },
-  {
-    keys: ['pagedown'],
-    shown: 'Page ↓',
-    what: 'Move the clip box back',
-    group: 'View',
-    repeats: true,
-    run: () => scrollClip(-1),
-  },
-  {
-    keys: ['p'],
-    shown: 'P',
-    what: 'Perspective or orthographic',
-    group: 'View',
-    run: () => actions.toggleOrthographic(),
-  },
+  key('r', 'R', 'View', 'Look from the sensor', () => actions.viewFrom('sensor')),
+  key('t', 'T', 'View', 'Look from above', () => actions.viewFrom('top')),
+  key('f', 'F', 'View', 'Go to the active label’s object', () => actions.goToObject()),
+  key('y', 'Y', 'View', 'Clip to a box or show everything', () => {
+    if (clip.peek()) clip.value = null;
+    else actions.clipTo(null);
+  }),
+  key(
+    'pageup',
+    'Page ↑',
+    'View',
+    'Move the clip box along its thinnest side',
+    () => scrollClip(1),
+    HELD,
+  ),
+  key('pagedown', 'Page ↓', 'View', 'Move the clip box back', () => scrollClip(-1), HELD),
+  key('p', 'P', 'View', 'Perspective or orthographic', () => actions.toggleOrthographic()),
 
-  {
-    keys: ['ctrl+z'],
-    shown: 'Ctrl Z',
-    what: 'Undo',
-    group: 'Edit',
-    repeats: true,
-    run: () => actions.undo(),
-  },
-  {
-    keys: ['ctrl+shift+z', 'ctrl+y'],
-    shown: 'Ctrl Shift Z',
-    what: 'Redo',
-    group: 'Edit',
-    repeats: true,
-    run: () => actions.redo(),
-  },
+  key('ctrl+z', 'Ctrl Z', 'Edit', 'Undo', () => actions.undo(), HELD),
+  key(['ctrl+shift+z', 'ctrl+y'], 'Ctrl Shift Z', 'Edit', 'Redo', () => actions.redo(), HELD),
 ];
 
 /** Held keys that walk (handled by the camera, listed for the help). */

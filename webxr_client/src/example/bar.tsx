@@ -185,9 +185,9 @@ function Apply() {
   const anchor = useRef<HTMLButtonElement>(null);
   return (
     <>
-      <Button buttonRef={anchor} label="Apply…" kind="primary" tip="Turn the prediction into labels" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
+      <Button buttonRef={anchor} label="Turn into labels…" kind="primary" tip="Label points as predicted: in this frame or in many" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
       {applyOpen.value && (
-        <Popover anchor={anchor} label="Apply the prediction" class="track-form" onClose={() => (applyOpen.value = false)}>
+        <Popover anchor={anchor} label="Turn the prediction into labels" class="track-form" onClose={() => (applyOpen.value = false)}>
           <ApplyForm />
         </Popover>
       )}
@@ -218,13 +218,13 @@ function ApplyForm() {
   };
   return (
     <form onSubmit={submit}>
-      <h2>Apply the prediction</h2>
+      <h2>Turn the prediction into labels</h2>
       <RadioGroup label="Frames" class="segmented" options={choices} value={reach.value} onChoose={(chosen) => (reach.value = chosen)} />
       <Slider label="Minimum confidence" value={least.value} min={0} max={1} shown={percent(least.value)} tip="Points with a lower confidence stay unlabeled" onInput={(value) => (least.value = value)} />
       <p class="soft">Only unlabeled points are labelled. One undo reverts everything.</p>
       <div class="form-end">
         <Button label="Cancel" onClick={() => (applyOpen.value = false)} />
-        <button type="submit" class="button primary" disabled={!canEdit.value}>Apply</button>
+        <button type="submit" class="button primary" disabled={!canEdit.value}>Label the points</button>
       </div>
     </form>
   ); // prettier-ignore

@@ -125,7 +125,12 @@ export async function nextDoubt(): Promise<void> {
     const places = await api<Question[]>('GET', doubtPath(chosen.id));
     const next = places.find((place) => !before || far(place, before)) ?? places[0];
     if (next) goTo(next);
-    else notify('info', 'No doubtful places', 'Apply the prediction or paint more examples.');
+    else
+      notify(
+        'info',
+        'No doubtful places',
+        'Turn the prediction into labels or paint more examples.',
+      );
   });
   asking.value = false;
 }

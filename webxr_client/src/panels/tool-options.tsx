@@ -139,8 +139,8 @@ function BrushOptions() {
       {state.tool.value === 'paint' && <AfterStroke path={way.samples === 'path'} />}
       {way.through && (
         <Check
-          label="Through"
-          tip="Include points behind the first surface"
+          label="Points behind too"
+          tip="Paint through the object: also take points behind the first surface"
           checked={brush.through}
           onChange={(through) => patch(state.brush, { through })}
         />

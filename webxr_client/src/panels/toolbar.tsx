@@ -1,13 +1,15 @@
 /** Above the canvas: recording, tools, history, tracking, export, people. */
+import { signal } from '@preact/signals';
 import type { ComponentChild } from 'preact';
 import { useRef } from 'preact/hooks';
+import { Icon } from '../common/icons';
 import { actions } from '../store/actions';
 import { canEdit, notify, state, trackingJob, type Tool } from '../store/state';
 import { chooseTheme, theme } from '../store/theme';
 import { Button } from './parts/controls';
 import { ExportButton } from './export-menu';
 import { HistoryButton } from './history-menu';
-import { helpOpen } from './parts/popover';
+import { helpOpen, PopoverButton } from './parts/popover';
 import { ConnectionStatus, People } from './people';
 import { RadioGroup, type RadioOption } from './parts/radio-group';
 import { SequenceMenu } from './importing/sequence-menu';
@@ -16,38 +18,21 @@ import { ToolOptions } from './tool-options';
 import { TrackForm, trackOpen } from './timeline/track-form';
 
 const TOOLS: readonly RadioOption<Tool>[] = [
-  {
-    value: 'navigate',
-    icon: 'navigate',
-    label: 'Look',
-    tip: 'Look around: drag to turn',
-    keys: 'V',
-  },
+  { value: 'navigate', icon: 'navigate', label: 'Look', tip: 'Look around: drag to turn', keys: 'V' },
   { value: 'paint', icon: 'brush', label: 'Paint', tip: 'Paint the active label', keys: 'B' },
   { value: 'erase', icon: 'eraser', label: 'Erase', tip: 'Erase labels', keys: 'C' },
-  {
-    value: 'pick',
-    icon: 'picker',
-    label: 'Pick',
-    tip: 'Choose the label under the pointer',
-    keys: 'I',
-  },
-  {
-    value: 'boxes',
-    icon: 'box',
-    label: 'Boxes',
-    tip: 'Boxes of objects: choose, fit, draw',
-    keys: 'Shift B',
-  },
+  { value: 'boxes', icon: 'box', label: 'Boxes', tip: 'Boxes of objects: choose, fit, draw', keys: 'Shift B' },
+]; // prettier-ignore
+const RARE_TOOLS: readonly RadioOption<Tool>[] = [
+  { value: 'pick', icon: 'picker', label: 'Pick', tip: 'Choose the label under the pointer', keys: 'I' },
   { value: 'delete', icon: 'noise', label: 'Delete', tip: 'Delete noise points', keys: 'X' },
-  {
-    value: 'restore',
-    icon: 'restore',
-    label: 'Restore',
-    tip: 'Restore deleted points',
-    keys: 'Shift X',
-  },
-];
+  { value: 'restore', icon: 'restore', label: 'Restore', tip: 'Restore deleted points', keys: 'Shift X' },
+]; // prettier-ignore
+
+/** Whether there is room for the words of all tools. */
+const room = matchMedia('(width >= 1440px)');
+const roomy = signal(room.matches);
+room.addEventListener('change', () => (roomy.value = room.matches));
 
 export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[] }) {
   if (!state.sequence.value) return <WelcomeBar />;
@@ -91,19 +76,43 @@ function WelcomeBar() {
 }
 
 function Tools() {
-  const options = TOOLS.map((entry) => ({
+  const tool = state.tool.value;
+  const rare = RARE_TOOLS.filter(({ value }) => roomy.value || value === tool);
+  const options = [...TOOLS, ...rare].map((entry) => ({
     ...entry,
     disabled: entry.value !== 'navigate' && entry.value !== 'boxes' && !canEdit.value,
   }));
   return (
-    <RadioGroup
-      label="Tool"
-      class="group tools"
-      options={options}
-      value={state.tool.value}
-      onChoose={(tool) => actions.setTool(tool)}
-    />
+    <>
+      <RadioGroup
+        label="Tool"
+        class="group tools"
+        options={options}
+        value={tool}
+        onChoose={(chosen) => actions.setTool(chosen)}
+      />
+      {!roomy.value && <MoreTools />}
+    </>
   );
+}
+
+const moreOpen = signal(false);
+
+/** Tools for which there is no room, by name. */
+function MoreTools() {
+  const choose = (tool: Tool): void => {
+    moreOpen.value = false;
+    actions.setTool(tool);
+  };
+  return (
+    <PopoverButton open={moreOpen} icon="more" tip="More tools" label="More tools">
+      {RARE_TOOLS.map(({ value, icon, tip, keys }) => (
+        <button key={value} type="button" class="menu-item" disabled={!canEdit.value} onClick={() => choose(value)}>
+          <Icon name={icon!} /> {tip} <span class="end">{keys}</span>
+        </button>
+      ))}
+    </PopoverButton>
+  ); // prettier-ignore
 }
 
 function History() {

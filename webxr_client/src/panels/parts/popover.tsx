@@ -74,7 +74,7 @@ interface PopoverButtonProps {
   pressed?: boolean;
   small?: boolean;
   /** Words on the button, and its class. */
-  button?: { label: string; class: string };
+  button?: { label: string; class?: string };
   /** Name of what opens. */
   label: string;
   class?: string;

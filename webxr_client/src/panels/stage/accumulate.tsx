@@ -18,6 +18,7 @@ export function AccumulateButton() {
       icon="frames"
       tip="Overlay neighbouring frames and paint them together"
       pressed={accumulation.value.on}
+      button={{ label: 'Frames' }}
       label="Neighbouring frames"
       class="overlays"
     >

@@ -37,6 +37,7 @@ export function CamerasButton() {
   return (
     <Button
       icon="camera"
+      label="Pictures"
       tip="Pictures of the cameras, with the points in them"
       pressed={stripOpen.value}
       onClick={() => (stripOpen.value = !stripOpen.value)}

@@ -39,7 +39,7 @@ export function ClipButton() {
         icon="slice"
         tip="Clip: show and paint only points inside a box or slab"
         keys="Y"
-        pressed={clip.value !== null} label="Clip" class="overlays">
+        pressed={clip.value !== null} button={{ label: 'Clip' }} label="Clip" class="overlays">
           <RadioGroup label="Shown" class="kinds" options={KINDS} value={kindNow()} onChoose={choose} />
           {clip.value && (
             <Check

@@ -22,7 +22,7 @@ const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
   ['plain', 'Plain', ''],
   ['label', 'Label', ''],
   ['confidence', 'Confidence', ''],
-  ['provenance', 'Provenance', ''],
+  ['provenance', 'Painted or tracked', ''],
 ];
 
 export function ViewOptions() {
@@ -113,6 +113,7 @@ function OverlayOptions() {
       open={overlaysOpen}
       icon="layers"
       tip="Overlays: boxes, trails, shading"
+      button={{ label: 'Overlays' }}
       label="Overlays"
       class="overlays"
     >
