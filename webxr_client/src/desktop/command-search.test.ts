@@ -3,6 +3,7 @@ import { COMMANDS } from './commands';
 import { state } from '../store/state';
 import type { SequenceInfo } from '../protocol/messages';
 import { commandsNow, EVERYDAY, found, frameCommand, lastFirst, noteUsed } from './command-search';
+import { type Project, projects } from '../engine/projects';
 import { recordingRow } from '../store/testing';
 
 function open(frames: number): void {
@@ -13,6 +14,7 @@ beforeEach(() => {
   state.sequence.value = null;
   state.palette.value = [];
   state.sequences.value = null;
+  projects.value = [];
 });
 
 const ASKED: readonly (readonly [query: string, what: string])[] = [
@@ -53,7 +55,8 @@ const ASKED: readonly (readonly [query: string, what: string])[] = [
   ['log out', 'Sign out'],
   ['dark mode', 'Light or dark theme'],
   ['submit', 'Hand in my task and open the next'],
-  ['approve', 'Accept this frame'],
+  ['approve', 'Mark this frame as checked'],
+  ['reject', 'Mark this frame as to be corrected'],
 ];
 
 describe('the command palette', () => {
@@ -81,6 +84,9 @@ describe('the command palette', () => {
     open(10);
     state.me.value = { viewer: 'v', author: 'a', account: 'a', role: 'admin', serverVersion: '1' };
     const label = { category: '', color: '#ffffff', locked: false, visible: true };
+    const night = { id: 'night', role: 'admin', tasks: {}, recordings: ['one'] };
+    projects.value = [night as unknown as Project];
+    state.sequences.value = [{ ...recordingRow('one'), project: 'night' }];
     state.palette.value = ['car', 'van'].map((name, id) => ({ ...label, id: id + 1, name }));
     state.activeLabel.value = 1;
     const first = (query: string): string | undefined => found(commandsNow(), query)[0]?.what;

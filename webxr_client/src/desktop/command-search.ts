@@ -19,7 +19,6 @@ export interface Command {
 
 /** Other words for commands, as people ask for them: text of the command, words. */
 export const EVERYDAY: Readonly<Record<string, string>> = {
-  'Accept this frame': 'mark as checked approve good done',
   'Agreement of annotators: compare, majority, ground truth': 'known truth gold consensus vote score difference quality iou',
   'All recordings': 'home start list files back',
   'Box from the label’s points in this frame': 'fit cuboid bounding automatic',
@@ -45,6 +44,8 @@ export const EVERYDAY: Readonly<Record<string, string>> = {
   'Label by example: show or hide the prediction': 'ai machine learning auto classifier predict automatic segmentation',
   'Light or dark theme': 'mode night bright appearance',
   'Look from above': 'top bird eye plan map',
+  'Mark this frame as checked': 'approve accept ok good done',
+  'Mark this frame as to be corrected': 'reject wrong bad return',
   'Neighbouring frames: overlay or not': 'accumulate merge stack several frames laid over together',
   'New label': 'add create class category',
   'Next suspicious place': 'problem error check finding',
