@@ -15,6 +15,7 @@ from playwright.sync_api import Browser, Locator, expect
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import SEQUENCE
 from tests.e2e.server import LiveServer
+from tests.e2e.test_accessibility import faults
 from tests.waiting import eventually
 
 
@@ -54,6 +55,8 @@ def test_what_is_wrong_with_files_is_shown_and_corrected(
 ) -> None:
     dialog = choose(desk, wide_room(tmp_path))
     expect(dialog.get_by_text("they seem to be millimetres")).to_be_visible()
+    for shown in (dialog.get_by_label("Name"), dialog.get_by_role("button", name="Import").last):
+        expect(shown).to_be_in_viewport(ratio=1)
     dialog.get_by_label("Unit").select_option("millimetres")
     desk.until("pb.state.importing.value.busy === false")
     expect(dialog.get_by_text("they seem to be millimetres")).to_have_count(0)
@@ -161,3 +164,55 @@ def test_a_recording_whose_labels_did_not_come_in_is_tried_again(
     expect(line).to_contain_text("1 of 1 frames")
     desk.complaints.clear()
     assert (server.annotation(street()[0]["id"], 0) > 0).sum() == 10
+
+
+def drives(folder: Path, count: int) -> Path:
+    """A folder of recordings of two frames, and a file that is none."""
+    for number in range(1, count + 1):
+        (folder / f"drive_{number}").mkdir(parents=True)
+        for frame in range(2):
+            rows = "".join(f"{x} {frame} 0\n" for x in range(20))
+            (folder / f"drive_{number}" / f"{frame}.xyz").write_text(rows)
+    (folder / "notes.md").write_text("By car\n")
+    return folder
+
+
+def test_a_folder_of_recordings_is_previewed_and_comes_in_on_one_card(
+    desk: Desk, server: LiveServer, tmp_path: Path
+) -> None:
+    page = desk.page
+    desk.ask("pb.engine.closeSequence()")
+    for name in ("Filter", "New project", "Import"):
+        page.get_by_role("button", name=name, exact=True).click()
+        assert faults(page, name) == []
+        desk.press("Escape")
+    page.get_by_role("button", name="Import", exact=True).click()
+    box = page.get_by_role("dialog", name="Import")
+    box.get_by_label("Or a path on the server").fill(str(drives(tmp_path / "in", 6)))
+    box.get_by_label("Import each file or folder in it as a recording").check()
+    box.get_by_role("button", name="Import", exact=True).click()
+    desk.until("pb.state.importing.value?.busy === false")
+    rows = page.get_by_role("region", name="Recordings to import").get_by_role("row")
+    expect(rows.filter(has_text="drive_2")).to_contain_text("2")
+    unreadable = rows.filter(has_text="notes.md")
+    expect(unreadable.locator(".bad")).to_contain_text("expected")
+    expect(unreadable.get_by_role("checkbox")).not_to_be_checked()
+    desk.complaints.clear()  # the browser's own line on an answer of 422
+    rows.filter(has_text="drive_6").get_by_role("checkbox").uncheck()
+    assert faults(page, "preview") == []
+    page.get_by_role("button", name="Import 5 recordings").click()
+    card = page.get_by_role("region", name="Imports")
+    card.get_by_role("button", name="Show each").click()
+    expect(card.get_by_role("listitem")).to_have_count(5)
+    expect(card).to_contain_text("Imported 5 recordings")
+    assert faults(page, "start page with imports") == []
+    # Nothing opened by itself, and no message covers the page.
+    assert desk.ask("pb.state.sequence.value") is None
+    expect(page.locator(".toast")).to_have_count(0)
+    names = {each["name"] for each in server.request("GET", "sequences").json()}
+    assert names == {"Juggling", *(f"drive_{number}" for number in range(1, 6))}
+    third = card.get_by_role("listitem").filter(has_text="drive_3")
+    third.get_by_role("button", name="Open").click()
+    desk.until("pb.state.sequence.value?.id === 'drive-3'")
+    card.get_by_role("button", name="Close").click()
+    expect(card).to_have_count(0)

@@ -52,3 +52,16 @@ const days = new Intl.DateTimeFormat(undefined, { dateStyle: 'medium' });
 export function day(iso: string): string {
   return days.format(new Date(iso));
 }
+
+const DAY_MS = 86_400_000;
+const times = new Intl.RelativeTimeFormat('en', { numeric: 'auto' });
+
+/** Time since a date of the last week as "5 minutes ago"; of an earlier one the day. */
+export function ago(iso: string): string {
+  const past = Date.now() - Date.parse(iso);
+  if (past > 7 * DAY_MS) return day(iso);
+  if (past > DAY_MS) return times.format(-Math.round(past / DAY_MS), 'day');
+  const minutes = Math.round(past / 60_000);
+  if (minutes < 1) return 'just now';
+  return minutes < 60 ? times.format(-minutes, 'minute') : times.format(-Math.round(minutes / 60), 'hour'); // prettier-ignore
+}

@@ -1,8 +1,7 @@
 /** Files that come in: what they are is shown first, can be corrected, and then they are taken. */
 import type { Actions } from '../store/actions';
 import { count as shown, plural } from '../common/format';
-import { api, ApiError, upload } from '../net/rest';
-import type { Job } from '../protocol/messages';
+import { api, ApiError } from '../net/rest';
 import {
   isActive,
   notify,
@@ -10,25 +9,33 @@ import {
   type ChosenFile,
   type ImportDraft,
   type ImportOptions,
-  type ImportPreview,
+  type ImportPart,
   type LabelsFound,
 } from '../store/state';
-import { FIRST, importInto } from './projects';
 import {
-  attempt,
-  commonName,
-  jobOf,
-  noteJob,
-  sequencePath,
-  setUpload,
-  waitedFor,
-} from './recordings';
+  areReady,
+  mayBeSeveral,
+  optionsOf,
+  partsOfEntries,
+  partsOfFiles,
+  takeParts,
+  type Entry,
+} from './import-parts';
+import { dropUploads, previewOf, send, submit, type JobAnswer } from './import-requests';
+import { joinImports } from './imports';
+import { FIRST, importInto } from './projects';
+import { attempt, commonName, jobOf, noteJob, sequencePath, waitedFor } from './recordings';
 
 type ImportActions = Pick<
   Actions,
-  'importPath' | 'importFiles' | 'correctImport' | 'retargetImport' | 'takeImport' | 'leaveImport'
+  | 'importPath'
+  | 'importFiles'
+  | 'correctImport'
+  | 'retargetImport'
+  | 'includePart'
+  | 'takeImport'
+  | 'leaveImport'
 >;
-type JobAnswer = Omit<Job, 'type' | 'frame'> & { readonly result: unknown };
 
 /** Milliseconds between looks at a job whose result is waited for. */
 const LOOK = 200;
@@ -46,52 +53,32 @@ function change(patch: Partial<ImportDraft>): void {
   if (draft) state.importing.value = { ...draft, ...patch };
 }
 
-function formOf(files: readonly ChosenFile[], options: object): FormData {
-  const form = new FormData();
-  for (const { file, path } of files) form.append('files', file, path);
-  for (const [name, value] of Object.entries(options)) form.append(name, String(value));
-  return form;
-}
-
-async function send<T>(path: string, files: readonly ChosenFile[], options: object): Promise<T> {
-  const name = commonName(files);
-  const total = files.reduce((sum, { file }) => sum + file.size, 0);
-  setUpload(name, { name, sent: 0, total });
-  try {
-    return await upload<T>(path, formOf(files, options), (sent) =>
-      setUpload(name, { name, sent, total }),
-    );
-  } finally {
-    setUpload(name, null);
-  }
-}
-
-/** Ask what an import of the draft would do. */
 async function preview(): Promise<void> {
   const draft = state.importing.peek();
   if (!draft) return;
   const turn = ++asked;
   change({ busy: true, error: '' });
-  try {
-    const { files, path, upload: sent, options } = draft;
-    const found =
-      files && !sent
-        ? await send<ImportPreview>('imports/preview', files, options)
-        : await api<ImportPreview>('POST', 'imports/preview', {
-            ...(sent ? { upload: sent } : { path }),
-            ...options,
-          });
-    if (turn === asked) change({ busy: false, found, upload: found.upload });
-  } catch (error) {
-    if (turn !== asked) return;
-    const sent = error instanceof ApiError ? error.more['upload'] : null;
-    change({
-      busy: false,
-      found: null,
-      error: error instanceof Error ? error.message : String(error),
-      upload: typeof sent === 'string' ? sent : draft.upload,
-    });
+  if (!draft.parts) {
+    const answer = await previewOf(draft, draft.options);
+    if (turn === asked) change({ busy: false, ...answer });
+    return;
   }
+  for (const [number, part] of draft.parts.entries()) {
+    const answer = await previewOf(part, optionsOf(part, draft.options));
+    if (turn !== asked) return;
+    const { included, error } = state.importing.peek()!.parts![number]!;
+    // What cannot be read is left out, and included again once it can.
+    changePart({ ...answer, included: !answer.error && (included || error !== '') }, number);
+  }
+  change({ busy: false });
+}
+
+/** Change one of several recordings, or all. */
+function changePart(patch: Partial<ImportPart>, number?: number): void {
+  const parts = state.importing.peek()?.parts;
+  if (!parts) return;
+  const of = (k: number): boolean => number === undefined || number === k;
+  change({ parts: parts.map((part, k) => (of(k) ? { ...part, ...patch } : part)) });
 }
 
 /** Ask what labels the files give the open recording; or, not `dry`, take them. */
@@ -130,18 +117,24 @@ function look(): Promise<void> {
   return state.importing.peek()?.sequence ? lookForLabels() : preview();
 }
 
-function begin(draft: Pick<ImportDraft, 'files' | 'path' | 'sequence' | 'options'>): Promise<void> {
+async function begin(draft: Partial<ImportDraft>): Promise<void> {
   const project = importInto.peek();
+  const { options } = draft;
   state.importing.value = {
-    ...draft,
-    options: project === FIRST ? draft.options : { project, ...draft.options },
+    files: null,
+    path: null,
+    sequence: null,
+    parts: null,
+    decided: true,
     upload: null,
     found: null,
     labels: null,
-    busy: true,
+    busy: false,
     error: '',
+    ...draft,
+    options: project === FIRST ? { ...options } : { project, ...options },
   };
-  return look();
+  if (state.importing.peek()?.decided) await look();
 }
 
 function importFiles(files: readonly ChosenFile[], options: ImportOptions = {}): Promise<void> {
@@ -150,18 +143,24 @@ function importFiles(files: readonly ChosenFile[], options: ImportOptions = {}):
   const name = options.name ?? commonName(files);
   return begin({
     files,
-    path: null,
     sequence: open && areLabels ? open.id : null,
+    decided: areLabels || !mayBeSeveral(files),
     options: { ...options, name },
   });
 }
+
+/** Show what each file or folder in a folder of the server is, to be imported as a recording. */
+export const importEach = (path: string): Promise<void> =>
+  attempt('The folder was not read', async () => {
+    const entries = await api<Entry[]>('POST', 'imports/entries', { path });
+    await begin({ path, parts: partsOfEntries(entries) });
+  });
 
 async function leave(): Promise<void> {
   const draft = state.importing.peek();
   asked++;
   state.importing.value = null;
-  // An upload that nobody takes is removed by the server after a while.
-  if (draft?.upload) await api('DELETE', `imports/${draft.upload}`).catch(() => undefined);
+  if (draft) await dropUploads([draft, ...(draft.parts ?? [])]);
 }
 
 /** Outcome of an import of label files, in words. */
@@ -175,21 +174,28 @@ export function outcome({ changed, matched, files, locked }: LabelsFound): strin
 
 async function take(): Promise<void> {
   const draft = state.importing.peek();
-  if (!draft || draft.busy) return;
+  if (!draft || (draft.parts ? !areReady(draft.parts) : draft.busy)) return;
   if (draft.sequence) {
     change({ busy: true });
     const found = await labels(false).finally(() => (state.importing.value = null));
     notify('success', 'Labels imported', outcome(found));
     return;
   }
-  const source = draft.upload ? { upload: draft.upload } : { path: draft.path };
-  const job = await api<JobAnswer>('POST', 'sequences', { ...source, ...draft.options });
+  if (draft.parts) {
+    asked++;
+    state.importing.value = null;
+    await takeParts(draft.parts, draft.options);
+    return;
+  }
+  const id = crypto.randomUUID();
+  const job = await submit(draft, draft.options, id);
+  joinImports([[id, draft.options.name ?? draft.found?.name ?? '']]);
   state.importing.value = null;
-  noteJob(jobOf(job));
+  noteJob(job);
 }
 
 export const importActions: ImportActions = {
-  importPath: (path, options = {}) => begin({ files: null, path, sequence: null, options }),
+  importPath: (path, options = {}) => begin({ path, options }),
   importFiles,
   correctImport: (patch) => {
     const draft = state.importing.peek();
@@ -200,10 +206,12 @@ export const importActions: ImportActions = {
     change({ options });
     return look();
   },
-  retargetImport: (sequence) => {
-    change({ sequence });
+  retargetImport: (sequence, several = false) => {
+    const files = state.importing.peek()?.files ?? [];
+    change({ sequence, decided: true, parts: several ? partsOfFiles(files) : null });
     return look();
   },
+  includePart: (included, number) => changePart({ included }, number),
   takeImport: () => attempt('The import did not start', take),
   leaveImport: leave,
 };

@@ -21,7 +21,8 @@ import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels';
 import type { Playback } from './playback';
-import { deletedHere, leaveOut, noteJob, waitedFor } from './recordings';
+import { isOneOfSeveral } from './imports';
+import { deletedHere, leaveOut, noteJob, refreshSoon, waitedFor } from './recordings';
 import { runEnded } from './review';
 
 export interface InboxDeps {
@@ -192,8 +193,8 @@ export class Inbox {
     noteJob(job);
     this.deps.following.job(job);
     if (isActive(job) || (known && !isActive(known)) || waitedFor.has(job.id)) return;
-    if (isElsewhere(job)) {
-      if (job.kind === 'import') void actions.refreshSequences();
+    if (isShownElsewhere(job)) {
+      if (job.kind === 'import') refreshSoon();
       return;
     }
     if (job.kind === 'tracking') {
@@ -220,9 +221,9 @@ export class Inbox {
   }
 }
 
-/** Whether somebody else did it, in a recording that is not open here: it is theirs to hear of. */
-function isElsewhere(job: Job): boolean {
-  return !isMine(job) && job.sequence !== state.sequence.peek()?.id;
+/** Whether it is of another person in a recording that is not open, or on the card of imports. */
+function isShownElsewhere(job: Job): boolean {
+  return (!isMine(job) && job.sequence !== state.sequence.peek()?.id) || isOneOfSeveral(job);
 }
 
 /** Open what was imported, or, with another recording on screen, offer to until that is used. */

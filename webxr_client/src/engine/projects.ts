@@ -1,10 +1,11 @@
 /** Projects: recordings in groups, what has been done of each, and the search in all of them. */
 import { signal } from '@preact/signals';
 import { api } from '../net/rest';
+import { actions } from '../store/actions';
 import type { SequenceOut } from '../net/early';
-import type { Job, Welcome } from '../protocol/messages';
+import type { Welcome } from '../protocol/messages';
 import { ROLES, state, type SequenceSummary } from '../store/state';
-import { attempt, jobOf, noteJob, rowOf } from './recordings';
+import { attempt, rowOf } from './recordings';
 
 export const TASK_STATES = ['open', 'taken', 'done', 'review', 'returned', 'accepted'] as const;
 export type TaskState = (typeof TASK_STATES)[number];
@@ -97,11 +98,14 @@ export function grouped(
   rows: readonly SequenceSummary[],
   known: readonly Project[],
 ): readonly Group[] {
-  const ids = new Set([...known.map(({ id }) => id), ...rows.map(({ project }) => project)]);
-  return [...ids].map((id) => ({
-    project: known.find((project) => project.id === id) ?? { id, name: id },
-    rows: rows.filter(({ project }) => project === id),
-  }));
+  const found = new Map<string, SequenceSummary[]>(known.map(({ id }) => [id, []]));
+  for (const row of rows) {
+    const own = found.get(row.project);
+    if (own) own.push(row);
+    else found.set(row.project, [row]);
+  }
+  const named = new Map(known.map((project) => [project.id, project]));
+  return [...found].map(([id, own]) => ({ project: named.get(id) ?? { id, name: id }, rows: own }));
 }
 
 /** Number of all tasks, and of those in one state. */
@@ -122,12 +126,40 @@ export async function search(conditions: Conditions): Promise<ReadonlySet<string
   return new Set(found.map(({ id }) => id));
 }
 
-export async function createProject(name: string): Promise<void> {
+/** Create a project with recordings of others; returns its id, or null where that failed. */
+export async function createProject(
+  name: string,
+  recordings: readonly string[],
+): Promise<string | null> {
+  let made: string | null = null;
   await attempt('The project was not made', async () => {
-    const { id } = await api<Project>('POST', 'projects', { name });
-    importInto.value = id;
+    made = (await api<Project>('POST', 'projects', { name, recordings })).id;
+    importInto.value = made;
   });
-  await refreshProjects();
+  await Promise.all([refreshProjects(), recordings.length > 0 && actions.refreshSequences()]);
+  return made;
+}
+
+const LABELS: readonly Welcome['role'][] = ['annotator', 'reviewer', 'manager', 'admin'];
+const REVIEWS: readonly Welcome['role'][] = LABELS.slice(1);
+
+/** The first project with a task for an account to label, and the first with one to review. */
+export function nextWork(
+  known: readonly Project[],
+  account: string,
+): { readonly label: Project | undefined; readonly review: Project | undefined } {
+  const own = ({ people }: Project): Counts => people[account] ?? {};
+  const free = ({ people }: Project): number => people['']?.open ?? 0;
+  const begun = ({ taken = 0, returned = 0, open = 0 }: Counts): number => taken + returned + open;
+  const judged = (counts: Counts): number => (counts.done ?? 0) + (counts.review ?? 0);
+  return {
+    label:
+      known.find((each) => LABELS.includes(each.role) && begun(own(each)) > 0) ??
+      known.find((each) => LABELS.includes(each.role) && free(each) > 0),
+    review: known.find(
+      (each) => REVIEWS.includes(each.role) && judged(each.tasks) > judged(own(each)),
+    ),
+  };
 }
 
 /** Put a recording into another project. */
@@ -139,13 +171,3 @@ export async function moveRecording(recording: string, project: string): Promise
   });
   await refreshProjects();
 }
-
-/** Import each file or folder in a folder of the server as a recording of a project. */
-export const importEach = (path: string, project: string): Promise<void> =>
-  attempt('The import did not start', async () => {
-    type Answer = Parameters<typeof jobOf>[0];
-    const jobs: Job[] = (
-      await api<Answer[]>('POST', `${projectPath(project)}/imports`, { path })
-    ).map(jobOf);
-    jobs.forEach(noteJob);
-  });

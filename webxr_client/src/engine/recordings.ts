@@ -1,10 +1,12 @@
 /** Recordings: the list, export, change, delete. */
 import { actions, type Actions } from '../store/actions';
 import { exportFormats, rememberExport, type ExportFormat } from './export-formats';
+import { noteImport } from './imports';
 import { listSequences } from '../net/early';
 import { api, apiUrl, ApiError } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import {
+  isActive,
   notify,
   state,
   type ChosenFile,
@@ -43,13 +45,29 @@ export async function attempt(what: string, work: () => Promise<void>): Promise<
   await succeeds(what, work);
 }
 
-/** Job messages come over the socket and from answers; the newest word counts. */
 /** Ids of jobs whose end is told where they are waited for, not in a message of their own. */
 export const waitedFor = new Set<string>();
 
+/** Job messages come over the socket and from answers; the newest word counts. */
 export function noteJob(job: Job): void {
-  const others = state.jobs.peek().filter((other) => other.id !== job.id);
+  const known = state.jobs.peek().find((other) => other.id === job.id);
+  // The answer to the call that began it can come after the message of its end.
+  if (known && isActive(job) && !isActive(known)) return;
+  const others = state.jobs.peek().filter((other) => other !== known);
   state.jobs.value = [...others, job];
+  noteImport(job);
+}
+
+/** Pause in which ends of several imports are answered by one look at the list, milliseconds. */
+const SOON_MS = 500;
+let soon: ReturnType<typeof setTimeout> | null = null;
+
+/** Fetch the list of recordings, once for all that is asked within a short time. */
+export function refreshSoon(): void {
+  soon ??= setTimeout(() => {
+    soon = null;
+    void actions.refreshSequences();
+  }, SOON_MS);
 }
 
 export function setUpload(name: string, next: Upload | null): void {
@@ -73,6 +91,7 @@ async function refreshSequences(): Promise<void> {
     damaged: row.damaged,
     labels_missing: row.labels_missing,
     created: row.created,
+    changed: row.changed,
     labelled: row.labelled,
     labels: row.labels,
     labels_used: row.labels_used,

@@ -17,6 +17,8 @@ export interface SequenceOut {
   readonly labels_missing: string | null;
   /** Date of the import, ISO 8601. */
   readonly created: string | null;
+  /** Date of the last edit, or else of the import, ISO 8601. */
+  readonly changed: string | null;
   /** Frames with labels. */
   readonly labelled: number;
   /** Labels, and those of them that have points in some frame. */

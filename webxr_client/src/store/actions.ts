@@ -168,8 +168,10 @@ export interface Actions {
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
   /** Say what the files are; null takes an option back. */
   correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void>;
-  /** The files are labels of a recording, or (null) a recording of their own. */
-  retargetImport(sequence: string | null): Promise<void>;
+  /** The files are labels of a recording, or (null) a recording of their own, or several. */
+  retargetImport(sequence: string | null, several?: boolean): Promise<void>;
+  /** Import a part of the draft, by its number, or leave it out; of all without a number. */
+  includePart(included: boolean, number?: number): void;
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
   /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none";
@@ -178,7 +180,7 @@ export interface Actions {
   exportSequence(format: string, frames?: string, val?: string, snapshot?: string): Promise<void>;
 
   /** Begin the next task of a project, or go on with one's own. */
-  nextTask(project: string): Promise<void>;
+  nextTask(project: string, work?: 'label' | 'review'): Promise<void>;
 
   // connection and messages
   reconnect(): void;

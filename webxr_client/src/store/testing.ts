@@ -12,6 +12,7 @@ export function recordingRow(id: string, name = id): SequenceSummary {
     damaged: null,
     labels_missing: null,
     created: null,
+    changed: null,
     labelled: 0,
     labels: 0,
     labels_used: 0,

@@ -333,17 +333,32 @@ export interface ImportOptions {
 }
 
 /** Files on their way in: chosen here (and sent, `upload`), or a path of the server's machine. */
-export interface ImportDraft {
+export interface ImportSource {
   readonly files: readonly ChosenFile[] | null;
   readonly path: string | null;
   readonly upload: string | null;
+  readonly found: ImportPreview | null;
+  readonly error: string;
+}
+
+/** One of several recordings. */
+export interface ImportPart extends ImportSource {
+  readonly name: string;
+  readonly bytes: number;
+  /** It is to be imported. */
+  readonly included: boolean;
+}
+
+export interface ImportDraft extends ImportSource {
   /** The recording whose labels they are; null for a recording of their own. */
   readonly sequence: string | null;
+  /** The recordings that they are, where they are several. */
+  readonly parts: readonly ImportPart[] | null;
+  /** Whether it is known that they are one recording, several, or labels. */
+  readonly decided: boolean;
   readonly options: ImportOptions;
-  readonly found: ImportPreview | null;
   readonly labels: LabelsFound | null;
   readonly busy: boolean;
-  readonly error: string;
 }
 
 export interface XrState {

@@ -1,17 +1,9 @@
 /** Settings of a project: its recordings, which are moved in or imported, and its tasks. */
-import { useEffect, useState } from 'preact/hooks';
-import {
-  importEach,
-  importInto,
-  type Project,
-  projects,
-  settled,
-  TASK_WORDS,
-} from '../engine/projects';
+import { useEffect } from 'preact/hooks';
+import { importInto, type Project, projects, settled, TASK_WORDS } from '../engine/projects';
 import { rowOf } from '../engine/recordings';
-import { pickFiles } from '../panels/importing/files';
-import { Button, Check } from '../panels/parts/controls';
-import { actions } from '../store/actions';
+import { ImportBox } from '../panels/importing/import-box';
+import { Button } from '../panels/parts/controls';
 import { state } from '../store/state';
 import { MakeTasks } from '../work/make-tasks';
 import { taskWords } from '../work/queue';
@@ -49,54 +41,13 @@ export function Recordings({ of }: { of: Project }) {
           ))}
         </select>
       )}
-      <Import of={of} />
-    </>
-  );
-}
-
-/** Imports into the project: of files, or of a path on the server. */
-function Import({ of: { id } }: { of: Project }) {
-  const [path, setPath] = useState('');
-  const [each, setEach] = useState(true);
-  const begin = (run: () => void): void => {
-    importInto.value = id;
-    settled.value = null;
-    run();
-  };
-  const submit = (event: Event): void => {
-    event.preventDefault();
-    const given = path.trim();
-    if (given) begin(() => void (each ? importEach(given, id) : actions.importPath(given)));
-  };
-  return (
-    <section class="settings-import" aria-label="Import into the project">
-      <div class="group">
-        <Button label="Import files" kind="outlined" onClick={() => begin(() => pickFiles())} />
-        <Button
-          label="Import a folder"
-          kind="outlined"
-          onClick={() => begin(() => pickFiles(true))}
-        />
-      </div>
-      <form class="settings-add" onSubmit={submit}>
-        <input
-          class="field"
-          aria-label="Path on the server"
-          placeholder="A path on the server"
-          spellcheck={false}
-          value={path}
-          onInput={(event) => setPath(event.currentTarget.value)}
-        />
-        <button type="submit" class="button outlined" disabled={!path.trim()}>
-          Import
-        </button>
-      </form>
-      <Check
-        label="Import each file or folder in it as a recording"
-        checked={each}
-        onChange={setEach}
+      <ImportBox
+        onBegin={() => {
+          importInto.value = of.id;
+          settled.value = null;
+        }}
       />
-    </section>
+    </>
   );
 }
 

@@ -1,5 +1,6 @@
 /** Between a drop and an import: what was found, and what a person says it is. */
 import type { ComponentChildren } from 'preact';
+import { areReady, partsOfFiles } from '../../engine/import-parts';
 import { FIRST, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
@@ -7,7 +8,8 @@ import { Button, Check } from '../parts/controls';
 import { useModal } from '../parts/modal';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
-import { Facts, Labels, onPage, orderCounts } from './found';
+import { Facts, Labels, onPage, orderCounts, Warnings } from './found';
+import { PartsTable } from './parts-table';
 
 const FORMATS = [
   ['ply', 'PLY'], ['pcd', 'PCD'], ['las', 'LAS, LAZ, COPC'], ['e57', 'E57'], ['text', 'Text'],
@@ -30,11 +32,11 @@ export function ImportDialog() {
     event.preventDefault();
     void actions.takeImport();
   };
-  const ready = !draft.busy && (draft.sequence ? draft.labels !== null : draft.found !== null);
+  const { title, button } = wordsOf(draft);
   return (
     <dialog
       ref={dialog}
-      class="import"
+      class={draft.parts ? 'import several' : 'import'}
       aria-label="Import"
       onCancel={(event) => {
         event.preventDefault();
@@ -43,31 +45,16 @@ export function ImportDialog() {
     >
       <form onSubmit={submit}>
         <header>
-          <h2>{draft.sequence ? 'Import labels' : 'Import a recording'}</h2>
+          <h2>{title}</h2>
           {draft.busy && <div class="spinner small" role="status" aria-label="Reading the files" />}
         </header>
-        <Target draft={draft} />
-        {draft.error && (
-          <p class="import-note bad" role="alert">
-            <Icon name="warning" /> <span>{onPage(draft.error)}</span>
-          </p>
-        )}
-        {orderCounts(draft) && (
-          <Check
-            label="Match files to frames by order, not by name"
-            checked={draft.options.by_order ?? false}
-            onChange={(checked) => correct({ by_order: checked || null })}
-          />
-        )}
-        {draft.sequence ? (
-          draft.labels && <Labels found={draft.labels} />
-        ) : (
-          <Recording draft={draft} />
-        )}
+        <div class="import-body">
+          <Content draft={draft} />
+        </div>
         <footer>
           <Button label="Cancel" onClick={() => void actions.leaveImport()} />
-          <button type="submit" class="button primary" disabled={!ready} data-autofocus>
-            {draft.sequence ? 'Import labels' : 'Import'}
+          <button type="submit" class="button primary" disabled={!isReady(draft)}>
+            {button}
           </button>
         </footer>
       </form>
@@ -75,23 +62,71 @@ export function ImportDialog() {
   );
 }
 
-/** Files dropped on an open recording can be its labels, or another recording. */
-function Target({ draft }: { draft: ImportDraft }) {
-  const open = state.sequence.value;
-  if (!open || !draft.files) return null;
-  const choose = (sequence: string | null): void => void actions.retargetImport(sequence);
+function wordsOf({ sequence, parts }: ImportDraft): { title: string; button: string } {
+  if (sequence) return { title: 'Import labels', button: 'Import labels' };
+  if (!parts) return { title: 'Import a recording', button: 'Import' };
+  const chosen = parts.filter(({ included }) => included).length;
+  return { title: 'Import recordings', button: `Import ${plural(chosen, 'recording')}` };
+}
+
+function isReady({ parts, busy, sequence, labels, found }: ImportDraft): boolean {
+  return parts ? areReady(parts) : !busy && (sequence ? labels : found) !== null;
+}
+
+function Content({ draft }: { draft: ImportDraft }) {
+  const { parts, sequence, labels, error, options } = draft;
   return (
-    <div class="group" role="group" aria-label="Content of the files">
+    <>
+      <Target draft={draft} />
+      {error && (
+        <p class="import-note bad" role="alert">
+          <Icon name="warning" /> <span>{onPage(error)}</span>
+        </p>
+      )}
+      {orderCounts(draft) && (
+        <Check
+          label="Match files to frames by order, not by name"
+          checked={options.by_order ?? false}
+          onChange={(checked) => correct({ by_order: checked || null })}
+        />
+      )}
+      {parts && <PartsTable parts={parts} busy={draft.busy} />}
+      {sequence
+        ? labels && <Labels found={labels} />
+        : draft.decided && <Recording draft={draft} />}
+    </>
+  );
+}
+
+/** Files can be a recording, several, or labels of the open one. */
+function Target({ draft: { files, sequence, parts, decided } }: { draft: ImportDraft }) {
+  const open = state.sequence.value;
+  const several = files ? (parts ?? partsOfFiles(files)).length : 0;
+  if (!files || (!open && several < 2)) return null;
+  const choose = (target: string | null, each = false): void =>
+    void actions.retargetImport(target, each);
+  return (
+    <div class="segmented" role="group" aria-label="Content of the files">
       <Button
-        label="A new recording"
-        pressed={draft.sequence === null}
+        label="One recording"
+        pressed={decided && sequence === null && !parts}
         onClick={() => choose(null)}
       />
-      <Button
-        label={`Labels of ${open.name}`}
-        pressed={draft.sequence !== null}
-        onClick={() => choose(open.id)}
-      />
+      {several > 1 && (
+        <Button
+          label={`${several} recordings`}
+          tip="Each file or folder is a recording"
+          pressed={parts !== null}
+          onClick={() => choose(null, true)}
+        />
+      )}
+      {open && (
+        <Button
+          label={`Labels of ${open.name}`}
+          pressed={sequence !== null}
+          onClick={() => choose(open.id)}
+        />
+      )}
     </div>
   );
 }
@@ -101,28 +136,14 @@ function correct(patch: Partial<Record<keyof ImportOptions, unknown>>): void {
 }
 
 function Recording({ draft }: { draft: ImportDraft }) {
-  const { found, options } = draft;
+  const { options, parts } = draft;
+  const found = parts ? null : draft.found;
   return (
     <>
-      {found && <Facts found={found} />}
+      {found && <Warnings lines={found.warnings} />}
       <div class="import-fields">
-        {projects.value.length > 1 && (
-          <Row label="Project">
-            <Choice
-              value={options.project ?? FIRST}
-              choices={projects.value.map(({ id, name }) => [id, name] as const)}
-              onChange={(id) => correct({ project: id === FIRST ? null : id })}
-            />
-          </Row>
-        )}
-        <Row label="Name">
-          <input
-            class="field"
-            value={options.name ?? found?.name ?? ''}
-            maxLength={200}
-            onChange={(event) => correct({ name: event.currentTarget.value.trim() || null })}
-          />
-        </Row>
+        <ProjectOf options={options} />
+        {!parts && <Name found={found} options={options} />}
         <Row label="Frames per second">
           <input
             class="field"
@@ -134,19 +155,39 @@ function Recording({ draft }: { draft: ImportDraft }) {
             onChange={(event) => correct({ fps: Number(event.currentTarget.value) || null })}
           />
         </Row>
-        <Row label="Unit">
-          <Choice
-            value={String(options.scale ?? 1)}
-            choices={UNITS}
-            onChange={(value) => correct({ scale: value === '1' ? null : Number(value) })}
-          />
-        </Row>
-        <UpAxis found={found} options={options} />
+        <Axes found={found} options={options} />
         {found && <Topics found={found} options={options} />}
         <Poses found={found} options={options} />
       </div>
+      {found && <Facts found={found} />}
       <OtherWays draft={draft} />
     </>
+  );
+}
+
+function ProjectOf({ options }: { options: ImportOptions }) {
+  if (projects.value.length < 2) return null;
+  return (
+    <Row label="Project">
+      <Choice
+        value={options.project ?? FIRST}
+        choices={projects.value.map((each) => [each.id, each.name] as const)}
+        onChange={(chosen) => correct({ project: chosen === FIRST ? null : chosen })}
+      />
+    </Row>
+  );
+}
+
+function Name({ found, options }: CorrectedProps) {
+  return (
+    <Row label="Name">
+      <input
+        class="field"
+        value={options.name ?? found?.name ?? ''}
+        maxLength={200}
+        onChange={(event) => correct({ name: event.currentTarget.value.trim() || null })}
+      />
+    </Row>
   );
 }
 
@@ -155,18 +196,27 @@ interface CorrectedProps {
   options: ImportOptions;
 }
 
-function UpAxis({ found, options }: CorrectedProps) {
+function Axes({ found, options }: CorrectedProps) {
   return (
-    <Row label="Up">
-      <Choice
-        value={options.up ?? ''}
-        choices={[
-          ['', found ? `automatic: ${signed(found.up)}` : 'automatic'],
-          ...AXES.map((axis) => [axis, signed(axis)] as const),
-        ]}
-        onChange={(value) => correct({ up: value || null })}
-      />
-    </Row>
+    <>
+      <Row label="Unit">
+        <Choice
+          value={String(options.scale ?? 1)}
+          choices={UNITS}
+          onChange={(value) => correct({ scale: value === '1' ? null : Number(value) })}
+        />
+      </Row>
+      <Row label="Up">
+        <Choice
+          value={options.up ?? ''}
+          choices={[
+            ['', found ? `automatic: ${signed(found.up)}` : 'automatic'],
+            ...AXES.map((axis) => [axis, signed(axis)] as const),
+          ]}
+          onChange={(value) => correct({ up: value || null })}
+        />
+      </Row>
+    </>
   );
 }
 

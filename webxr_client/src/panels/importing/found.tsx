@@ -1,7 +1,6 @@
 /** Findings in files that are about to be imported. */
 import type { FileFrame, ImportDraft, ImportPreview, LabelsFound } from '../../store/state';
 import { plural } from '../../common/format';
-import { Icon } from '../../common/icons';
 
 /** So many files are seen at a glance. */
 const OPEN_FILES = 8;
@@ -37,20 +36,22 @@ export function Facts({ found }: { found: ImportPreview }) {
     <>
       <FactList rows={rows} />
       {new Set(found.files.map(({ file }) => file)).size > 1 && <Files files={found.files} />}
-      <Warnings lines={found.warnings} />
     </>
   );
 }
 
-function Warnings({ lines }: { lines: readonly string[] }) {
+/** Warnings of the server: folded a line each, and the first ones alone where there are many. */
+export function Warnings({ lines }: { lines: readonly string[] }) {
+  if (lines.length === 0) return null;
   return (
-    <>
-      {lines.map((line) => (
-        <p key={line} class="import-note">
-          <Icon name="warning" /> <span>{onPage(line)}</span>
-        </p>
-      ))}
-    </>
+    <details class="import-note" open={lines.length === 1}>
+      <summary>
+        <b>{plural(lines.length, 'warning')}</b>
+        {lines.map((line) => (
+          <span key={line}>{onPage(line)}</span>
+        ))}
+      </summary>
+    </details>
   );
 }
 

@@ -1,330 +1,206 @@
-/** Recordings on the start page, by project, with a search and what has been done of each. */
-import { signal, useSignal } from '@preact/signals';
-import { useEffect, useState } from 'preact/hooks';
+/** The start page: all recordings in a table, by project. */
+import { signal } from '@preact/signals';
+import { useEffect, useMemo, useState } from 'preact/hooks';
 import {
-  type Conditions,
-  createProject,
-  type Group,
   grouped,
-  NO_CONDITIONS,
-  type Project,
-  projectPath,
+  nextWork,
   projects,
   refreshProjects,
-  search,
-  settled,
-  type Statistics,
-  TASK_STATES,
-  TASK_WORDS,
   tasksOf,
+  type Group,
 } from '../../engine/projects';
-import { attempt } from '../../engine/recordings';
-import { plural, shortCount } from '../../common/format';
+import {
+  chooseOrder,
+  descending,
+  matching,
+  order,
+  ORDERS,
+  sorted,
+  type Order,
+} from '../../engine/recording-list';
+import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
-import { api } from '../../net/rest';
 import { actions } from '../../store/actions';
-import { canManage, type SequenceSummary } from '../../store/state';
-import { Button, NameField } from '../parts/controls';
-import { PopoverButton } from '../parts/popover';
-import { matching, RecordingName, renamingRecording, Row } from './recordings';
+import { keep, kept } from '../../store/kept';
+import { canManage, state, type SequenceSummary } from '../../store/state';
+import { Button } from '../parts/controls';
+import { inSight, listStyle, useSight, type Sight } from '../parts/scrolled';
+import { Filter, filtered } from './filter';
+import { ImportButton } from './import-box';
+import { NewProject } from './new-project';
+import { ProjectHead, SettingsButton } from './project-head';
+import { RecordingName, renamingRecording, Row } from './recordings';
 
-/** So many recordings are told apart at a glance. */
-const SEARCHED_FROM = 4;
-/** Rows of a project that are drawn at first. */
-const DRAWN = 100;
-/** With more recordings, projects begin closed. */
-const OPEN_UP_TO = 50;
-/** Pause in typing after which the server is asked, milliseconds. */
-const PAUSE_MS = 200;
+const FOLDED = 'pointbrush.folded-projects';
+/** Ids of projects whose recordings are not shown. */
+const folded = signal<ReadonlySet<string>>(new Set(kept(FOLDED)?.split(' ')));
 
-const conditions = signal(NO_CONDITIONS);
-/** Recordings that meet the conditions; null: there are none to meet. */
-const found = signal<ReadonlySet<string> | null>(null);
-const naming = signal(false);
+function fold(id: string): void {
+  const others = new Set(folded.peek());
+  if (!others.delete(id)) others.add(id);
+  folded.value = others;
+  keep(FOLDED, [...others].join(' '));
+}
 
 export function Recordings({ sequences }: { sequences: readonly SequenceSummary[] }) {
   const [text, setText] = useState('');
-  useEffect(() => void refreshProjects(), [sequences]);
-  const several = projects.value.length > 1;
-  const met = sequences.filter(({ id }) => found.value?.has(id) ?? true);
-  const rows = matching(met, text);
-  const sought = text !== '' || found.value !== null;
+  const [named, setNamed] = useState(projects.peek().length > 0);
+  useEffect(() => void refreshProjects().then(() => setNamed(true)), [sequences]);
+  const [by, down, found, known] = [order.value, descending.value, filtered.value, projects.value];
+  const rows = useMemo(() => {
+    const met = sequences.filter(({ id }) => found?.has(id) ?? true);
+    return sorted(matching(met, text), by, down);
+  }, [sequences, found, text, by, down]);
+  const groups = useMemo(() => grouped(rows, known), [rows, known]);
+  const sought = text !== '' || found !== null;
+  const only = known.length === 1 && !hasTasks(groups) ? known[0]! : null;
   return (
     <>
-      <header class="recordings-header">
+      <header class="home-head">
         <h1>Recordings</h1>
-        {(several || sequences.length >= SEARCHED_FROM) && (
-          <input
-            class="field"
-            type="search"
-            aria-label="Search the recordings"
-            placeholder={`Search ${plural(sequences.length, 'recording')}`}
-            value={text}
-            onInput={(event) => setText(event.currentTarget.value)}
-          />
-        )}
+        <input
+          class="field"
+          type="search"
+          aria-label="Search the recordings"
+          placeholder={`Search ${plural(sequences.length, 'recording')}`}
+          value={text}
+          onInput={(event) => setText(event.currentTarget.value)}
+        />
+        <Filter />
+        <span class="soft number" role="status">
+          {sought && `${rows.length} found`}
+        </span>
+        <span class="spacer" />
+        {canManage.value && only && <SettingsButton project={only} />}
+        {canManage.value && <NewProject rows={sought ? rows : []} />}
+        {canManage.value && <ImportButton />}
+        <NextWork />
       </header>
-      {(several || sequences.length >= SEARCHED_FROM) && <ConditionFields />}
-      {sought && rows.length === 0 && <p class="soft">No recording matches the search</p>}
-      <div class="projects">
-        {grouped(rows, projects.value).map((group) =>
-          sought && group.rows.length === 0 ? null : (
-            <ProjectGroup
-              key={group.project.id}
-              group={group}
-              alone={!several}
-              opened={sought || sequences.length <= OPEN_UP_TO}
-            />
-          ),
-        )}
-      </div>
-      {canManage.value && <NewProject />}
+      {named && (
+        <Table
+          groups={groups.filter((group) => !sought || group.rows.length > 0)}
+          headed={only === null}
+          sought={sought}
+        />
+      )}
     </>
   );
 }
 
-const FIELDS = [
-  ['class', 'Class'],
-  ['label', 'Label'],
-  ['person', 'Person'],
-] as const;
+function hasTasks(groups: readonly Group[]): boolean {
+  return groups.some(({ project }) => tasksOf(project.tasks ?? {}) > 0);
+}
 
-/** Conditions for the server: points of a class or label, a person, a task's state. */
-function ConditionFields() {
-  const { value } = conditions;
-  const change = (patch: Partial<Conditions>): void => {
-    conditions.value = { ...conditions.peek(), ...patch };
-  };
-  useEffect(() => {
-    let stale = false;
-    const timer = setTimeout(() => {
-      void attempt('The search failed', async () => {
-        const met = await search(value);
-        if (!stale) found.value = met;
-      });
-    }, PAUSE_MS);
-    return () => {
-      stale = true;
-      clearTimeout(timer);
-    };
-  }, [value]);
+/** The next task of the first project that has one, to label or to review. */
+function NextWork() {
+  const { label, review } = nextWork(projects.value, state.me.value?.account ?? '');
   return (
-    <div class="conditions" role="group" aria-label="Only recordings with">
-      {FIELDS.map(([name, words]) => (
-        <input
-          key={name}
-          class="field"
-          aria-label={words}
-          placeholder={words}
-          maxLength={256}
-          list={name === 'person' ? 'project-people' : undefined}
-          value={value[name]}
-          onInput={(event) => change({ [name]: event.currentTarget.value })}
+    <>
+      {review && (
+        <Button
+          label="Next to review"
+          kind={label ? 'outlined' : 'primary'}
+          tip={`Review a task of ${review.name}`}
+          onClick={() => void actions.nextTask(review.id, 'review')}
         />
-      ))}
-      <datalist id="project-people">
-        {[...new Set(projects.value.flatMap(peopleOf))].map((person) => (
-          <option key={person} value={person} />
-        ))}
-      </datalist>
-      <select
-        class="field"
-        aria-label="State of a task"
-        value={value.state}
-        onChange={(event) => change({ state: event.currentTarget.value })}
-      >
-        <option value="">Any state</option>
-        {TASK_STATES.map((kind) => (
-          <option key={kind} value={kind}>
-            Task {TASK_WORDS[kind]}
-          </option>
-        ))}
-      </select>
+      )}
+      {label && (
+        <Button
+          label="Next task"
+          kind="primary"
+          tip={`Label your next task of ${label.name}`}
+          onClick={() => void actions.nextTask(label.id)}
+        />
+      )}
+    </>
+  );
+}
+
+interface TableProps {
+  groups: readonly Group[];
+  /** Projects have heads. */
+  headed: boolean;
+  sought: boolean;
+}
+
+function Table({ groups, headed, sought }: TableProps) {
+  const [box, sight] = useSight();
+  let offset = 1;
+  return (
+    <div ref={box} class="home-table">
+      <Headings />
+      {groups.length === 0 && <p class="home-none soft">No recording matches the search.</p>}
+      {groups.map(({ project, rows }) => {
+        const shown = !headed || sought || !folded.value.has(project.id);
+        const begin = offset + (headed ? 1 : 0);
+        offset = begin + (shown ? Math.max(1, rows.length) : 0);
+        return (
+          <section key={project.id} aria-label={project.name}>
+            {headed && (
+              <ProjectHead
+                project={project}
+                rows={rows}
+                shown={shown}
+                onFold={() => fold(project.id)}
+              />
+            )}
+            {shown && <Rows rows={rows} offset={begin} sight={sight} />}
+          </section>
+        );
+      })}
     </div>
   );
 }
 
-function peopleOf({ roles, people }: Project): readonly string[] {
-  return [...Object.keys(roles), ...Object.keys(people)].filter(Boolean);
-}
+const HEADINGS: Readonly<Record<Order, string>> = {
+  name: 'Name', frames: 'Length', points: 'Points', progress: 'Labelled', changed: 'Changed',
+}; // prettier-ignore
 
-interface GroupProps {
-  group: Group;
-  /** It is the only project. */
-  alone: boolean;
-  opened: boolean;
-}
-
-function ProjectGroup({ group: { project, rows }, alone, opened }: GroupProps) {
-  const [open, setOpen] = useState<boolean | null>(null);
-  const tasks = project.tasks ?? {};
-  if (alone && tasksOf(tasks) === 0) return <Rows rows={rows} />;
-  const shown = alone || (open ?? opened);
+function Headings() {
   return (
-    <section class="project" aria-label={project.name}>
-      <div class="project-head">
+    <div class="home-headings" role="group" aria-label="Order">
+      {ORDERS.map((each) => (
         <button
+          key={each}
           type="button"
-          class="button project-name"
-          aria-expanded={shown}
-          onClick={() => setOpen(!shown)}
+          class="button small"
+          data-order={each}
+          aria-pressed={order.value === each}
+          data-tip={`Order by ${HEADINGS[each].toLowerCase()}`}
+          onClick={() => chooseOrder(each)}
         >
-          <Icon name={shown ? 'chevron' : 'next'} />
-          <strong class="name">{project.name}</strong>
-          <span class="soft number">{plural(rows.length, 'recording')}</span>
+          {HEADINGS[each]}
+          {order.value === each && <Icon name={descending.value ? 'chevron' : 'up'} />}
         </button>
-        <Progress tasks={tasks} rows={rows} />
-        {tasksOf(tasks) > 0 && project.role !== 'viewer' && (
-          <Button
-            label="Next task"
-            kind="outlined"
-            small
-            tip={`Open your next task in ${project.name}`}
-            onClick={() => void actions.nextTask(project.id)}
-          />
-        )}
-        <FiguresButton project={project.id} />
-        {canManage.value && <SettingsButton project={project} />}
-      </div>
-      {shown && <Rows rows={rows} />}
-    </section>
+      ))}
+      <span>Labels in use</span>
+    </div>
   );
 }
 
-function Rows({ rows }: { rows: readonly SequenceSummary[] }) {
-  const [all, setAll] = useState(false);
+interface RowsProps {
+  rows: readonly SequenceSummary[];
+  /** Rows above the first. */
+  offset: number;
+  sight: Sight;
+}
+
+/** Recordings of a project; only those in sight are drawn. */
+function Rows({ rows, offset, sight }: RowsProps) {
+  const [from, until] = inSight(sight, offset, rows.length);
+  if (rows.length === 0) return <p class="home-none soft">No recordings yet.</p>;
   return (
-    <ul class="recordings">
-      {(all ? rows : rows.slice(0, DRAWN)).map((row) => (
-        <li key={row.id} class="recording-line">
+    <ul class="rows" style={listStyle(rows.length, from)}>
+      {rows.slice(from, until).map((row, k) => (
+        <li
+          key={row.id}
+          class="recording-line"
+          aria-setsize={rows.length}
+          aria-posinset={from + k + 1}
+        >
           {renamingRecording.value === row.id ? <RecordingName row={row} /> : <Row row={row} />}
         </li>
       ))}
-      {!all && rows.length > DRAWN && (
-        <li>
-          <Button label={`All ${plural(rows.length, 'recording')}`} onClick={() => setAll(true)} />
-        </li>
-      )}
-      {rows.length === 0 && (
-        <li class="soft">No recordings yet: import recordings or move them here</li>
-      )}
     </ul>
-  );
-}
-
-interface ProgressProps {
-  tasks: NonNullable<Project['tasks']>;
-  rows: readonly SequenceSummary[];
-}
-
-/** Tasks by state; of a project without tasks the frames that have labels. */
-function Progress({ tasks, rows }: ProgressProps) {
-  const all = tasksOf(tasks);
-  const frames = rows.reduce((sum, row) => sum + row.frames, 0);
-  const labelled = rows.reduce((sum, row) => sum + row.labelled, 0);
-  const told = TASK_STATES.filter((kind) => tasks[kind])
-    .map((kind) => `${tasks[kind]} ${TASK_WORDS[kind]}`)
-    .join(', ');
-  const words = all > 0 ? `${tasksOf(tasks, 'accepted')} of ${plural(all, 'task')}` : `${labelled} of ${plural(frames, 'frame')}`; // prettier-ignore
-  return (
-    <span class="part project-progress" data-tip={told || 'Frames with labels'}>
-      <span class="soft number">{words}</span>
-      <span class="progress states" aria-hidden="true">
-        {all === 0 && <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />}
-        {[...TASK_STATES].reverse().map((kind) => (
-          <span
-            key={kind}
-            data-state={kind}
-            style={{ width: `${(100 * (tasks[kind] ?? 0)) / Math.max(1, all)}%` }}
-          />
-        ))}
-      </span>
-    </span>
-  );
-}
-
-function SettingsButton({ project: { id, name } }: { project: Group['project'] }) {
-  return (
-    <Button
-      label="Settings"
-      tip={`People, categories, tasks and webhooks of ${name}`}
-      small
-      onClick={() => (settled.value = id)}
-    />
-  );
-}
-
-function FiguresButton({ project }: { project: string }) {
-  const open = useSignal(false);
-  return (
-    <PopoverButton open={open} icon="points" tip="Points, objects, hours" label="Figures" small>
-      <FiguresTable project={project} />
-    </PopoverButton>
-  );
-}
-
-function FiguresTable({ project }: { project: string }) {
-  const figures = useSignal<Statistics | null>(null);
-  useEffect(() => {
-    void attempt('The figures did not load', async () => {
-      figures.value = await api<Statistics>('GET', `${projectPath(project)}/statistics`);
-    });
-  }, [project]);
-  if (!figures.value) return <p class="soft">Counting…</p>;
-  const { points, objects, hours, classes, people } = figures.value;
-  const row = (name: string, cells: readonly string[]) => (
-    <tr key={name}>
-      <th scope="row">{name}</th>
-      {cells.map((cell, k) => (
-        <td key={k} class="number">
-          {cell}
-        </td>
-      ))}
-    </tr>
-  );
-  return (
-    <table class="figures">
-      <thead>
-        <tr>
-          <th>Class</th>
-          <th>Points</th>
-          <th>Objects</th>
-          <th>Hours</th>
-        </tr>
-      </thead>
-      <tbody>
-        {classes.map((each) =>
-          row(each.name || 'no class', [
-            shortCount(each.points),
-            String(each.objects),
-            each.hours.toFixed(2),
-          ]),
-        )}
-        {row('All', [shortCount(points), String(objects), hours.toFixed(2)])}
-        {people.map(({ name, hours: own }) => row(name, ['', '', own.toFixed(2)]))}
-      </tbody>
-    </table>
-  );
-}
-
-function NewProject() {
-  const [only, ...others] = projects.value;
-  if (!naming.value) {
-    return (
-      <div class="group">
-        <Button icon="plus" label="New project" onClick={() => (naming.value = true)} />
-        {only && others.length === 0 && <SettingsButton project={only} />}
-      </div>
-    );
-  }
-  return (
-    <NameField
-      name=""
-      maxLength={200}
-      onFinish={(name) => {
-        naming.value = false;
-        if (name) void createProject(name);
-      }}
-    />
   );
 }

@@ -6,23 +6,13 @@ import { apiUrl } from '../../net/rest';
 import { canEdit, canManage, type SequenceSummary } from '../../store/state';
 import { Button, NameField } from '../parts/controls';
 import { PopoverButton } from '../parts/popover';
-import { clock, day, plural, shortCount } from '../../common/format';
+import { ago, clock, plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
 
-/** Return the recordings whose names have all words, in any order. */
-export function matching(
-  sequences: readonly SequenceSummary[],
-  text: string,
-): readonly SequenceSummary[] {
-  const words = text.toLowerCase().split(/\s+/).filter(Boolean);
-  return sequences.filter(({ name, id }) => {
-    const told = `${name} ${id}`.toLowerCase();
-    return words.every((word) => told.includes(word));
-  });
-}
-
+/** A row of the table: its cells are in the order of the column headings of `home.tsx`. */
 export function Row({ row }: { row: SequenceSummary }) {
   const sound = row.damaged === null;
+  const fault = sound ? labelsMissing(row) : `Damaged: ${row.damaged}`;
   const path = `sequences/${encodeURIComponent(row.id)}/frames/0/thumbnail`;
   return (
     <>
@@ -37,27 +27,56 @@ export function Row({ row }: { row: SequenceSummary }) {
         ) : (
           <Icon name="warning" />
         )}
-        <span class="recording-words">
-          <strong class="name">{row.name}</strong>
-          {sound ? <Length row={row} /> : <span class="soft">Damaged: {row.damaged}</span>}
-          {sound && row.labels_missing !== null && (
-            <span class="soft">Labels were not imported: {row.labels_missing}</span>
-          )}
-        </span>
-        {sound && row.labels_missing === null && <Labelled row={row} />}
-        <Icon name="next" />
+        <strong class="name" data-tip={row.name}>
+          {row.name}
+        </strong>
+        {fault ? <span class="recording-fault">{fault}</span> : <Figures row={row} />}
       </button>
-      {sound && row.labels_missing !== null && canEdit.value && (
-        <Button
-          label="Try again"
-          tip={`Import the labels in the files of ${row.name}`}
-          small
-          onClick={() => void actions.importSourceLabels(row.id)}
-        />
-      )}
-      <MoveTo row={row} />
-      <RecordingTools row={row} />
+      <span class="recording-tools">
+        {sound && row.labels_missing !== null && canEdit.value && (
+          <Button
+            label="Try again"
+            tip={`Import the labels in the files of ${row.name}`}
+            small
+            onClick={() => void actions.importSourceLabels(row.id)}
+          />
+        )}
+        <MoveTo row={row} />
+        <RecordingTools row={row} />
+      </span>
     </>
+  );
+}
+
+function labelsMissing({ labels_missing: reason }: SequenceSummary): string {
+  return reason === null ? '' : `Labels were not imported: ${reason}`;
+}
+
+/** Length, size, labels and date. Neither frames nor labels with points say that all is done. */
+function Figures({ row }: { row: SequenceSummary }) {
+  const { frames, fps, labelled, labels, labels_used: used, changed } = row;
+  const long = fps > 0 && frames > 1 ? ` · ${clock(frames / fps)}` : '';
+  return (
+    <>
+      <span class="soft number">{plural(frames, 'frame') + long}</span>
+      <span class="soft number">{shortCount(row.points)}</span>
+      <span class="recording-progress soft number">
+        <span class="progress" aria-hidden="true">
+          <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />
+        </span>
+        {labelled} of {frames} frames
+      </span>
+      <span class="soft number">{labels > 0 && `${used} of ${labels}`}</span>
+      <span class="soft">{changed !== null && <When iso={changed} />}</span>
+    </>
+  );
+}
+
+function When({ iso }: { iso: string }) {
+  return (
+    <time dateTime={iso} data-tip={new Date(iso).toLocaleString()}>
+      {ago(iso)}
+    </time>
   );
 }
 
@@ -91,40 +110,6 @@ function MoveTo({ row }: { row: SequenceSummary }) {
   );
 }
 
-function Length({ row }: { row: SequenceSummary }) {
-  return (
-    <span class="soft number">
-      {plural(row.frames, 'frame')}
-      {row.fps > 0 && row.frames > 1 ? ` · ${clock(row.frames / row.fps)}` : ''} ·{' '}
-      {shortCount(row.points)} points
-      {row.created !== null && ` · ${day(row.created)}`}
-    </span>
-  );
-}
-
-/** Frames and labels that have points, of all: neither says that the work is done. */
-function Labelled({ row }: { row: SequenceSummary }) {
-  return (
-    <span class="recording-progress">
-      <Part done={row.labelled} of={row.frames} what="frames" />
-      {row.labels > 0 && <Part done={row.labels_used} of={row.labels} what="labels" />}
-    </span>
-  );
-}
-
-function Part({ done, of, what }: { done: number; of: number; what: string }) {
-  return (
-    <span class="part">
-      <span class="soft number">
-        {done} of {of} {what}
-      </span>
-      <span class="progress" aria-hidden="true">
-        <span style={{ transform: `scaleX(${of > 0 ? done / of : 0})` }} />
-      </span>
-    </span>
-  );
-}
-
 /** The recording whose name is being typed. */
 export const renamingRecording = signal<string | null>(null);
 
@@ -137,7 +122,7 @@ interface RecordingToolsProps {
 export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
   if (!canManage.value) return null;
   return (
-    <span class="recording-tools">
+    <>
       <Button
         icon="pencil"
         tip={`Rename ${row.name}`}
@@ -153,7 +138,7 @@ export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
           void actions.deleteSequence(row.id);
         }}
       />
-    </span>
+    </>
   );
 }
 

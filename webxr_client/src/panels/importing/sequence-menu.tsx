@@ -1,6 +1,7 @@
 /** The recording's name; opens the list of the others. */
 import { signal } from '@preact/signals';
-import { useCallback, useRef } from 'preact/hooks';
+import { useCallback, useRef, useState } from 'preact/hooks';
+import { matching } from '../../engine/recording-list';
 import { actions } from '../../store/actions';
 import { canEdit, canManage, importJob, state, type SequenceSummary } from '../../store/state';
 import { pickFiles } from './files';
@@ -39,11 +40,7 @@ export function SequenceMenu() {
       </h1>
       {open.value && (
         <Popover anchor={anchor} label="Recordings" onClose={close}>
-          <ul class="sequence-list">
-            {(state.sequences.value ?? []).map((row) => (
-              <SequenceRow key={row.id} row={row} />
-            ))}
-          </ul>
+          <Sequences />
           <hr />
           <button
             type="button"
@@ -83,6 +80,37 @@ export function SequenceMenu() {
   );
 }
 
+/** So many are listed; of more those of a search. */
+const LISTED = 40;
+
+function Sequences() {
+  const [text, setText] = useState('');
+  const all = state.sequences.value ?? [];
+  const found = matching(all, text);
+  return (
+    <>
+      {all.length > LISTED && (
+        <input
+          class="field sequence-search"
+          type="search"
+          aria-label="Search the recordings"
+          placeholder={`Search ${plural(all.length, 'recording')}`}
+          value={text}
+          onInput={(event) => setText(event.currentTarget.value)}
+        />
+      )}
+      <ul class="sequence-list">
+        {found.slice(0, LISTED).map((row) => (
+          <SequenceRow key={row.id} row={row} />
+        ))}
+        {found.length > LISTED && (
+          <li class="soft">{found.length - LISTED} more: search, or see all recordings</li>
+        )}
+      </ul>
+    </>
+  );
+}
+
 function SequenceRow({ row }: { row: SequenceSummary }) {
   const current = state.sequence.value?.id === row.id;
   if (renamingRecording.value === row.id) {
@@ -109,7 +137,9 @@ function SequenceRow({ row }: { row: SequenceSummary }) {
           {plural(row.frames, 'frame')} · {shortCount(row.points)}
         </span>
       </button>
-      <RecordingTools row={row} {...(current && { onDelete: close })} />
+      <span class="recording-tools">
+        <RecordingTools row={row} {...(current && { onDelete: close })} />
+      </span>
     </li>
   );
 }

@@ -1,15 +1,16 @@
 /** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
+import { useSignal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
-import { importEach, importInto, projects } from '../../engine/projects';
 import { signOut } from '../../engine/sign-out';
 import { actions } from '../../store/actions';
 import { canManage, state } from '../../store/state';
-import { Button, Check } from '../parts/controls';
+import { Button } from '../parts/controls';
+import { PopoverButton } from '../parts/popover';
 import { day, plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { api, apiUrl } from '../../net/rest';
-import { pickFiles } from './files';
 import { Recordings } from './home';
+import { ImportBox } from './import-box';
 
 export function Welcome() {
   const { state: connection, detail } = state.connection.value;
@@ -19,14 +20,24 @@ export function Welcome() {
   if (sequences === null) {
     return connection === 'offline' ? <Away detail={detail} /> : <Waiting text="Connecting…" />;
   }
+  const empty = sequences.length === 0;
   return (
-    <div class="welcome-page">
-      <div class="welcome-box">
-        {sequences.length > 0 ? <Recordings sequences={sequences} /> : <Empty />}
-        <ImportBox />
+    <div class={empty ? 'welcome-page empty' : 'welcome-page'}>
+      {empty ? (
+        <div class="welcome-box">
+          <Empty />
+          <ImportBox />
+        </div>
+      ) : (
+        <Recordings sequences={sequences} />
+      )}
+      <footer class="home-foot soft">
+        <span>
+          {!empty && canManage.value && 'Drop files or a folder anywhere to import them.'}
+        </span>
         <Deleted />
         <Account />
-      </div>
+      </footer>
     </div>
   );
 }
@@ -36,12 +47,12 @@ function Account() {
   const me = state.me.value;
   return (
     me && (
-      <footer class="account soft">
+      <span class="account">
         <span>
           Signed in as <b>{me.author}</b>, {me.role}
         </span>
-        <Button label="Sign out" onClick={() => void signOut()} />
-      </footer>
+        <Button label="Sign out" small onClick={() => void signOut()} />
+      </span>
     )
   );
 }
@@ -113,110 +124,36 @@ function Empty() {
 
 /** Recordings that were deleted and can be brought back. */
 function Deleted() {
-  const [shown, setShown] = useState(false);
+  const open = useSignal(false);
   const { value: deleted } = state.deleted;
   useEffect(() => void actions.refreshDeleted(), []);
   if (deleted.length === 0) return null;
   return (
-    <section aria-label="Deleted recordings">
-      <Button
-        icon="trash"
-        label={plural(deleted.length, 'deleted recording')}
-        expanded={shown}
-        onClick={() => setShown(!shown)}
-      />
-      {shown && (
-        <ul class="recordings">
-          {deleted.map((row) => (
-            <li key={row.identity} class="recording">
-              <Icon name="trash" />
-              <strong class="name">{row.name}</strong>
-              <span class="soft">
-                Deleted {day(row.deleted)} · kept until {day(row.until)}
-              </span>
-              <Button
-                icon="restore"
-                label="Restore"
-                kind="outlined"
-                disabled={!canManage.value}
-                onClick={() => void actions.restoreSequence(row.identity)}
-              />
-            </li>
-          ))}
-        </ul>
-      )}
-    </section>
-  );
-}
-
-function ImportBox() {
-  const [path, setPath] = useState('');
-  const [each, setEach] = useState(false);
-  const submit = (event: Event): void => {
-    event.preventDefault();
-    if (!path.trim()) return;
-    if (each) void importEach(path.trim(), importInto.peek());
-    else void actions.importPath(path.trim());
-  };
-  return (
-    <section class="import-box" aria-label="Import">
-      <div class="drop-hint">
-        <Icon name="import" />
-        <p>
-          <strong>Drop files or a folder here</strong>
-          <span class="soft">PLY, PCD, LAS, LAZ, E57, NPZ, KITTI, XYZ, bags and more</span>
-        </p>
-        <div class="group">
-          <Button label="Choose files" kind="primary" onClick={() => pickFiles()} />
-          <Button label="Choose a folder" kind="outlined" onClick={() => pickFiles(true)} />
-        </div>
-      </div>
-      <form class="path-form" onSubmit={submit}>
-        <label>
-          <span class="soft">Or a path on the server</span>
-          <input
-            class="field"
-            value={path}
-            placeholder="/data/recordings/session-12"
-            spellcheck={false}
-            onInput={(event) => setPath(event.currentTarget.value)}
-          />
-        </label>
-        <button type="submit" class="button outlined" disabled={!path.trim()}>
-          Import
-        </button>
-      </form>
-      <div class="import-into">
-        <Check
-          label="Import each file or folder in it as a recording"
-          checked={each}
-          onChange={setEach}
-        />
-        {projects.value.length > 1 && <Into />}
-      </div>
-      <p class="soft">
-        In a terminal: <code>pointbrush import PATH…</code>
-      </p>
-    </section>
-  );
-}
-
-/** The project that recordings come into, by files and by path. */
-function Into() {
-  return (
-    <label class="soft">
-      Into project
-      <select
-        class="field"
-        value={importInto.value}
-        onChange={(event) => (importInto.value = event.currentTarget.value)}
-      >
-        {projects.value.map(({ id, name }) => (
-          <option key={id} value={id}>
-            {name}
-          </option>
+    <PopoverButton
+      open={open}
+      icon="trash"
+      button={{ label: plural(deleted.length, 'deleted recording'), class: 'small' }}
+      tip="Recordings that can be restored"
+      label="Deleted recordings"
+    >
+      <ul class="deleted">
+        {deleted.map((row) => (
+          <li key={row.identity}>
+            <strong class="name">{row.name}</strong>
+            <span class="soft">
+              Deleted {day(row.deleted)} · kept until {day(row.until)}
+            </span>
+            <Button
+              icon="restore"
+              label="Restore"
+              kind="outlined"
+              small
+              disabled={!canManage.value}
+              onClick={() => void actions.restoreSequence(row.identity)}
+            />
+          </li>
         ))}
-      </select>
-    </label>
+      </ul>
+    </PopoverButton>
   );
 }

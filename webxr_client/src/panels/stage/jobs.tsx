@@ -5,7 +5,9 @@ import type { Job } from '../../protocol/messages';
 import { canCancel, isActive, isMine, state } from '../../store/state';
 import { Button, Progress } from '../parts/controls';
 import { bytes, plural } from '../../common/format';
+import { ownImports } from '../../engine/imports';
 import { PopoverButton } from '../parts/popover';
+import { ImportCard } from './import-card';
 
 const TITLE = {
   import: 'Importing',
@@ -17,7 +19,8 @@ const TITLE = {
 
 /** One's own; what others do is told beside the state of the server. */
 export function JobCards() {
-  const jobs = state.jobs.value.filter((job) => isActive(job) && isMine(job));
+  const shown = new Set(ownImports.value);
+  const jobs = state.jobs.value.filter((job) => isActive(job) && isMine(job) && !shown.has(job));
   return (
     <>
       {state.uploads.value.map((upload) => (
@@ -32,6 +35,7 @@ export function JobCards() {
           <Progress share={upload.sent / Math.max(1, upload.total)} label={upload.name} />
         </div>
       ))}
+      <ImportCard />
       {jobs.map((job) => (
         <div key={job.id} class="card job" role="status">
           <Running job={job} about={job.message} />

@@ -1,0 +1,110 @@
+/** Conditions for recordings that only the server can check: labels, people, tasks. */
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import {
+  NO_CONDITIONS,
+  projects,
+  search,
+  TASK_STATES,
+  TASK_WORDS,
+  type Conditions,
+  type Project,
+} from '../../engine/projects';
+import { attempt } from '../../engine/recordings';
+import { Button } from '../parts/controls';
+import { PopoverButton } from '../parts/popover';
+
+/** Pause in typing after which the server is asked, milliseconds. */
+const PAUSE_MS = 200;
+
+const conditions = signal(NO_CONDITIONS);
+const open = signal(false);
+/** Ids of the recordings that meet the conditions; null: there are none to meet. */
+export const filtered = signal<ReadonlySet<string> | null>(null);
+
+/** A button that opens the conditions, with their number. */
+export function Filter() {
+  const { value } = conditions;
+  useEffect(() => {
+    let stale = false;
+    const timer = setTimeout(() => {
+      void attempt('The search failed', async () => {
+        const met = await search(value);
+        if (!stale) filtered.value = met;
+      });
+    }, PAUSE_MS);
+    return () => {
+      stale = true;
+      clearTimeout(timer);
+    };
+  }, [value]);
+  const count = Object.values(value).filter(Boolean).length;
+  return (
+    <PopoverButton
+      open={open}
+      icon="filter"
+      pressed={count > 0}
+      button={{ label: count > 0 ? `Filter: ${count}` : 'Filter', class: '' }}
+      tip="Only recordings with a class, a label, a person or a task"
+      label="Filter"
+    >
+      <Fields />
+      <Button
+        label="Show all"
+        disabled={count === 0}
+        onClick={() => (conditions.value = NO_CONDITIONS)}
+      />
+    </PopoverButton>
+  );
+}
+
+const FIELDS = [
+  ['class', 'Class'],
+  ['label', 'Label'],
+  ['person', 'Person'],
+] as const;
+
+function Fields() {
+  const { value } = conditions;
+  const change = (patch: Partial<Conditions>): void => {
+    conditions.value = { ...conditions.peek(), ...patch };
+  };
+  return (
+    <div class="conditions" role="group" aria-label="Only recordings with">
+      {FIELDS.map(([name, words]) => (
+        <input
+          key={name}
+          class="field"
+          aria-label={words}
+          placeholder={words}
+          maxLength={256}
+          list={name === 'person' ? 'project-people' : undefined}
+          value={value[name]}
+          onInput={(event) => change({ [name]: event.currentTarget.value })}
+        />
+      ))}
+      <datalist id="project-people">
+        {[...new Set(projects.value.flatMap(peopleOf))].map((person) => (
+          <option key={person} value={person} />
+        ))}
+      </datalist>
+      <select
+        class="field"
+        aria-label="State of a task"
+        value={value.state}
+        onChange={(event) => change({ state: event.currentTarget.value })}
+      >
+        <option value="">Any state</option>
+        {TASK_STATES.map((kind) => (
+          <option key={kind} value={kind}>
+            Task {TASK_WORDS[kind]}
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+function peopleOf({ roles, people }: Project): readonly string[] {
+  return [...Object.keys(roles), ...Object.keys(people)].filter(Boolean);
+}

@@ -1,0 +1,147 @@
+/** The head of a project in the table of recordings, and its figures. */
+import { useSignal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+import {
+  type Group,
+  nextWork,
+  type Project,
+  projectPath,
+  projects,
+  settled,
+  type Statistics,
+  TASK_STATES,
+  TASK_WORDS,
+  tasksOf,
+} from '../../engine/projects';
+import { attempt } from '../../engine/recordings';
+import { plural, shortCount } from '../../common/format';
+import { Icon } from '../../common/icons';
+import { api } from '../../net/rest';
+import { actions } from '../../store/actions';
+import { canManage, state, type SequenceSummary } from '../../store/state';
+import { Button } from '../parts/controls';
+import { PopoverButton } from '../parts/popover';
+
+interface ProjectHeadProps {
+  project: Group['project'];
+  rows: readonly SequenceSummary[];
+  shown: boolean;
+  onFold: () => void;
+}
+
+export function ProjectHead({ project, rows, shown, onFold }: ProjectHeadProps) {
+  const known = projects.value.find(({ id }) => id === project.id);
+  const { label, review } = nextWork(known ? [known] : [], state.me.value?.account ?? '');
+  const next = (name: string, work: 'label' | 'review'): preact.JSX.Element => (
+    <Button label={name} kind="outlined" small tip={`${name} in ${project.name}`} onClick={() => void actions.nextTask(project.id, work)} />
+  ); // prettier-ignore
+  return (
+    <div class="project-head">
+      <button type="button" class="button project-name" aria-expanded={shown} onClick={onFold}>
+        <Icon name={shown ? 'chevron' : 'next'} />
+        <strong class="name">{project.name}</strong>
+        <span class="soft number">{plural(rows.length, 'recording')}</span>
+      </button>
+      {review && next('Next to review', 'review')}
+      {label && next('Next task', 'label')}
+      <Progress tasks={project.tasks ?? {}} rows={rows} />
+      <FiguresButton project={project.id} />
+      {canManage.value && <SettingsButton project={project} />}
+    </div>
+  );
+}
+
+interface ProgressProps {
+  tasks: NonNullable<Project['tasks']>;
+  rows: readonly SequenceSummary[];
+}
+
+/** Tasks by state; of a project without tasks the frames that have labels. */
+function Progress({ tasks, rows }: ProgressProps) {
+  const all = tasksOf(tasks);
+  const frames = rows.reduce((sum, row) => sum + row.frames, 0);
+  const labelled = rows.reduce((sum, row) => sum + row.labelled, 0);
+  const told = TASK_STATES.filter((kind) => tasks[kind])
+    .map((kind) => `${tasks[kind]} ${TASK_WORDS[kind]}`)
+    .join(', ');
+  const words = all > 0 ? `${tasksOf(tasks, 'accepted')} of ${plural(all, 'task')}` : `${labelled} of ${plural(frames, 'frame')}`; // prettier-ignore
+  return (
+    <span class="part project-progress" data-tip={told || 'Frames with labels'}>
+      <span class="soft number">{words}</span>
+      <span class="progress states" aria-hidden="true">
+        {all === 0 && <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />}
+        {[...TASK_STATES].reverse().map((kind) => (
+          <span
+            key={kind}
+            data-state={kind}
+            style={{ width: `${(100 * (tasks[kind] ?? 0)) / Math.max(1, all)}%` }}
+          />
+        ))}
+      </span>
+    </span>
+  );
+}
+
+export function SettingsButton({ project: { id, name } }: { project: Group['project'] }) {
+  return (
+    <Button
+      label="Settings"
+      tip={`People, categories, tasks and webhooks of ${name}`}
+      small
+      onClick={() => (settled.value = id)}
+    />
+  );
+}
+
+function FiguresButton({ project }: { project: string }) {
+  const open = useSignal(false);
+  return (
+    <PopoverButton open={open} icon="points" tip="Points, objects, hours" label="Figures" small>
+      <FiguresTable project={project} />
+    </PopoverButton>
+  );
+}
+
+function FiguresTable({ project }: { project: string }) {
+  const figures = useSignal<Statistics | null>(null);
+  useEffect(() => {
+    void attempt('The figures did not load', async () => {
+      figures.value = await api<Statistics>('GET', `${projectPath(project)}/statistics`);
+    });
+  }, [project]);
+  if (!figures.value) return <p class="soft">Counting…</p>;
+  const { points, objects, hours, classes, people } = figures.value;
+  const row = (name: string, cells: readonly string[]) => (
+    <tr key={name}>
+      <th scope="row">{name}</th>
+      {cells.map((cell, k) => (
+        <td key={k} class="number">
+          {cell}
+        </td>
+      ))}
+    </tr>
+  );
+  return (
+    <table class="figures">
+      <thead>
+        <tr>
+          <th>Class</th>
+          <th>Points</th>
+          <th>Objects</th>
+          <th>Hours</th>
+        </tr>
+      </thead>
+      <tbody>
+        {classes.map((each) =>
+          row(each.name || 'no class', [
+            shortCount(each.points),
+            String(each.objects),
+            each.hours.toFixed(2),
+          ]),
+        )}
+        {row('All', [shortCount(points), String(objects), hours.toFixed(2)])}
+        {people.map(({ name, hours: own }) => row(name, ['', '', own.toFixed(2)]))}
+      </tbody>
+    </table>
+  );
+}
