@@ -76,6 +76,34 @@ def project(lead: Desk, server: LiveServer) -> None:
     for id_ in NAMES:
         server.create_label(id_, "person", "#ff5d5d")
     server.request("PATCH", "projects/night", json={"recordings": list(NAMES)})
+    people(lead, server)
+
+
+def people(lead: Desk, server: LiveServer) -> None:
+    """Warn about an unknown name, create its account, let its link in, and revoke it."""
+    page = lead.page
+    night = page.get_by_role("region", name="Night")
+    night.get_by_role("button", name="Settings").click()
+    dialog = page.get_by_role("dialog", name="Settings of the project")
+    dialog.get_by_label("Account", exact=True).fill("ada")
+    page.wait_for_function("document.querySelectorAll('#settings-people option').length === 2")
+    assert dialog.get_by_role("button", name="Create account").count() == 1
+    dialog.get_by_label("Account", exact=True).fill("grace")
+    dialog.get_by_label("Role of the new person").select_option("reviewer")
+    unknown = dialog.get_by_text("No account with access is called “grace”")
+    unknown.get_by_role("button", name="Create account").click()
+    entry = dialog.get_by_role("listitem").filter(has_text="grace")
+    entry.get_by_text("reviewer · 1 token").wait_for()
+    link = dialog.get_by_role("code").first.inner_text()
+    unknown.wait_for(state="detached")
+    lead.screenshot("team-accounts")
+    assert faults(page, "accounts", "dialog.settings") == []
+    with Client(server.url, link.partition("token=")[2]) as grace:
+        assert grace.call("GET", "/session").json() == {"author": "grace", "role": "reviewer"}
+    entry.get_by_role("button", name="Revoke all tokens of grace").click()
+    entry.get_by_role("button", name="Revoke", exact=True).click()
+    entry.get_by_text("no access").wait_for()
+    page.get_by_role("button", name="Close the settings").click()
 
 
 def queue(lead: Desk, server: LiveServer) -> None:

@@ -123,7 +123,7 @@ function People({ of }: { of: Project }) {
           Add
         </button>
       </form>
-      <AccountHint id="settings-people" name={account} role={role} />
+      <AccountHint id="settings-people" name={account} role={role} link={false} />
       <WorkspaceAccounts />
     </>
   );

@@ -10,10 +10,12 @@ interface AccountHintProps {
   /** The typed name, or empty. */
   name: string;
   role?: string;
+  /** Whether the link of a new account is shown here, and not beside the list of accounts. */
+  link?: boolean;
 }
 
 /** Names for a field that asks for an account, and a warning when no account has the typed name. */
-export function AccountHint({ id, name, role = 'annotator' }: AccountHintProps) {
+export function AccountHint({ id, name, role = 'annotator', link = true }: AccountHintProps) {
   useEffect(() => void loadAccounts(), []);
   const typed = name.trim();
   return (
@@ -34,7 +36,7 @@ export function AccountHint({ id, name, role = 'annotator' }: AccountHintProps) 
           />
         </p>
       )}
-      {newLink.value?.account === typed && <NewLink />}
+      {link && newLink.value?.account === typed && <NewLink />}
     </>
   );
 }
