@@ -33,7 +33,7 @@ import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { NOTE } from '../work/parts';
 import { accept, judged, nextReview, nextTask } from '../work/queue';
 import { judgeHere, stepFindings } from '../work/review';
-import { openWork, tabs } from '../work/store';
+import { openWork } from '../work/store';
 import { key, KEYS, type KeyBinding } from './keys';
 
 type Group = KeyBinding['group'];
@@ -159,8 +159,8 @@ const MORE: readonly KeyBinding[] = [
   plain('Work', 'Accept the task', () => accept(judged.peek()!), judges),
   plain('Work', 'Return the task with a note…', writeNote, judges),
   ...WORK.map(([tab, what]) =>
-    plain('Work', what, () => openWork(tab), () => inRecording() && tabs.peek().includes(tab)),
-  ), // prettier-ignore
+    plain('Work', what, () => openWork(tab), tab === 'agreement' ? reviews : inRecording),
+  ),
   key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
     actions.nextUnlabelled(-1),

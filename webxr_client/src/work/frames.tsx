@@ -71,7 +71,7 @@ function Here() {
   const here = standingOf(overview.value, frame);
   return (
     <p>
-      Frame {frame} is{' '}
+      Frame {frame}:{' '}
       <strong class="of-state" data-state={here?.state ?? 'open'}>
         {STATE_WORDS[here?.state ?? 'open']}
       </strong>

@@ -96,13 +96,13 @@ export async function judge(kind: ReviewState): Promise<boolean> {
 /** Set the state of the frame on screen; one to be corrected needs a note. */
 export async function judgeHere(kind: 'accepted' | 'rejected'): Promise<void> {
   if (!canReview.peek()) {
-    notify('info', `Only reviewers can mark frames as ${STATE_WORDS[kind]}`);
+    notify('info', 'Only reviewers can check frames');
     return;
   }
   const frame = state.frame.peek();
   draft.value = { ...draft.peek(), first: null, last: null };
   if (!(await judge(kind))) return;
-  notify('success', `Frame ${frame} is ${STATE_WORDS[kind]}`);
+  notify('success', `Frame ${frame}: ${STATE_WORDS[kind]}`);
   if (kind === 'rejected') openWork('frames');
 }
 

@@ -6,7 +6,7 @@ const ALL = ['tasks', 'findings', 'frames', 'agreement', 'versions'] as const;
 export type WorkTab = (typeof ALL)[number];
 
 export const workOpen = signal(false);
-/** The tab that was chosen; null until then. */
+/** The tab that was chosen; null: tasks where the project has any, or findings. */
 const chosenTab = signal<WorkTab | null>(null);
 export const project = computed(openProject);
 
@@ -19,7 +19,8 @@ export const workTab = computed<WorkTab>(() => {
   return tabs.value.find((tab) => tab === chosenTab.value) ?? first;
 });
 
-export function openWork(tab: WorkTab = workTab.peek()): void {
+/** Open the panel, at a tab or where it was. */
+export function openWork(tab: WorkTab | null = chosenTab.peek()): void {
   chosenTab.value = tab;
   workOpen.value = true;
 }

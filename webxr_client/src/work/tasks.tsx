@@ -24,7 +24,7 @@ export function Tasks() {
       {may(of, 'manager') && (
         <details>
           <summary>Make tasks</summary>
-          <MakeTasks of={of} open={state.sequence.value} />
+          <MakeTasks key={state.sequence.value?.id} of={of} open={state.sequence.value} />
         </details>
       )}
     </>
