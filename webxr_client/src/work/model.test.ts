@@ -25,7 +25,6 @@ const overview = (...frames: Standing[]): Overview => ({
   counts: { open: 0, review: 0, accepted: 0, rejected: 0 },
   frames,
   labels: [],
-  people: [],
 });
 
 describe('stepping through findings', () => {

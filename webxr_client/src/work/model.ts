@@ -23,7 +23,6 @@ export interface Overview {
   readonly counts: Readonly<Record<ReviewState, number>>;
   readonly frames: readonly Standing[];
   readonly labels: readonly Standing[];
-  readonly people: readonly string[];
 }
 
 /** A suspicious thing. */
