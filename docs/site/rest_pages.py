@@ -27,6 +27,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "By example": ("classifiers",),
     "Review": ("review",),
     "Projects": ("projects", "tasks", "agreement", "snapshots", "webhooks"),
+    "People": ("accounts",),
     "Server and jobs": ("server", "jobs"),
 }
 """Pages, and the tags of the calls on each."""

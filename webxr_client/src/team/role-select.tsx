@@ -1,5 +1,5 @@
-/** Choice of a person's role. */
-import { ROLES } from '../store/state';
+/** Choice of a role; roles above the own one are not offered, as the server refuses them. */
+import { ROLES, state } from '../store/state';
 
 interface RoleSelectProps {
   of: string;
@@ -8,6 +8,8 @@ interface RoleSelectProps {
 }
 
 export function RoleSelect({ of, value, onChange }: RoleSelectProps) {
+  const own = ROLES.indexOf(state.me.value?.role ?? 'admin');
+  const offered = ROLES.filter((role, rank) => rank <= own || role === value);
   return (
     <select
       class="field"
@@ -15,7 +17,7 @@ export function RoleSelect({ of, value, onChange }: RoleSelectProps) {
       value={value}
       onChange={(event) => onChange(event.currentTarget.value)}
     >
-      {ROLES.map((role) => (
+      {offered.map((role) => (
         <option key={role} value={role}>
           {role}
         </option>
