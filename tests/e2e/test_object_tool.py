@@ -13,6 +13,7 @@ from playwright.sync_api import Browser
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from tests.e2e.desk import Desk, launch
+from tests.e2e.geometry import overlaps
 from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, name_person, painted
 from tests.e2e.server import LiveServer
 from tests.e2e.test_accessibility import faults
@@ -157,6 +158,15 @@ def test_a_stroke_is_completed_to_the_object(desk: Desk, server: LiveServer, tru
     desk.settled()
     stroke = painted(server, 0)
     desk.page.get_by_text("Complete to object").wait_for()
+    desk.page.get_by_role("button", name="By example").click()
+    desk.page.get_by_role("button", name="Learn from painted points").wait_for()
+    assert desk.page.locator(".bar .primary").count() == 1
+    for width in (1280, 900):
+        desk.page.set_viewport_size({"width": width, "height": 720})
+        assert overlaps(desk.page, ".bar, .readout > *, .toast, .views, .signs") == []
+    desk.page.set_viewport_size({"width": 1280, "height": 720})
+    desk.page.get_by_role("button", name="By example").click()
+    desk.page.locator("#view").focus()
     desk.press("Tab")
     desk.until("pb.state.object.value === null || !pb.state.object.value.completes")
     eventually(lambda: painted(server, 0) > stroke)

@@ -14,6 +14,7 @@ from playwright.sync_api import Browser, expect
 
 from pointbrush.labels import LabelStore
 from tests.e2e.desk import Desk, launch
+from tests.e2e.geometry import cut, overlaps
 from tests.e2e.recording import SEQUENCE, painted
 from tests.e2e.server import LiveServer
 from tests.e2e.test_accessibility import faults
@@ -148,12 +149,15 @@ def test_a_range_is_dragged_and_tracked_by_the_form(desk: Desk, server: LiveServ
     export.get_by_role("spinbutton", name="to").fill("4")
     export.get_by_role("spinbutton", name="to").press("Tab")
     desk.press("Escape")
-    desk.page.locator(".chip").get_by_role("button", name="Track…").click()
+    desk.page.locator(".pill").get_by_role("button", name="Track…").click()
     form = desk.page.get_by_role("dialog", name="Track labels")
     expect(form.get_by_role("spinbutton", name="From")).to_have_value("1")
     expect(form.get_by_role("spinbutton", name="To")).to_have_value("4")
     expect(form.get_by_role("checkbox", name="pin 1")).to_be_checked()
     form.get_by_role("checkbox", name="Only up to the next painted frame").check()
+    form.get_by_text("Only up to the next painted frame").hover()
+    desk.page.get_by_role("tooltip").wait_for()
+    assert overlaps(desk.page, ".tooltip, .popover .check, .popover .row") == []
     form.get_by_role("button", name="Track 1 label").click()
     desk.until("pb.state.jobs.value.some((job) => job.state === 'done')")
     assert painted(server, 2, 1) > 100
@@ -322,8 +326,8 @@ def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: Live
     assert window.complaints == []
 
 
-def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
-    for width, height in ((390, 844), (853, 480), (1280, 720), (1920, 1080)):
+def test_every_control_has_a_name_and_the_cloud_its_room(desk: Desk) -> None:
+    for width, height in ((390, 844), (640, 360), (853, 480), (1280, 720), (1920, 1080)):
         desk.page.set_viewport_size({"width": width, "height": height})
         nameless = desk.page.evaluate(
             """() => [...document.querySelectorAll('button, input, select, [role=slider]')]
@@ -331,20 +335,37 @@ def test_every_control_has_a_name_and_nothing_overflows(desk: Desk) -> None:
               .map((e) => e.outerHTML)"""
         )
         assert nameless == []
-        outside = desk.page.evaluate(
-            """() => [...document.querySelectorAll('#toolbar *, #timeline *')]
-              .filter((e) => !e.parentElement.closest('.options') || innerWidth >= 760)
-              .filter((e) => e.getBoundingClientRect().right > innerWidth + 1)
-              .map((e) => e.outerHTML)"""
-        )
-        assert outside == []
+        # In a small window the rows of tools scroll.
+        small = width < 900
+        assert cut(desk.page, "#timeline *" if small else "#toolbar *, #timeline *") == []
         # The cloud has its room, and what is painted its name.
         room = desk.page.locator("#view").bounding_box()
         assert room is not None
-        assert room["width"] * room["height"] > 0.35 * width * height
+        assert room["width"] > 0.6 * width
+        assert room["height"] >= 0.5 * height
+        if small:
+            assert room["width"] == width
+            lies_over_the_cloud(desk, "Labels", "Close the labels")
+            desk.ask("pb.state.tool.value = 'boxes'")
+            expect(desk.page.locator("#boxes")).to_be_visible()
+            assert cut(desk.page, "#boxes header *") == []
+            assert desk.page.locator("#view").bounding_box() == room
+            desk.ask("pb.state.tool.value = 'paint'")
         desk.press("o")
         name = desk.page.locator(".action strong")
         assert name.evaluate("(e) => e.scrollWidth <= e.clientWidth && e.clientWidth > 20")
+
+
+def lies_over_the_cloud(desk: Desk, name: str, close: str) -> None:
+    """A button opens a panel over the cloud, which keeps its size; another closes it."""
+    room = desk.page.locator("#view").bounding_box()
+    desk.page.get_by_role("button", name=name, exact=True).click()
+    panel = desk.page.get_by_role("complementary", name=name)
+    expect(panel).to_be_visible()
+    assert desk.page.locator("#view").bounding_box() == room
+    assert cut(desk.page, f"#app > aside[aria-label={name}] > *") == []
+    panel.get_by_role("button", name=close).click()
+    expect(panel).to_be_hidden()
 
 
 def test_the_card_of_a_job_holds_a_long_message(desk: Desk) -> None:

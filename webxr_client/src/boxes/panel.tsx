@@ -8,7 +8,6 @@ import { Popover, PopoverButton } from '../panels/parts/popover';
 import { actions } from '../store/actions';
 import { boxes, chosenBox, type BoxPose, type ObjectBox } from '../store/boxes';
 import { activeLabel, canEdit, state, trackingJob } from '../store/state';
-import { follow } from '../store/watch';
 import { BoxAttributes } from './attributes';
 import {
   boxFromPoints,
@@ -42,7 +41,7 @@ function Head({ box }: { box: ObjectBox | null }) {
   const label = activeLabel.value;
   const pose = box?.poses[state.shown.value.frame];
   return (
-    <header>
+    <header class="panel-head">
       {label && <Swatch color={label.color} />}
       <h2>{label?.name ?? 'Boxes'}</h2>
       {pose && <Origin pose={pose} />}
@@ -59,7 +58,7 @@ const ORIGINS = { fitted: 'Fitted', drawn: 'Drawn', imported: 'Imported' } as co
 function Origin({ pose: { provenance, confidence } }: { pose: BoxPose }) {
   const sure = provenance === 'fitted';
   return (
-    <span class={`box-origin ${provenance}`} data-tip={sure ? 'Fitted to the points; dashed in the cloud. Dragging it makes it a drawn box' : 'Fitting does not change it'}>
+    <span class={`box-origin pill ${provenance}`} data-tip={sure ? 'Fitted to the points; dashed in the cloud. Dragging it makes it a drawn box' : 'Fitting does not change it'}>
       {ORIGINS[provenance]}
       {sure && <span class="number"> {percent(confidence)}</span>}
     </span>
@@ -153,7 +152,7 @@ function Chosen({ box }: { box: ObjectBox }) {
   return (
     <>
       {here ? <BoxViews /> : <NotHere box={box} />}
-      <div class="box-actions">
+      <div class="box-actions line wrap">
         <FitButton />
         <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame, along the track or on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
         <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn boxes" disabled={no} onClick={() => void interpolate()} />
@@ -185,7 +184,7 @@ function Sizes({ box }: { box: ObjectBox }) {
   return (
     <fieldset class="box-sizes" disabled={!canEdit.value}>
       {EDGES.map((name, axis) => (
-        <label key={name} data-tip="Size of the object in metres, the same in all frames">
+        <label key={name} class="row" data-tip="Size of the object in metres, the same in all frames">
           <span>{name}</span>
           <input class="field number" type="number" min={0.05} step={0.01} value={box.size[axis]!.toFixed(2)} onChange={(event) => patchSize(box, axis as 0 | 1 | 2, Number(event.currentTarget.value))} />
         </label>
@@ -196,18 +195,12 @@ function Sizes({ box }: { box: ObjectBox }) {
 
 /** Put the panel beside the stage; the result takes it away again. */
 export function mountBoxes(): () => void {
-  const app = document.getElementById('app')!;
   const place = document.createElement('aside');
   place.id = 'boxes';
   place.setAttribute('aria-label', 'Boxes');
   document.getElementById('stage')!.after(place);
   render(<BoxesPanel />, place);
-  const layout = follow(() => {
-    const open = state.tool.value === 'boxes' && state.sequence.value !== null;
-    app.classList.toggle('boxing', open && state.xr.value.session !== 'running');
-  });
   return () => {
-    layout();
     render(null, place);
     place.remove();
   };

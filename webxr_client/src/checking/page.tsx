@@ -16,7 +16,7 @@ export function CheckPage({ findings }: { findings: Findings }) {
   const { session } = state.xr.value;
   if (session === 'running' || closed) return null;
   return (
-    <section class="check-headset" aria-labelledby="check-title">
+    <section class="check-headset card" aria-labelledby="check-title">
       <h2 id="check-title">Check this headset</h2>
       <p class="soft">
         Enter VR and follow the panel at your side; this takes ten minutes. Then return to this page
@@ -32,7 +32,7 @@ export function CheckPage({ findings }: { findings: Findings }) {
         ))}
       </ul>
       <Trouble />
-      <footer>
+      <footer class="line">
         <Button label="Close" onClick={() => close(true)} />
         <span class="spacer" />
         <Button label="Download the report" kind="outlined" onClick={() => saveReport(findings)} />

@@ -39,11 +39,11 @@ export function ExampleButton() {
 export function ExampleBar() {
   if (!exampleOpen.value || !state.sequence.value) return null;
   return (
-    <section class="example-bar" aria-label="Label by example">
+    <section class="example-bar bar" aria-label="Label by example">
       {question.value && <Asked place={question.value} />}
       <div class="example-row">
         <Icon name="example" />
-        <div class="example-parts">{classifier.value ? <Predicted /> : <Begin />}</div>
+        <div class="example-parts line wrap grow">{classifier.value ? <Predicted /> : <Begin />}</div>
         <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />
       </div>
     </section>
@@ -81,7 +81,7 @@ function Choice() {
   return (
     <>
       <strong class="name">{chosen.name}</strong>
-      <PopoverButton open={choiceOpen} icon="more" small tip="Classifier: its examples, other classifiers" label="Classifier" class="track-form">
+      <PopoverButton open={choiceOpen} icon="more" small tip="Classifier: its examples, other classifiers" label="Classifier" class="form">
         <select class="field" aria-label="Classifier" value={chosen.id} onChange={(event) => chooseClassifier(event.currentTarget.value)}>
           {classifiers.value?.map(({ id, name }) => <option key={id} value={id}>{name}</option>)}
         </select>
@@ -119,9 +119,9 @@ function Classes() {
   const { classes, examples } = classifier.value!;
   const colours = coloursOf(classes, state.palette.value);
   return (
-    <ul class="colour-legend">
+    <ul class="stack">
       {classes.map((name, k) => (
-        <li key={name}>
+        <li key={name} class="line">
           <Swatch color={colours[k]!} /> {name}
           <span class="soft number">{plural(examples[name] ?? 0, 'example')}</span>
         </li>
@@ -135,7 +135,7 @@ function Told() {
   if (told && told.points === 0)
     return <span class="soft">Paint a second class: a classifier needs at least two</span>;
   return (
-    <span class="example-told" role="status">
+    <span class="example-told line" role="status">
       {told && <span class="number">{plural(told.points, 'point')}</span>}
       {told && state.sequence.value?.large && <span class="soft">near the centre of the view</span>}
       {told && <span class="soft">{percent(told.unsure / told.points)} in doubt</span>}
@@ -161,7 +161,7 @@ function Asked({ place }: { place: Question }) {
   const answers = [[first, 'Enter'], [second, 'Shift Enter']] as const; // prettier-ignore
   return (
     <div class="example-row" role="group" aria-label="A place in doubt">
-      <div class="example-parts">
+      <div class="example-parts line wrap grow">
         <span>Which class is at the ring?</span>
         {answers.map(([name, keys], k) => (
           <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!canEdit.value} onClick={() => answerDoubt(k as 0 | 1)}>
@@ -187,7 +187,7 @@ function Apply() {
     <>
       <Button buttonRef={anchor} label="Turn into labels…" kind="primary" tip="Label points as predicted: in this frame or in many" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
       {applyOpen.value && (
-        <Popover anchor={anchor} label="Turn the prediction into labels" class="track-form" onClose={() => (applyOpen.value = false)}>
+        <Popover anchor={anchor} label="Turn the prediction into labels" class="form" onClose={() => (applyOpen.value = false)}>
           <ApplyForm />
         </Popover>
       )}

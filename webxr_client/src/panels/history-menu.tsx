@@ -19,7 +19,7 @@ export function HistoryButton() {
       icon="history"
       tip="History of edits"
       label="History"
-      class="history-menu"
+      class="history-menu wide"
     >
       <HistoryMenu />
     </PopoverButton>
@@ -64,7 +64,7 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
         if (label !== null) actions.goToObject(label, frame);
       }}
     >
-      <span class="what">
+      <span class="lines grow">
         {edit.summary || edit.kind}
         <span class="soft">
           {edit.author} · {when(edit.time)}

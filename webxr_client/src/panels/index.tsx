@@ -1,5 +1,7 @@
 /** The desk's panels, around the canvas of `index.html`. */
 import { render, type ComponentChild } from 'preact';
+import { newLabel } from '../engine/labels';
+import { listAsked, renaming } from '../store/palette-list';
 import { state } from '../store/state';
 import { ImportDialog } from './importing/dialog';
 import { acceptDrops } from './importing/files';
@@ -39,7 +41,9 @@ export function mountPanels({ buttons, bars, dialogs }: MorePanels): () => void 
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
   const layout = follow(() => {
-    page.getElementById('app')!.classList.toggle('welcome', state.sequence.value === null);
+    const app = page.getElementById('app')!.classList;
+    app.toggle('welcome', state.sequence.value === null);
+    app.toggle('listing', listAsked.value || newLabel.value !== null || renaming.value !== null);
     page.title = state.sequence.value ? `${state.sequence.value.name} · pointbrush` : 'pointbrush';
   });
   const drops = acceptDrops();

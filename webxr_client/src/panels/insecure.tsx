@@ -9,7 +9,7 @@ export function InsecureHeadset() {
   const address = securePage(location.href);
   const server = (path: string): string => new URL(path, document.baseURI).href;
   return (
-    <section class="insecure" role="alert">
+    <section class="insecure card" role="alert">
       <h2>Your {headset} enters VR only over HTTPS</h2>
       <p>
         On the computer, start the server with <code>pointbrush serve --host 0.0.0.0 --tls</code>,

@@ -188,7 +188,7 @@ function AfterStroke({ path }: { path: boolean }) {
       icon="more"
       tip="After a stroke: complete the object, track the label"
       label="After a stroke"
-      class="overlays"
+      class="stack"
     >
       {path && (
         <Check

@@ -65,7 +65,7 @@ export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[
 function WelcomeBar() {
   return (
     <div class="toolbar-row">
-      <span class="brand">pointbrush</span>
+      <span class="title">pointbrush</span>
       <span class="spacer" />
       <ConnectionStatus />
       <OthersJobs />

@@ -77,9 +77,11 @@ function Card({ step, number, count }: CardProps) {
             {number + 1} of {count}
           </span>
         </div>
-        <p id="tour-text">{step.text}</p>
+        <p id="tour-text" class="soft">
+          {step.text}
+        </p>
       </div>
-      <div class="tour-foot">
+      <div class="line">
         {!last && <Button label="Leave" keys="Esc" tip="Leave the tour" onClick={leaveTour} />}
         <span class="spacer" />
         {number > 0 && <Button label="Back" kind="outlined" onClick={() => stepTour(-1, count)} />}
@@ -134,7 +136,7 @@ function usePlace(box: { current: HTMLElement | null }, at: string): void {
     const size = { width: card.offsetWidth, height: card.offsetHeight };
     const { left, top, side, tip } = placeCard(control.getBoundingClientRect(), size, { width: innerWidth, height: innerHeight }); // prettier-ignore
     Object.assign(card.style, { left: `${left}px`, top: `${top}px` });
-    card.style.setProperty('--tip', `${tip}px`);
+    card.style.setProperty('--tip-at', `${tip}px`);
     card.dataset['side'] = side;
     control.setAttribute('data-tour', '');
     return () => control.removeAttribute('data-tour');

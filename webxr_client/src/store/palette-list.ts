@@ -5,6 +5,8 @@ import { state } from './state';
 
 /** The palette shows labels with these words. */
 export const search = signal('');
+/** Whether the labels are open in a small window, where they lie over the picture. */
+export const listAsked = signal(false);
 /** Whether the person wants headings by category. */
 export const wantsGroups = signal(true);
 

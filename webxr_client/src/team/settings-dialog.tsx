@@ -96,7 +96,7 @@ function People({ of }: { of: Project }) {
       </p>
       <ul class="settings-rows">
         {rows.map(([name, own]) => (
-          <li key={name}>
+          <li key={name} class="line">
             <strong class="name">{name}</strong>
             <RoleSelect of={name} value={own} onChange={(next) => void setRole(name, next)} />
             <Button
@@ -108,9 +108,9 @@ function People({ of }: { of: Project }) {
           </li>
         ))}
       </ul>
-      <form class="settings-add" onSubmit={submit}>
+      <form class="line" onSubmit={submit}>
         <input
-          class="field"
+          class="field grow"
           aria-label="Account"
           placeholder="Account name"
           maxLength={128}
@@ -146,7 +146,7 @@ function Categories({ of: { categories } }: { of: Project }) {
           onClick={() => void save({ categories: null })}
         />
       )}
-      <div class="settings-categories">
+      <div class="settings-categories halves">
         {all.map(({ number, name }) => (
           <Check
             key={number}

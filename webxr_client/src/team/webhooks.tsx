@@ -29,7 +29,7 @@ export function Webhooks({ of }: { of: Project }) {
       {webhooks.value.length === 0 && <p class="soft">No webhooks yet.</p>}
       <ul class="settings-rows">
         {webhooks.value.map((each) => (
-          <li key={each.id} class="webhook">
+          <li key={each.id} class="stack">
             <Entry webhook={each} />
           </li>
         ))}
@@ -45,7 +45,7 @@ function Entry({ webhook }: { webhook: Webhook }) {
   const own = secret.value?.webhook === webhook.id ? secret.value.words : null;
   return (
     <>
-      <div class="webhook-head">
+      <div class="line">
         <strong class="name">{webhook.url}</strong>
         <span class="soft">{webhook.topics.join(', ')}</span>
         <Button
@@ -96,10 +96,10 @@ function Add() {
     if (await addWebhook(url.trim(), topics)) setUrl('');
   };
   return (
-    <form class="settings-webhook" onSubmit={(event) => void submit(event)}>
-      <div class="settings-add">
+    <form class="stack" onSubmit={(event) => void submit(event)}>
+      <div class="line">
         <input
-          class="field"
+          class="field grow"
           type="url"
           aria-label="Address of the webhook"
           placeholder="https://lab.example.org/hook"

@@ -26,9 +26,9 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
     void actions.deleteLabel(label.id);
   };
   return (
-    <Popover anchor={anchor} label={label.name} onClose={onClose} class="label-menu">
+    <Popover anchor={anchor} label={label.name} onClose={onClose}>
       {confirm ? (
-        <div class="confirm">
+        <div class="empty stack">
           <p>
             {here} and {all} will lose the label “{label.name}”. This can be undone.
           </p>

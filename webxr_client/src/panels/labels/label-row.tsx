@@ -48,7 +48,7 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
       <span role="gridcell">
         <ColorButton label={label} />
       </span>
-      <div class="label-text" role="gridcell">
+      <div class="lines" role="gridcell">
         <LabelText label={label} />
       </div>
       {!editing && <LabelState label={label} solo={solo} />}

@@ -9,7 +9,14 @@ import { Button, NameField } from '../parts/controls';
 import { count, plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { LabelRow } from './label-row';
-import { canGroup, listed, search, shownGroups, wantsGroups } from '../../store/palette-list';
+import {
+  canGroup,
+  listAsked,
+  listed,
+  search,
+  shownGroups,
+  wantsGroups,
+} from '../../store/palette-list';
 import { PaletteMenuButton } from './palette-menu';
 
 export function Palette() {
@@ -29,6 +36,13 @@ export function Palette() {
           small
           disabled={!canEdit.value}
           onClick={() => void actions.newLabel()}
+        />
+        <Button
+          icon="close"
+          tip="Close the labels"
+          small
+          class="sheet-part"
+          onClick={() => (listAsked.value = false)}
         />
       </div>
       {palette.length > 0 && <PaletteSearch />}
@@ -108,15 +122,17 @@ function NewRow() {
 
 function NoLabels() {
   return (
-    <div class="labels no-labels">
-      <p>A label stands for one object: a pin, a hand, a person.</p>
-      <Button
-        icon="plus"
-        label="First label"
-        kind="primary"
-        disabled={!canEdit.value}
-        onClick={() => void actions.newLabel()}
-      />
+    <div class="labels">
+      <div class="empty stack">
+        <p>A label stands for one object: a pin, a hand, a person.</p>
+        <Button
+          icon="plus"
+          label="First label"
+          kind="primary"
+          disabled={!canEdit.value}
+          onClick={() => void actions.newLabel()}
+        />
+      </div>
     </div>
   );
 }
@@ -159,6 +175,7 @@ const FIELD = 'label-search';
 
 /** Put the cursor into the search. */
 export function openSearch(): void {
+  listAsked.value = true;
   const field = document.getElementById(FIELD) as HTMLInputElement | null;
   field?.focus();
   field?.select();

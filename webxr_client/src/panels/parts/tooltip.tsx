@@ -7,9 +7,13 @@ interface Tip {
   readonly text: string;
   readonly keys: string;
   readonly at: DOMRect;
+  /** The popover around it, whose other options stay uncovered. */
+  readonly popover: DOMRect | undefined;
 }
 
 const DELAY_MS = 400;
+/** Pixels to what the tooltip explains, and to the edge of the window. */
+const [APART, EDGE] = [6, 8];
 const shown = signal<Tip | null>(null);
 
 function explain(target: EventTarget | null): void {
@@ -18,7 +22,22 @@ function explain(target: EventTarget | null): void {
     text: element.dataset['tip']!,
     keys: element.dataset['keys'] ?? '',
     at: element.getBoundingClientRect(),
+    popover: element.closest('.popover')?.getBoundingClientRect(),
   };
+}
+
+/** Beside the popover where there is room, else below the element or above it. */
+function place(box: HTMLElement, { at, popover }: Tip): void {
+  const { offsetWidth: width, offsetHeight: height } = box;
+  const right = (popover?.right ?? innerWidth) + APART;
+  const left = (popover?.left ?? 0) - APART - width;
+  const beside = right + width + EDGE <= innerWidth ? right : left;
+  const isBeside = popover !== undefined && beside >= EDGE;
+  const below = at.bottom + APART;
+  const under = below + height < innerHeight ? below : at.top - APART - height;
+  const centred = at.left + (at.width - width) / 2;
+  box.style.top = `${isBeside ? at.top + (at.height - height) / 2 : under}px`;
+  box.style.left = `${isBeside ? beside : Math.max(EDGE, Math.min(centred, innerWidth - width - EDGE))}px`;
 }
 
 export function Tooltip() {
@@ -54,13 +73,7 @@ export function Tooltip() {
   }, []);
   const tip = shown.value;
   useLayoutEffect(() => {
-    if (!tip || !box.current) return;
-    const { offsetWidth: width, offsetHeight: height } = box.current;
-    const below = tip.at.bottom + 6;
-    const top = below + height < innerHeight ? below : tip.at.top - 6 - height;
-    const centred = tip.at.left + (tip.at.width - width) / 2;
-    box.current.style.top = `${top}px`;
-    box.current.style.left = `${Math.max(8, Math.min(centred, innerWidth - width - 8))}px`;
+    if (tip && box.current) place(box.current, tip);
   }, [tip]);
   if (!tip) return null;
   return (

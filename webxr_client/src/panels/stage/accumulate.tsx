@@ -20,7 +20,7 @@ export function AccumulateButton() {
       pressed={accumulation.value.on}
       button={{ label: 'Frames' }}
       label="Neighbouring frames"
-      class="overlays"
+      class="stack"
     >
       <Around frames={info.frames} />
     </PopoverButton>

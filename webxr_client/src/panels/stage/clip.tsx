@@ -39,8 +39,8 @@ export function ClipButton() {
         icon="slice"
         tip="Clip: show and paint only points inside a box or slab"
         keys="Y"
-        pressed={clip.value !== null} button={{ label: 'Clip' }} label="Clip" class="overlays">
-          <RadioGroup label="Shown" class="kinds" options={KINDS} value={kindNow()} onChoose={choose} />
+        pressed={clip.value !== null} button={{ label: 'Clip' }} label="Clip" class="stack">
+          <RadioGroup label="Shown" class="stack" options={KINDS} value={kindNow()} onChoose={choose} />
           {clip.value && (
             <Check
               label="Follow the active object"

@@ -24,7 +24,7 @@ export function JobCards() {
   return (
     <>
       {state.uploads.value.map((upload) => (
-        <div key={upload.name} class="card job" role="status">
+        <div key={upload.name} class="card job stack" role="status">
           <div class="job-head">
             <strong>Sending</strong>
             <span class="soft">{upload.name}</span>
@@ -37,7 +37,7 @@ export function JobCards() {
       ))}
       <ImportCard />
       {jobs.map((job) => (
-        <div key={job.id} class="card job" role="status">
+        <div key={job.id} class="card job stack" role="status">
           <Running job={job} about={job.message} />
         </div>
       ))}
@@ -60,10 +60,10 @@ export function OthersJobs() {
       button={{ label: String(jobs.length), class: 'others-jobs' }}
       tip={`${plural(jobs.length, 'job')} of other people`}
       label="Jobs of other people"
-      class="jobs"
+      class="form"
     >
       {jobs.map((job) => (
-        <div key={job.id} class="job">
+        <div key={job.id} class="stack">
           <Running job={job} about={`${nameOf(job.sequence)} · ${job.owner}`} />
         </div>
       ))}
@@ -82,7 +82,7 @@ function Running({ job, about }: { job: Job; about: string }) {
       </div>
       <Progress share={job.progress} label={TITLE[job.kind]} />
       {canCancel(job) && (
-        <div class="job-end">
+        <div class="form-end">
           {tracking && (
             <Button
               label="Stop and keep"

@@ -17,7 +17,7 @@ export function ObjectBar() {
   const shows = clicks || (offers && object.completes);
   if (!shows || !isStroke(state.tool.value)) return null;
   return (
-    <div class="object-bar" role="status">
+    <div class="bar line wrap" role="status">
       <Icon name="object" />
       {offers && <Offer object={object} />}
       {!offers && <Hint object={object} />}
@@ -44,7 +44,7 @@ function Offer({ object: { level, levels, points, taken, completes } }: { object
       <Button icon="plus" tip="Towards the group" keys="+" disabled={level === levels - 1} onClick={() => void actions.stepObject(1)} />
       <span class="number">{plural(points, 'point')}</span>
       {completes && (
-        <Button label="Complete to object" kind="primary" keys="Tab" tip="Take these points instead of the stroke" onClick={() => void actions.completeObject()} />
+        <Button label="Complete to object" kind="outlined" keys="Tab" tip="Take these points instead of the stroke" onClick={() => void actions.completeObject()} />
       )}
       {completes && <Button icon="close" tip="Leave the stroke as it is" keys="Esc" onClick={() => actions.endObject()} />}
       {taken && <span class="soft">Click adds · Alt-click removes</span>}

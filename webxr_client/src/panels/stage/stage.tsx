@@ -9,7 +9,8 @@ import { activeLabel, isStroke, state, type Hover } from '../../store/state';
 import { AccumulateSign } from './accumulate';
 import { CameraPanel } from './cameras';
 import { ClipSign } from './clip';
-import { Button } from '../parts/controls';
+import { Button, Swatch } from '../parts/controls';
+import { listAsked } from '../../store/palette-list';
 import { plural, metres, shortCount } from '../../common/format';
 import { dropping } from '../importing/files';
 import { Icon } from '../../common/icons';
@@ -136,6 +137,7 @@ function Readout() {
   const { points, total } = state.shown.value;
   return (
     <div class="readout number">
+      <LabelsButton />
       {hover && <Hovered hover={hover} />}
       {points < total && (
         <span class="soft">
@@ -149,12 +151,29 @@ function Readout() {
   );
 }
 
+/** In a small window: opens the labels. */
+function LabelsButton() {
+  const label = activeLabel.value;
+  return (
+    <button
+      type="button"
+      class="button sheet-part"
+      aria-label="Labels"
+      aria-expanded={listAsked.value}
+      onClick={() => (listAsked.value = !listAsked.value)}
+    >
+      {label && <Swatch color={label.color} />}
+      <span class="name">{label?.name ?? 'Labels'}</span>
+    </button>
+  );
+}
+
 function Hovered({ hover }: { hover: Hover }) {
   const label = state.palette.value.find((entry) => entry.id === hover.label);
   const brush = isStroke(state.tool.value) && hover.points > 0;
   return (
     <span>
-      {label && <span class="swatch" style={{ '--color': label.color }} />}
+      {label && <Swatch color={label.color} />}
       {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabeled')}
       <span class="soft">
         {!orthographic.value && metres(hover.distance)}

@@ -115,7 +115,7 @@ function OverlayOptions() {
       tip="Overlays: boxes, trails, shading"
       button={{ label: 'Overlays' }}
       label="Overlays"
-      class="overlays"
+      class="stack"
     >
       <ViewSliders />
       {OVERLAYS.map(([name, label, tip]) => (
@@ -175,7 +175,7 @@ function RampButton() {
       icon="more"
       tip={legend ? 'Legend of the colours' : 'Colour ramp and range'}
       label="Colours"
-      class="overlays"
+      class="stack"
     >
       {legend ? <Meanings legend={legend} /> : <RampOptions />}
     </PopoverButton>
@@ -184,9 +184,9 @@ function RampButton() {
 
 function Meanings({ legend }: { legend: Legend }) {
   return (
-    <ul class="colour-legend">
+    <ul class="stack">
       {legend.map(([colour, meaning]) => (
-        <li key={meaning}>
+        <li key={meaning} class="line">
           <Swatch color={colour} /> {meaning}
         </li>
       ))}

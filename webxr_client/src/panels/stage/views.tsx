@@ -75,7 +75,7 @@ interface BookmarksProps {
 /** Views that were kept: go to one, rename it, drop it. */
 function Bookmarks({ anchor, onClose }: BookmarksProps) {
   return (
-    <Popover anchor={anchor} label="Saved views" onClose={onClose} class="bookmarks">
+    <Popover anchor={anchor} label="Saved views" onClose={onClose} class="form">
       {bookmarks.value.map((one, index) => (
         <Row key={`${index} ${one.name}`} one={one} index={index} />
       ))}
@@ -94,10 +94,10 @@ function Bookmarks({ anchor, onClose }: BookmarksProps) {
 
 function Row({ one, index }: { one: Bookmark; index: number }) {
   return (
-    <div class="row">
+    <div class="line">
       <Button icon="target" tip={`Go to ${one.name}`} onClick={() => actions.goToView(one)} />
       <input
-        class="field"
+        class="field grow"
         aria-label="Name of the view"
         defaultValue={one.name}
         maxLength={80}

@@ -11,7 +11,7 @@ export function Doubt() {
   const stops = halted.value?.at === state.frame.value;
   if (!canEdit.value || trackingJob.value || (!found && !stops)) return null;
   return (
-    <span class={`chip doubt${found ? ' warn' : ''}`} role="status">
+    <span class={`pill${found ? ' warn' : ''}`} role="status">
       <span class="doubt-text">{textOf(labels, found)}</span>
       {labels.length > 0 && canReview.value && (
         <Button

@@ -22,9 +22,9 @@ const LINES: readonly (readonly [Sample, string])[] = [
 export function StripLegend() {
   return (
     <PopoverButton open={open} icon="help" tip="Legend of the strips" label="Legend of the strips">
-      <ul class="strip-legend">
+      <ul class="stack">
         {LINES.map(([sample, words]) => (
-          <li key={words}>
+          <li key={words} class="line">
             <canvas width={44} height={14} ref={(canvas) => draw(canvas, sample)} />
             {words}
           </li>

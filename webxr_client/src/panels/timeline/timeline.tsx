@@ -102,7 +102,7 @@ function RangeChip() {
   if (!range) return null;
   const [from, to] = ordered(range);
   return (
-    <span class="chip number">
+    <span class="pill number">
       Frames {from} – {to}
       <Button label="Track…" kind="outlined" small onClick={() => (trackOpen.value = true)} />
       <Button icon="close" tip="Clear the range" small onClick={() => (frameRange.value = null)} />
@@ -114,7 +114,7 @@ function Doubtful({ frames }: { frames: number }) {
   const doubtful = doubtfulFrames(state.timeline.value.rows.values(), frames);
   if (doubtful.length === 0) return null;
   return (
-    <span class="chip warn number">
+    <span class="pill warn number">
       <Button
         icon="previous"
         tip="Previous doubtful frame"
@@ -137,27 +137,28 @@ function Doubtful({ frames }: { frames: number }) {
 /** Pixels: transport, ruler and four strips, two in a low window; and with one, which is the least. */
 const TIMELINE_DEFAULT = innerHeight < 560 ? 110 : 146;
 const TIMELINE_LEAST = 92;
-/** Part of the window that stays with the picture. */
-const MOST_OF_WINDOW = 0.6;
+/** Part of the window that the picture keeps. */
+const LEAST_PICTURE = 0.5;
 const STEP = 18;
 const KEY = 'pointbrush.timeline-height';
 
-function clampHeight(height: number, windowHeight: number): number {
-  const most = Math.max(TIMELINE_LEAST, MOST_OF_WINDOW * windowHeight);
+function clampHeight(height: number): number {
+  const above = document.getElementById('toolbar')!.offsetHeight;
+  const most = Math.max(TIMELINE_LEAST, (1 - LEAST_PICTURE) * innerHeight - above);
   return Math.round(Math.min(most, Math.max(TIMELINE_LEAST, height)));
 }
 
 const height = signal(TIMELINE_DEFAULT);
 
 function setHeight(wanted: number): void {
-  height.value = clampHeight(wanted, innerHeight);
+  height.value = clampHeight(wanted);
   keep(KEY, String(height.peek()));
 }
 
 /** The edge between picture and timeline. */
 function TimelineHandle() {
   useEffect(() => {
-    height.value = clampHeight(Number(kept(KEY)) || TIMELINE_DEFAULT, innerHeight);
+    height.value = clampHeight(Number(kept(KEY)) || TIMELINE_DEFAULT);
     return follow(() => {
       document.getElementById('timeline')!.style.height = `${height.value}px`;
     });

@@ -65,11 +65,11 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
     close();
   };
   return (
-    <Popover anchor={anchor} label="Track labels" onClose={close} class="track-form">
+    <Popover anchor={anchor} label="Track labels" onClose={close} class="form">
       <form onSubmit={submit}>
         <h2>Track labels</h2>
         <Painted frame={start} labels={here} chosen={chosen} onChange={setChosen} />
-        <div class="track-range">
+        <div class="track-range line">
           <FrameField label="From" value={start} max={last} onChange={setStart} />
           <FrameField label="To" value={stop} max={last} onChange={setStop} />
           <span class="soft">{inWords(start, stop)}</span>
@@ -220,7 +220,7 @@ interface FrameFieldProps {
 
 function FrameField({ label, value, max, onChange }: FrameFieldProps) {
   return (
-    <label>
+    <label class="row">
       {label}
       <input
         class="field number"
