@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, expect
 
+from pointbrush.sequences.manifest import rename_sequence, update_manifest
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import SEQUENCE
 from tests.e2e.server import LiveServer
@@ -67,16 +69,62 @@ POPOVERS: dict[str, Callable[[Page], None]] = {
     "a label's colour": by_button("Colour of pin 1"),
     "palette": by_button("Templates and palette files"),
     "help": by_button("Keyboard and mouse"),
+    "saved views": by_button("Saved views"),
+    "strips": by_button("Legend of the strips"),
 }
+
+# States that come from elsewhere: a server that is away or refuses, messages, a running job.
+NOTICES = ", ".join(
+    f"{{id: {number}, kind: '{kind}', title: 'Title', detail: 'Detail', times: 2}}"
+    for number, kind in enumerate(("info", "success", "error"))
+)
+JOB = f"""{{type: 'job', id: 'job', kind: 'tracking', sequence: '{SEQUENCE}', owner: '',
+  state: 'running', progress: 0.5, message: 'Frame 3', frame: null, error: null, edit: null}}"""
+STATES = {
+    "messages": f"pb.state.notices.value = [{NOTICES}]",
+    "a job": f"pb.state.jobs.value = [{JOB}]",
+    "no answer": "pb.state.connection.value = {...pb.state.connection.value, state: 'offline'}",
+    "connected": "pb.state.connection.value = {...pb.state.connection.value, state: 'online'}",
+}
+
+
+def add_recordings(server: LiveServer, count: int) -> None:
+    """Put copies of the recording into the workspace of a server, which starts anew."""
+    server.stop()
+    for number in range(count):
+        folder = server.workspace / "sequences" / f"copy{number}"
+        shutil.copytree(server.workspace / "sequences" / SEQUENCE, folder)
+        rename_sequence(folder, folder.name)
+        update_manifest(folder, name=f"Copy {number}")
+    server.start()
+
+
+def settings_faults(page: Page) -> list[str]:
+    """What is wrong in each tab of a project's settings, in a window of usual and of small size."""
+    found: list[str] = []
+    by_button("Settings")(page)
+    dialog = page.get_by_role("dialog")
+    expect(dialog.get_by_role("tab").first).to_be_visible()
+    for tab in dialog.get_by_role("tab").all():
+        tab.click()
+        for height in (360, 720):
+            page.set_viewport_size({"width": 1280, "height": height})
+            found += faults(page, f"settings, {tab.text_content()}, {height}", "dialog")
+    page.keyboard.press("Escape")
+    return found
 
 
 def test_no_view_has_a_fault(browser: Browser, server: LiveServer) -> None:
     for number, color in ((1, "#ff5d5d"), (2, "#2fd5e0")):
         server.create_label(SEQUENCE, f"pin {number}", color)
     server.request("PATCH", f"sequences/{SEQUENCE}/labels/2", json={"visible": False})
+    # More than the settings show at once.
+    add_recordings(server, 12)
     found: list[str] = []
     with quiet_window(browser, server.page_url) as desk:
         page = desk.page
+        desk.until("window.__pointbrush && pb.state.sequences.value?.length === 13")
+        desk.ask(f"(pb.engine.openSequence('{SEQUENCE}'), true)")
         desk.until("pb.state.palette.value.length === 2")
         found += faults(page, "recording")
         for view, opened in POPOVERS.items():
@@ -95,6 +143,14 @@ def test_no_view_has_a_fault(browser: Browser, server: LiveServer) -> None:
         for tool in ("navigate", "pick", "boxes", "floor"):
             desk.ask(f"pb.state.tool.value = '{tool}'")
             found += faults(page, tool)
+        for name, change in STATES.items():
+            desk.ask(f"({change}, true)")
+            found += faults(page, name)
+        page.set_viewport_size({"width": 640, "height": 360})
+        by_button("Labels")(page)
+        found += faults(page, "small window")
+        by_button("Close the labels")(page)
+        page.set_viewport_size({"width": 1280, "height": 720})
         desk.press("Control+k")
         found += faults(page, "commands")
         page.keyboard.press("Escape")
@@ -104,6 +160,7 @@ def test_no_view_has_a_fault(browser: Browser, server: LiveServer) -> None:
         desk.ask("pb.engine.closeSequence()")
         expect(page.get_by_role("heading", name="Recordings")).to_be_visible()
         found += faults(page, "start page")
+        found += settings_faults(page)
     window = launch(browser, f"{server.url}/?token=wrong")
     expect(window.page.get_by_role("alert")).to_be_visible()
     found += faults(window.page, "refused")

@@ -13,6 +13,7 @@ from playwright.sync_api import Locator
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
 from tests.e2e.street import CARS, FIRST_CAR, FRAMES, SENSOR_HEIGHT, make_workspace, seen
+from tests.e2e.test_accessibility import faults
 from tests.waiting import eventually
 
 SIZE = [4.0, 1.8, 1.4]
@@ -76,6 +77,7 @@ def test_a_face_dragged_in_the_top_view_counts_in_all_frames_and_is_undone(
     desk.until(f"{CHOSEN} === 1")
     views = desk.page.locator(".box-view")
     views.nth(2).wait_for()
+    assert faults(desk.page, "a box beside pictures") == []
     drag(desk, desk.page.locator('.box-view.top [data-handle="1 0"]'), 30, 0)
     eventually(lambda: box_of(server)["size"][0] > SIZE[0] + 0.1)
     box = box_of(server)

@@ -161,6 +161,7 @@ def test_a_stroke_is_completed_to_the_object(desk: Desk, server: LiveServer, tru
     desk.page.get_by_role("button", name="By example").click()
     desk.page.get_by_role("button", name="Learn from painted points").wait_for()
     assert desk.page.locator(".bar .primary").count() == 1
+    assert faults(desk.page, "an object to complete") == []
     for width in (1280, 900):
         desk.page.set_viewport_size({"width": width, "height": 720})
         assert overlaps(desk.page, ".bar, .readout > *, .toast, .views, .signs") == []

@@ -41,9 +41,9 @@ function Head({ box }: { box: ObjectBox | null }) {
   const label = activeLabel.value;
   const pose = box?.poses[state.shown.value.frame];
   return (
-    <header class="panel-head">
+    <header class="panel-head line">
       {label && <Swatch color={label.color} />}
-      <h2>{label?.name ?? 'Boxes'}</h2>
+      <h2 class="name">{label?.name ?? 'Boxes'}</h2>
       {pose && <Origin pose={pose} />}
       <span class="spacer" />
       {box && <More box={box} />}

@@ -74,12 +74,12 @@ function Opened() {
             key={`${command.group} ${command.what}`}
             id={optionId(index)}
             role="option"
-            class="command"
+            class="command line"
             aria-selected={index === at}
             onPointerMove={() => setAt(index)}
             onClick={() => run(command)}
           >
-            <span class="name">{command.what}</span>
+            <span class="name grow">{command.what}</span>
             <span class="faint">{command.group}</span>
             {command.shown && <span class="kbd">{command.shown}</span>}
           </li>

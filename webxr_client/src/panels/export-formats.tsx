@@ -75,7 +75,7 @@ function losses({ cannot_hold }: ExportFormat): readonly string[] {
 
 function Details({ format: { title, content, cannot_hold } }: { format: ExportFormat }) {
   return (
-    <div class="export-details">
+    <div class="export-details stack">
       <strong>{title}</strong>
       <p class="soft">{content}</p>
       {cannot_hold.length > 0 && (

@@ -81,7 +81,7 @@ function LabelText({ label }: { label: Label }) {
     <>
       <CutName name={label.name} />
       {label.category && label.category !== label.name && (
-        <span class="category">{label.category}</span>
+        <span class="category name">{label.category}</span>
       )}
     </>
   );
@@ -94,7 +94,7 @@ interface SoloProps {
 
 function LabelState({ label, solo }: SoloProps) {
   return (
-    <span class="label-state" role="gridcell">
+    <span class="label-state line" role="gridcell">
       {label.locked && <Icon name="lock" />}
       {!label.visible && <Icon name="hidden" />}
       {solo && <Icon name="solo" />}

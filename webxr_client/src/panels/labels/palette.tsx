@@ -24,7 +24,7 @@ export function Palette() {
   const palette = state.palette.value;
   return (
     <>
-      <div class="panel-head">
+      <div class="panel-head line">
         <h2>Labels</h2>
         <span class="faint number">{palette.length > 0 ? palette.length : ''}</span>
         <span class="spacer" />
@@ -184,7 +184,7 @@ export function openSearch(): void {
 function PaletteSearch() {
   return (
     <>
-      <div class="label-search">
+      <div class="label-search line">
         <input
           id={FIELD}
           class="field"

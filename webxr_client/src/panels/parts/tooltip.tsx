@@ -77,7 +77,7 @@ export function Tooltip() {
   }, [tip]);
   if (!tip) return null;
   return (
-    <div ref={box} class="tooltip" role="tooltip">
+    <div ref={box} class="tooltip line small" role="tooltip">
       <span>{tip.text}</span>
       {tip.keys && <span class="kbd">{renamedKeys.value.get(tip.keys) ?? tip.keys}</span>}
     </div>

@@ -90,7 +90,7 @@ export function AccumulateSign() {
   const shown = placedFrames.value.length;
   const left = leftOut.value;
   return (
-    <div class="sign" role="status">
+    <div class="sign line" role="status">
       <span>
         {state.playing.value
           ? 'Frames are overlaid while playback is paused'

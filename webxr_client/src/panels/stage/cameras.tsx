@@ -131,7 +131,7 @@ function Camera({ picture, source, large }: CameraProps) {
         {lens && <Outlines lens={lens} />}
         {lens && <Spot lens={lens} />}
       </div>
-      <figcaption>
+      <figcaption class="line soft small">
         {picture.name}
         {!lens && <span class="soft"> · not calibrated: no points</span>}
         <span class="spacer" />

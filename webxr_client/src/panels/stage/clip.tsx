@@ -61,7 +61,7 @@ export function ClipButton() {
 export function ClipSign() {
   if (!clip.value || !state.sequence.value) return null;
   return (
-    <div class="sign" role="status">
+    <div class="sign line" role="status">
       <span>
         {clip.value.slab === null ? 'Box' : 'Slab'} active: only points inside it are shown
         {canEdit.value && <strong> and painted</strong>}

@@ -17,7 +17,7 @@ export function ObjectBar() {
   const shows = clicks || (offers && object.completes);
   if (!shows || !isStroke(state.tool.value)) return null;
   return (
-    <div class="bar line wrap" role="status">
+    <div class="bar card line wrap" role="status">
       <Icon name="object" />
       {offers && <Offer object={object} />}
       {!offers && <Hint object={object} />}

@@ -80,7 +80,7 @@ function OfflineBanner() {
   if (connection === 'online') return null;
   if (connection === 'refused') {
     return (
-      <div class="banner bad" role="alert">
+      <div class="banner card line bad" role="alert">
         <Icon name="warning" />
         <span>
           <strong>The server refused this page.</strong> {detail} {unsentText(unsent)}
@@ -89,7 +89,7 @@ function OfflineBanner() {
     );
   }
   return (
-    <div class="banner" role="status">
+    <div class="banner card line" role="status">
       <Icon name="offline" />
       <span>
         <strong>The server does not answer.</strong> You can continue to paint

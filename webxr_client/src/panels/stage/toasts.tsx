@@ -16,15 +16,15 @@ export function Toasts() {
       {state.notices.value.map((notice) => (
         <li
           key={notice.id}
-          class="toast card"
+          class="toast card line"
           data-kind={notice.kind}
           role={notice.kind === 'error' ? 'alert' : undefined}
         >
           <Icon name={ICON[notice.kind]} />
           <div>
             <strong>{notice.title}</strong>
-            {notice.times > 1 && <span class="times number"> {notice.times} times</span>}
-            {notice.detail && <p>{notice.detail}</p>}
+            {notice.times > 1 && <span class="soft small number"> {notice.times} times</span>}
+            {notice.detail && <p class="soft small">{notice.detail}</p>}
           </div>
           {notice.action && <Action notice={notice} action={notice.action} />}
           <Button

@@ -12,7 +12,7 @@ export function Doubt() {
   if (!canEdit.value || trackingJob.value || (!found && !stops)) return null;
   return (
     <span class={`pill${found ? ' warn' : ''}`} role="status">
-      <span class="doubt-text">{textOf(labels, found)}</span>
+      <span class="doubt-text name">{textOf(labels, found)}</span>
       {labels.length > 0 && canReview.value && (
         <Button
           label="Confirm"

@@ -23,7 +23,7 @@ export function Timeline() {
   return (
     <>
       <TimelineHandle />
-      <div class="transport">
+      <div class="transport line">
         <Transport />
         <span class="divider" />
         <Position frames={sequence.frames} fps={sequence.fps} />
