@@ -140,9 +140,6 @@ export async function createProject(
   return made;
 }
 
-const LABELS: readonly Welcome['role'][] = ['annotator', 'reviewer', 'manager', 'admin'];
-const REVIEWS: readonly Welcome['role'][] = LABELS.slice(1);
-
 /** The first project with a task for an account to label, and the first with one to review. */
 export function nextWork(
   known: readonly Project[],
@@ -154,11 +151,9 @@ export function nextWork(
   const judged = (counts: Counts): number => (counts.done ?? 0) + (counts.review ?? 0);
   return {
     label:
-      known.find((each) => LABELS.includes(each.role) && begun(own(each)) > 0) ??
-      known.find((each) => LABELS.includes(each.role) && free(each) > 0),
-    review: known.find(
-      (each) => REVIEWS.includes(each.role) && judged(each.tasks) > judged(own(each)),
-    ),
+      known.find((each) => may(each, 'annotator') && begun(own(each)) > 0) ??
+      known.find((each) => may(each, 'annotator') && free(each) > 0),
+    review: known.find((each) => may(each, 'reviewer') && judged(each.tasks) > judged(own(each))),
   };
 }
 
