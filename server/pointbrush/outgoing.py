@@ -242,7 +242,7 @@ class _Stream(httpcore.NetworkStream):
         return _Stream(inner, self.network)
 
     def get_extra_info(self, info: str) -> Any:
-        """Return what is known of the connection."""
+        """Return a fact of the connection, such as its addresses."""
         return self.inner.get_extra_info(info)
 
     def close(self) -> None:

@@ -67,7 +67,7 @@ async function preview(): Promise<void> {
     const answer = await previewOf(part, optionsOf(part, draft.options));
     if (turn !== asked) return;
     const { included, error } = state.importing.peek()!.parts![number]!;
-    // What cannot be read is left out, and included again once it can.
+    // Unreadable parts are left out, and included again once they can be read.
     changePart({ ...answer, included: !answer.error && (included || error !== '') }, number);
   }
   change({ busy: false });

@@ -143,7 +143,7 @@ function confirmed(task: Task): Promise<boolean> {
 
 /** Hand in an own task, after a question if it has no change; returns true if it was. */
 export async function handIn(task: Task): Promise<boolean> {
-  // Where the server does not answer, the change fails and tells why.
+  // If the server does not answer, the change fails and names the reason.
   const unchanged = await isUnchanged(task).catch(() => false);
   if (unchanged && !(await confirmed(task))) return false;
   if (!(await change(task, { state: 'done' }))) return false;

@@ -45,7 +45,7 @@ function End({ active, several }: { active: readonly Job[]; several: boolean }) 
   return (
     <Button
       label={several ? 'Cancel all' : 'Cancel'}
-      tip="Stop and discard what is not imported yet"
+      tip="Stop the imports that are not finished"
       disabled={!active.every(canCancel)}
       onClick={() => active.forEach(cancelImport)}
     />

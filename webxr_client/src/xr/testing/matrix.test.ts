@@ -38,7 +38,7 @@ function keyOf({ name, other, hand }: Gesture): string {
   return `${other ? 'other' : 'brush'} ${control}`.toLowerCase();
 }
 
-/** What each gesture brings after a stroke, whose object is offered or not. */
+/** Results of each gesture after a stroke, with and without an offered object. */
 function afterStrokes(sources: TestSource[], offered: boolean) {
   const bench = new Bench(...sources);
   state.brush.value = { ...state.brush.value, complete: offered };
