@@ -102,6 +102,18 @@ def test_a_lost_session_is_told_and_can_be_entered_again(
     headset.page.get_by_text("The headset session ended").wait_for()
     headset.enter()
     headset.until("pb.state.xr.value.session === 'running'")
+    # A session never draws again once the graphics context is lost: it ends, and the next one does.
+    context = "pb.engine.viewer.renderer.getContext()"
+    headset.ask(f"void (window.lose = {context}.getExtension('WEBGL_lose_context')).loseContext()")
+    headset.until("pb.state.xr.value.session === 'lost' && pb.state.pictureLost.value")
+    headset.page.get_by_text("The graphics card stopped drawing. All strokes are kept").wait_for()
+    headset.ask("void window.lose.restoreContext()")
+    headset.until("!pb.state.pictureLost.value")
+    headset.enter()
+    headset.until("pb.state.xr.value.session === 'running' && pb.labels()[1] > 5")
+    # The emulation asks the lost context for its clear colour.
+    emulated = "Cannot read properties of null (reading '0')"
+    headset.complaints[:] = [text for text in headset.complaints if text != emulated]
 
 
 def test_a_lost_server_does_not_stop_the_painting(

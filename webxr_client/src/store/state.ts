@@ -74,6 +74,8 @@ export const state = {
   speed: signal(1),
   loop: signal(true),
   shown: signal<Shown>({ frame: -1, points: 0, total: 0 }),
+  /** The graphics card dropped the picture, and the browser has not restored it yet. */
+  pictureLost: signal(false),
   loaded: signal<readonly LoadedRange[]>([]),
 
   palette: signal<readonly Label[]>([]),

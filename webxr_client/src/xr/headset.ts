@@ -65,6 +65,10 @@ export class Headset {
       document.documentElement.toggleAttribute('data-presenting', presenting);
       if (state.xr.value.session !== 'running') void this.offer(xr);
     });
+    // A session keeps drawing into the lost context: only a new one shows anything again.
+    follow(() => {
+      if (state.pictureLost.value) void this.session?.end().catch(() => undefined);
+    });
     xr.addEventListener('devicechange', () => void this.look(xr));
     void this.look(xr);
   }
@@ -205,8 +209,10 @@ export class Headset {
       patch(state.xr, { session: 'none', detail: this.trouble });
       return;
     }
-    const detail =
-      'The headset was taken off or disconnected. All strokes are kept; enter again to continue.';
+    const reason = state.pictureLost.peek()
+      ? 'The graphics card stopped drawing.'
+      : 'The headset was taken off or disconnected.';
+    const detail = `${reason} All strokes are kept; enter again to continue.`;
     patch(state.xr, { session: 'lost', detail });
     notify('info', 'The headset session ended', detail);
   }

@@ -85,7 +85,7 @@ vec3 ramp(float t) {
   return c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * (c5 + t * c6)))));
 }
 
-// Brightness of the point in the recording, 0..1: of its colour, otherwise its intensity.
+// Lightness of the point in the recording, 0..1: of its colour, else its intensity.
 float lightness() {
   if (colour.rgb != vec3(0.0)) return dot(colour.rgb, vec3(0.299, 0.587, 0.114));
   return hasIntensity == 0 ? 0.5 : clamp(colour.a * intensityFit.x + intensityFit.y, 0.0, 1.0);

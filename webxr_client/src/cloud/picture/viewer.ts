@@ -3,9 +3,10 @@ import { BufferGeometry, Group, Points, Scene, Vector2, Vector3, WebGLRenderer }
 import type { PerspectiveCamera } from 'three';
 import type { SequenceInfo } from '../../protocol/messages';
 import { Listeners, tellFailure } from '../../store/listeners';
-import type { ViewSettings } from '../../store/state';
+import { state, type ViewSettings } from '../../store/state';
 import { Afterwards } from './afterwards';
 import { Backdrop } from './backdrop';
+import { antialiasHeadset, isSoftware } from './context';
 import { keepLists } from './draw-order';
 import { EyeDome } from './eyedome';
 import { ALL_POINTS, type CloudFrame } from '../points/frame';
@@ -58,6 +59,7 @@ export class Viewer {
   private shown: CloudFrame | null = null;
   /** Range of the ramps, once there are points. */
   private fitted: Spread | null = null;
+  private order: Parameters<LargeCloud['setOrder']> = [[], []];
   /** The headset's pictures have reversed depth. */
   readonly reversible: boolean;
   /** Of the recording, in the room. */
@@ -80,16 +82,22 @@ export class Viewer {
     this.renderer.autoClear = false;
     // Each question after a program's errors waits for the GPU: three of them for each program.
     this.renderer.debug.checkShaderErrors = import.meta.env.DEV;
-    this.renderer.setClearColor(0x000000, 0);
-    keepLists(this.renderer, this.scene);
+    this.setUp();
     this.reversible = canReverse(this.renderer);
     this.software = isSoftware(this.renderer.getContext());
     this.world.add(this.room);
     this.room.matrixAutoUpdate = false;
     this.scene.add(this.backdrop.group, this.world, this.eyeDome.quad, this.warmUp());
-    canvas.addEventListener('webglcontextrestored', () => this.rebuild());
+    canvas.addEventListener('webglcontextlost', () => this.lose());
+    canvas.addEventListener('webglcontextrestored', () => this.restore());
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
+  }
+
+  /** Settings that three.js keeps for one graphics context alone. */
+  private setUp(): void {
+    this.renderer.setClearColor(0x000000, 0);
+    keepLists(this.renderer, this.scene);
   }
 
   /** No points, drawn with the points' program: it is there before the first of them come. */
@@ -184,18 +192,32 @@ export class Viewer {
   }
 
   private clear(): void {
-    this.cloud?.dispose();
-    this.over?.dispose();
-    this.slots = this.large = this.over = null;
+    this.release();
     this.shown = null;
     this.invalidate();
   }
 
-  /** The GPU lost everything it held: make the buffers anew, and show the frame again. */
-  private rebuild(): void {
-    const shown = this.shown;
+  private release(): void {
+    this.cloud?.dispose();
+    this.over?.dispose();
+    this.slots = this.large = this.over = null;
+  }
+
+  /** The GPU lost everything it held: nothing is drawn until the context is restored. */
+  private lose(): void {
+    state.pictureLost.value = true;
+    this.release();
+  }
+
+  /** Make the buffers anew, and show the frame again in the same colours. */
+  private restore(): void {
+    const { shown, fitted } = this;
+    this.setUp();
     this.setSequence(this.info);
+    this.large?.setOrder(...this.order);
+    this.fitted = fitted;
     if (shown) this.show(shown);
+    state.pictureLost.value = false;
   }
 
   setView(view: ViewSettings, fields: readonly string[]): void {
@@ -241,6 +263,7 @@ export class Viewer {
    * first under a limit.  `parents`: for each chunk the one above it in the octree, −1 at the root.
    */
   setOrder(order: readonly number[], parents: readonly number[]): void {
+    this.order = [order, parents];
     this.large?.setOrder(order, parents);
     this.invalidate();
   }
@@ -385,29 +408,4 @@ export class Viewer {
     renderer.clear();
     renderer.render(this.scene, camera);
   }
-}
-
-/** Attributes as three.js asks for them: a context that is there already keeps its own. */
-const CONTEXT: WebGLContextAttributes = {
-  alpha: true,
-  depth: true,
-  stencil: false,
-  antialias: false,
-  powerPreference: 'high-performance',
-};
-
-/**
- * Let the headset's pictures be antialiased though the desk's are not, whose points are drawn aside:
- * three.js makes a session's layer like the canvas's context, so that this one claims to be.
- */
-function antialiasHeadset(canvas: HTMLCanvasElement): void {
-  const gl = canvas.getContext('webgl2', CONTEXT);
-  const attributes = gl?.getContextAttributes();
-  if (gl && attributes) gl.getContextAttributes = () => ({ ...attributes, antialias: true });
-}
-
-function isSoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
-  const info = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
-  return /swiftshader|llvmpipe|software/i.test(name);
 }

@@ -40,12 +40,10 @@ export function Stage({ bars }: { bars: readonly (() => ComponentChild)[] }) {
 }
 
 function InRecording() {
-  const empty = state.shown.value.frame < 0 || state.opening.value !== null;
   return (
     <>
       <OfflineBanner />
-      {empty && <Opening />}
-      {!empty && state.shown.value.total === 0 && <EmptyFrame />}
+      <Missing />
       <div class="signs">
         <AccumulateSign />
         <ClipSign />
@@ -57,11 +55,33 @@ function InRecording() {
   );
 }
 
+/** The reason for which the stage shows no points, in its middle. */
+function Missing() {
+  const { frame, total } = state.shown.value;
+  if (state.pictureLost.value) return <PictureLost />;
+  if (frame < 0 || state.opening.value !== null) return <Opening />;
+  return total === 0 ? <EmptyFrame /> : null;
+}
+
 function Opening() {
   return (
     <div class="center" role="status">
       <div class="spinner" />
       <p class="soft">Opening {state.sequence.value?.name ?? 'the recording'}…</p>
+    </div>
+  );
+}
+
+/** Until the browser restores the graphics context, which it may never do. */
+function PictureLost() {
+  return (
+    <div class="center message" role="alert">
+      <Icon name="warning" />
+      <p>
+        The graphics card stopped drawing. The picture returns when the browser restores it; all
+        labels are kept.
+      </p>
+      <Button label="Reload the page" kind="outlined" onClick={() => location.reload()} />
     </div>
   );
 }
