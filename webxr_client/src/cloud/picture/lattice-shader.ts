@@ -13,9 +13,8 @@ uniform sampler2D colours;      // bytes of the picture, in rows as long as the 
 uniform ivec4 planes[3];        // see Colours
 uniform ivec2 picture;          // pixels from one of the picture's to the next, 0 without; 1: luma and chroma
 uniform ivec4 grids[2];         // of points, and of the surface: columns, rows, pixels between these
-uniform mat4 rays;              // eye; way to the first pixel, to the next column, to the next row, for a unit of depth
-#define spacingOfUnit rays[0].w // metres between neighbours at one unit of depth
-#define slopeOfUnit rays[1].w   // units from neighbour to neighbour on the steepest surface, at one unit
+uniform mat4 rays;              // T_local_pixel: of 1, a depth, the depth times column and row
+uniform vec2 steps;             // at one unit of depth: metres between neighbours; units on the steepest surface
 #ifdef PLACED
 // Objects in it lie elsewhere than what is round them: no surface goes from one to the other.
 #define surfaceOn false
@@ -47,7 +46,7 @@ float between() { return sqrt(float(grid.z * grid.w)); }
 
 // Whether no surface goes from a pixel to a neighbour, which is nearer.
 bool isNearer(float other, float depth) {
-  return other > 0.0 && depth - other > 1.5 + slopeOfUnit * between() * other;
+  return other > 0.0 && depth - other > 1.5 + steps.y * between() * other;
 }
 
 bool meets(float other, float depth) {

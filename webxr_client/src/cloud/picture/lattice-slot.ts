@@ -1,5 +1,5 @@
 /** A depth camera's frame: its image in textures, drawn as points and as a surface. */
-import { BufferAttribute, BufferGeometry, Group, InstancedBufferGeometry, Matrix4, Mesh, Points, RawShaderMaterial, Sphere } from 'three'; // prettier-ignore
+import { BufferAttribute, BufferGeometry, Group, InstancedBufferGeometry, Matrix4, Mesh, Points, RawShaderMaterial, Sphere, Vector2 } from 'three'; // prettier-ignore
 import type { WebGLRenderer } from 'three';
 import { free } from '../../common/free';
 import { SLANT, sidesOf } from '../../net/depth/grid';
@@ -26,13 +26,14 @@ export class LatticeSlot extends Slot {
     uniforms: PointUniforms,
     placement: Placement | null,
   ) {
-    super(uniforms);
+    super(uniforms, lattice.width * lattice.height);
     this.bands = bandsOf(lattice);
     this.textures = new LatticeTextures(renderer, lattice);
     const own = {
       ...this.textures.uniforms,
       grids: { value: this.grids },
       rays: { value: raysOf(lattice) },
+      steps: { value: stepsOf(lattice) },
     };
     const points = cloudMaterial(uniforms, own, { LATTICE: 1 }, placement);
     const surface = cloudMaterial(uniforms, own, { LATTICE: 1, SURFACE: 1 }, placement);
@@ -47,7 +48,7 @@ export class LatticeSlot extends Slot {
     this.showSurface(placement === null && uniforms.surface);
   }
 
-  override showSurface(on: boolean): void {
+  showSurface(on: boolean): void {
     this.surface.visible = on;
   }
 
@@ -77,12 +78,8 @@ export class LatticeSlot extends Slot {
     this.grids.set([Math.ceil(width / x), Math.ceil(height / y), x, y], at);
   }
 
-  protected uploadLabels(frame: CloudFrame): void {
-    this.textures.writeLabels(frame);
-  }
-
-  protected labelOnScreen(number: number): number {
-    return this.textures.labelAt(this.frame!, number);
+  protected writeLabels(frame: CloudFrame): void {
+    this.textures.writeLabels(frame, this.labels);
   }
 
   dispose(): void {
@@ -93,8 +90,8 @@ export class LatticeSlot extends Slot {
   }
 }
 
-/** See `rays` in the shader. */
-function raysOf(lattice: Lattice): Matrix4 {
+/** `T_local_pixel`: local metres of 1, a depth, and the depth times column and row. */
+export function raysOf(lattice: Lattice): Matrix4 {
   const { axis, sign, eye, unit, tangent, pitch } = lattice;
   const [a, b] = sidesOf(lattice);
   const rays = new Matrix4();
@@ -105,10 +102,14 @@ function raysOf(lattice: Lattice): Matrix4 {
   e[4 + b] = unit * tangent[1];
   e[8 + a] = unit * pitch[0];
   e[12 + b] = unit * pitch[1];
-  const apart = Math.sqrt(pitch[0] * pitch[1]);
-  e[3] = SLANT * apart * unit;
-  e[7] = STEEPEST * apart;
+  e[3] = 1;
   return rays;
+}
+
+/** At one unit of depth: metres between neighbours, and units between them on the steepest surface. */
+export function stepsOf({ unit, pitch }: Lattice): Vector2 {
+  const apart = Math.sqrt(pitch[0] * pitch[1]);
+  return new Vector2(SLANT * apart * unit, STEEPEST * apart);
 }
 
 /** Two triangles for each cell of a tile, between vertices that are numbered row by row. */

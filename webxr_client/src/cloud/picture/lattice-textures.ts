@@ -5,7 +5,6 @@ import type { Colours } from '../../net/chunk/segment';
 import type { Lattice } from '../../protocol/messages';
 import type { CloudFrame } from '../points/frame';
 import { normalColours } from '../points/normals';
-import { lowerBound, type Piece } from '../points/piece';
 
 /** Bytes of a pixel in the widest pictures: red, green, blue and a spare one. */
 const MOST_BYTES = 4;
@@ -13,20 +12,15 @@ const NO_PLANES = new Int32Array(12);
 
 export class LatticeTextures {
   readonly uniforms;
-  /** Labels of the server by pixel, and as they are shown. */
-  private readonly stored: Uint16Array<ArrayBuffer>;
-  private readonly shown: Uint16Array<ArrayBuffer>;
-  /** Of each piece that is in `stored`. */
-  private readonly versions = new Map<Piece, number>();
-  private blank = false;
+  /** Labels by pixel. */
+  private readonly labels: Uint16Array<ArrayBuffer>;
 
   constructor(
     private readonly renderer: WebGLRenderer,
     private readonly lattice: Lattice,
   ) {
     const { width, height } = lattice;
-    this.stored = new Uint16Array(width * height);
-    this.shown = new Uint16Array(width * height);
+    this.labels = new Uint16Array(width * height);
     const rows = MOST_BYTES * height;
     this.uniforms = {
       depths: { value: texture(width, height, RedIntegerFormat, UnsignedShortType) },
@@ -63,67 +57,14 @@ export class LatticeTextures {
     this.renderer.initTexture(to);
   }
 
-  /** Bring over the labels as shown. */
-  writeLabels(frame: CloudFrame): void {
-    const { shown } = this;
-    const plain = frame.blank && frame.predicted === null;
-    if (plain && this.blank) return;
-    this.blank = plain;
-    if (plain) {
-      this.forget();
-      shown.fill(0);
-    } else {
-      this.store(frame);
-      shown.set(this.stored);
-      this.showOverlays(frame);
-    }
-    this.write(this.uniforms.labels.value, shown, this.lattice.height);
-  }
-
-  private forget(): void {
-    this.versions.clear();
-    this.stored.fill(0);
-  }
-
-  /** Write the server's labels of the pieces whose labels changed. */
-  private store({ pieces }: CloudFrame): void {
-    const { stored, versions } = this;
-    // Another frame has points at other pixels.
-    if (versions.size > 0 && !versions.has(pieces[0]!)) this.forget();
-    for (let i = 0; i < pieces.length; i++) {
-      const piece = pieces[i]!;
-      const { labels, pixels, labelsVersion } = piece;
-      if (versions.get(piece) === labelsVersion) continue;
-      versions.set(piece, labelsVersion);
-      if (labels) for (let k = 0; k < labels.length; k++) stored[pixels![k]!] = labels[k]!;
-    }
-  }
-
-  private showOverlays(frame: CloudFrame): void {
-    const { shown } = this;
-    const { pieces, overlays, predicted } = frame;
-    for (const { indices, values } of overlays.values()) {
-      const single = values.length === 1;
-      let at = 0;
-      for (let i = 0; i < pieces.length; i++) {
-        const { first, count, pixels } = pieces[i]!;
-        const stop = lowerBound(indices, first + count);
-        for (; at < stop; at++) shown[pixels![indices[at]! - first]!] = values[single ? 0 : at]!;
-      }
-    }
-    if (!predicted) return;
+  /** Bring over labels in stored order. */
+  writeLabels({ pieces }: CloudFrame, stored: Uint16Array): void {
+    const { labels } = this;
     for (let i = 0; i < pieces.length; i++) {
       const { first, count, pixels } = pieces[i]!;
-      const labels = Uint16Array.from(pixels!, (pixel) => shown[pixel]!);
-      frame.fillPredicted(labels, first, count);
-      for (let k = 0; k < count; k++) shown[pixels![k]!] = labels[k]!;
+      for (let k = 0; k < count; k++) labels[pixels![k]!] = stored[first + k]!;
     }
-  }
-
-  /** Label of a point as last brought over. */
-  labelAt(frame: CloudFrame, number: number): number {
-    const piece = frame.pieceOf(number)!;
-    return this.shown[piece.pixels![number - piece.first]!]!;
+    this.write(this.uniforms.labels.value, labels, this.lattice.height);
   }
 
   dispose(): void {

@@ -151,7 +151,7 @@ void main() {
   colour = 0.5 * (colourOf(ends[0]) + colourOf(ends[1]));
   int id = int(texelFetch(labels, ends[0], 0).r);
   vec3 position = placeOf(pixel, depth);
-  float spacing = spacingOfUnit * between() * depth;
+  float spacing = steps.x * between() * depth;
 #else
   int word = int(stamp);
   int row = chunkRow >= 0 ? chunkRow : word >> 6;

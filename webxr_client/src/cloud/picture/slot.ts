@@ -12,10 +12,18 @@ export abstract class Slot {
   protected normals: Matrix4 | null = null;
   protected pointsVersion = -1;
   protected labelsVersion = -1;
+  /** Labels as last uploaded, in stored order. */
+  protected readonly labels: Uint16Array;
+  private blank = false;
   private shownPoints = 0;
   private limit = ALL_POINTS;
 
-  constructor(protected readonly uniforms: PointUniforms) {}
+  constructor(
+    protected readonly uniforms: PointUniforms,
+    protected readonly capacity: number,
+  ) {
+    this.labels = new Uint16Array(capacity);
+  }
 
   /** Bring the GPU up to date with a frame: only what is new goes over. */
   upload(frame: CloudFrame): void {
@@ -41,7 +49,19 @@ export abstract class Slot {
   /** Bring over the points beyond `uploaded`. */
   protected abstract uploadPoints(frame: CloudFrame): void;
 
-  protected abstract uploadLabels(frame: CloudFrame): void;
+  private uploadLabels(frame: CloudFrame): void {
+    const { labels } = this;
+    const plain = frame.blank && frame.predicted === null;
+    if (plain && this.blank) return;
+    frame.gatherShown(labels, this.uploaded);
+    // Blank once is blank for every frame without labels: nothing more goes over.
+    if (plain) labels.fill(0);
+    this.writeLabels(frame, plain);
+    this.blank = plain;
+  }
+
+  /** Bring `labels` over: of all points that are there, or of all that there may be. */
+  protected abstract writeLabels(frame: CloudFrame, all: boolean): void;
 
   /** Draw the first points of a frame, which are whole levels. */
   protected abstract show(frame: CloudFrame, points: number): void;
@@ -64,23 +84,18 @@ export abstract class Slot {
   countLabels(): Map<number, number> {
     const counts = new Map<number, number>();
     for (let i = 0; i < this.uploaded; i++) {
-      const id = this.labelOnScreen(i);
+      const id = this.labels[i]!;
       counts.set(id, (counts.get(id) ?? 0) + 1);
     }
     return counts;
   }
-
-  /** Label of a point as last uploaded. */
-  protected abstract labelOnScreen(number: number): number;
 
   get drawn(): number {
     return this.shownPoints;
   }
 
   /** Draw surfaces, or no more. */
-  showSurface(_on: boolean): void {
-    // Points make none.
-  }
+  abstract showSurface(on: boolean): void;
 
   abstract dispose(): void;
 }

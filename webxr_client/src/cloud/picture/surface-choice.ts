@@ -1,8 +1,9 @@
 /** Whether a depth image is drawn as a surface: by itself where its points would show gaps. */
-import { Matrix4, type Camera } from 'three';
+import { Matrix4, Vector4, type Camera } from 'three';
 import type { DepthImage } from '../../net/chunk/segment';
-import { sidesOf } from '../../net/depth/grid';
+import type { Lattice } from '../../protocol/messages';
 import type { SurfaceMode } from '../../store/types';
+import { raysOf, stepsOf } from './lattice-slot';
 
 /** Pixels on screen between neighbours from which on a surface is drawn, and below which no more. */
 const [GAPS, NO_GAPS] = [2.2, 1.8];
@@ -13,7 +14,14 @@ const SHARE = 1 / 8;
 export class SurfaceChoice {
   mode: SurfaceMode = 'auto';
   on = false;
-  private readonly clipFromLocal = new Matrix4();
+  private readonly clipFromPixel = new Matrix4();
+  private readonly at = new Vector4();
+  private pixels: ReturnType<typeof pixelsOf> | null = null;
+
+  /** Another recording. */
+  reset(): void {
+    this.pixels = null;
+  }
 
   /** Choose for a picture so high, pixels; `sceneFromLocal` of the frame. */
   update(
@@ -24,45 +32,34 @@ export class SurfaceChoice {
   ): boolean {
     if (!image || this.mode !== 'auto')
       return (this.on = image !== null && this.mode === 'surface');
-    const { clipFromLocal } = this;
-    clipFromLocal.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    clipFromLocal.multiply(sceneFromLocal);
+    const { clipFromPixel } = this;
+    const { rays, spacing } = (this.pixels ??= pixelsOf(image.lattice));
+    clipFromPixel.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    clipFromPixel.multiply(sceneFromLocal).multiply(rays);
     const zoom = Math.cbrt(Math.abs(sceneFromLocal.determinant()));
-    const scale = 0.5 * height * camera.projectionMatrix.elements[5]! * zoom;
-    return (this.on = hasGaps(image, clipFromLocal, scale, this.on ? NO_GAPS : GAPS));
+    const scale = 0.5 * height * camera.projectionMatrix.elements[5] * zoom;
+    const most = this.on ? NO_GAPS : GAPS;
+    return (this.on = this.hasGaps(image, (spacing * scale) / most));
+  }
+
+  /** Whether enough of what is in view is nearer than `reach` metres for each unit of its depth. */
+  private hasGaps({ lattice: { width, height }, depths }: DepthImage, reach: number): boolean {
+    const { at, clipFromPixel } = this;
+    let inView = 0;
+    let gaps = 0;
+    for (let k = 0; k < SAMPLES * SAMPLES; k++) {
+      const column = Math.floor((((k % SAMPLES) + 0.5) * width) / SAMPLES);
+      const row = Math.floor(((Math.floor(k / SAMPLES) + 0.5) * height) / SAMPLES);
+      const depth = depths[row * width + column]!;
+      const { x, y, w } = at.set(1, depth, depth * column, depth * row).applyMatrix4(clipFromPixel);
+      if (depth === 0 || Math.abs(x) > w || Math.abs(y) > w) continue;
+      inView += 1;
+      if (reach * depth > w) gaps += 1;
+    }
+    return gaps > SHARE * inView;
   }
 }
 
-/** Whether neighbours lie farther apart than so many pixels, in enough of what is in view. */
-function hasGaps(
-  { lattice, depths }: DepthImage,
-  clip: Matrix4,
-  scale: number,
-  most: number,
-): boolean {
-  const { width, height, axis, sign, eye, unit, tangent, pitch } = lattice;
-  const e = clip.elements;
-  const [a, b] = sidesOf(lattice);
-  const apart = Math.sqrt(pitch[0] * pitch[1]) * unit * scale;
-  let inView = 0;
-  let gaps = 0;
-  for (let k = 0; k < SAMPLES * SAMPLES; k++) {
-    const column = Math.floor((((k % SAMPLES) + 0.5) * width) / SAMPLES);
-    const row = Math.floor(((Math.floor(k / SAMPLES) + 0.5) * height) / SAMPLES);
-    const depth = depths[row * width + column]!;
-    if (depth === 0) continue;
-    at[axis] = eye[axis]! + sign * unit * depth;
-    at[a] = eye[a]! + unit * depth * (tangent[0] + pitch[0] * column);
-    at[b] = eye[b]! + unit * depth * (tangent[1] + pitch[1] * row);
-    const [x, y, z] = at as unknown as [number, number, number];
-    const w = e[3] * x + e[7] * y + e[11] * z + e[15];
-    const u = e[0] * x + e[4] * y + e[8] * z + e[12];
-    const v = e[1] * x + e[5] * y + e[9] * z + e[13];
-    if (w <= 0 || Math.abs(u) > w || Math.abs(v) > w) continue;
-    inView += 1;
-    if (apart * depth > most * w) gaps += 1;
-  }
-  return gaps > SHARE * inView;
+function pixelsOf(lattice: Lattice) {
+  return { rays: raysOf(lattice), spacing: stepsOf(lattice).x };
 }
-
-const at = new Float64Array(3);

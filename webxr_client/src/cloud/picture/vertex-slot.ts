@@ -9,22 +9,18 @@ import { Slot } from './slot';
 
 export class VertexSlot extends Slot {
   readonly object: Points<BufferGeometry, RawShaderMaterial>;
-  /** Labels as last uploaded. */
-  private readonly labels: Uint16Array;
-  private blank = false;
   private readonly buffers: PointBuffers;
   private readonly table: ChunkTable;
 
   constructor(
     renderer: WebGLRenderer,
-    private readonly capacity: number,
+    capacity: number,
     uniforms: PointUniforms,
     placement: Placement | null,
   ) {
-    super(uniforms);
+    super(uniforms, capacity);
     this.buffers = new PointBuffers(renderer.getContext() as WebGL2RenderingContext, capacity);
     this.table = new ChunkTable(renderer);
-    this.labels = new Uint16Array(capacity);
     const material = pointMaterial(uniforms, this.table, -1, placement);
     this.object = new Points(this.buffers.geometry(), material);
     this.object.frustumCulled = false;
@@ -54,19 +50,12 @@ export class VertexSlot extends Slot {
     this.object.geometry.setDrawRange(0, points);
   }
 
-  protected uploadLabels(frame: CloudFrame): void {
-    const { labels } = this;
-    const plain = frame.blank && frame.predicted === null;
-    if (plain && this.blank) return;
-    frame.gatherShown(labels, this.uploaded);
-    // Blank once is blank for every frame without labels: nothing more goes over.
-    if (plain) labels.fill(0);
-    this.buffers.writeLabels(labels, plain ? this.capacity : this.uploaded);
-    this.blank = plain;
+  protected writeLabels(_: CloudFrame, all: boolean): void {
+    this.buffers.writeLabels(this.labels, all ? this.capacity : this.uploaded);
   }
 
-  protected labelOnScreen(number: number): number {
-    return this.labels[number]!;
+  showSurface(): void {
+    // Points without neighbours make none.
   }
 
   dispose(): void {

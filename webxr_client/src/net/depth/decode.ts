@@ -70,7 +70,8 @@ export class DepthDecoder {
       void coming.picture?.then((picture) => picture.close());
       return segmentOf(message, [], this.pool.take(0), null, 0);
     }
-    const colours = await this.paint(camera, coming, first);
+    // The browser reads the picture meanwhile.
+    const painted = this.paint(camera, coming, first);
     const started = performance.now();
     const { pixels, chunks, listed } = this.join(camera, coming, before);
     const done = first + chunks.length;
@@ -84,7 +85,7 @@ export class DepthDecoder {
     const depths = new Uint16Array(bytes, 0, camera.depths.length);
     depths.set(camera.depths);
     const took = performance.now() - started;
-    return segmentOf(message, chunks, pixels, { lattice, depths, colours }, took);
+    return segmentOf(message, chunks, pixels, { lattice, depths, colours: await painted }, took);
   }
 
   /** The picture that a message brings, whose chunks begin at `first`. */
@@ -105,7 +106,10 @@ export class DepthDecoder {
             `got ${picture.width} by ${picture.height}`,
         );
       }
-      return { ...(await picture.read((size) => this.pool.take(size))), step };
+      return {
+        ...(await picture.read((size) => this.pool.take(size + camera.lattice.width))),
+        step,
+      };
     } finally {
       picture.close();
     }

@@ -28,21 +28,12 @@ export const readPicture: ReadPicture = async (jpeg) => {
   const decoder = new ImageDecoder({ data: jpeg, type: JPEG, colorSpaceConversion: 'none' });
   try {
     const { image } = await decoder.decode();
-    return subsampling(image) || converts(image) ? new Decoded(image) : new Drawn(image);
+    const shared = subsampling(image);
+    return shared ? new Planar(image, shared) : new Drawn(image);
   } finally {
     decoder.close();
   }
 };
-
-/** Whether this browser's frames turn into RGB: some take no notice of the format, or refuse it. */
-function converts(image: VideoFrame): boolean {
-  const { displayWidth, displayHeight } = image;
-  try {
-    return image.allocationSize({ format: 'RGBX' }) === PIXEL_BYTES * displayWidth * displayHeight;
-  } catch {
-    return false;
-  }
-}
 
 /** Pixels that share a chroma, to the right and down, in a decoder's own format. */
 const SUBSAMPLING: Record<string, readonly [number, number]> = {
@@ -51,29 +42,29 @@ const SUBSAMPLING: Record<string, readonly [number, number]> = {
   I444: [1, 1],
 };
 
-/** Null where the planes are not those of a JPEG: pixels are converted to RGB then. */
+/** Null where the planes are not those of a JPEG: the picture is drawn then, and read back. */
 function subsampling({ format, colorSpace }: VideoFrame): readonly [number, number] | null {
   const { fullRange, matrix } = colorSpace;
   return (fullRange && matrix === 'smpte170m' && SUBSAMPLING[format ?? '']) || null;
 }
 
-class Decoded implements Picture {
+class Planar implements Picture {
   readonly width: number;
   readonly height: number;
 
-  constructor(private readonly image: VideoFrame) {
+  constructor(
+    private readonly image: VideoFrame,
+    private readonly shared: readonly [number, number],
+  ) {
     this.width = image.displayWidth;
     this.height = image.displayHeight;
   }
 
   async read(allocate: Allocate): Promise<Pixels> {
-    const { image } = this;
-    const shared = subsampling(image);
-    const options = shared ? {} : ({ format: 'RGBX' } as const);
-    const size = image.allocationSize(options);
+    const { image, shared } = this;
+    const size = image.allocationSize();
     const bytes = new Uint8Array(allocate(size), 0, size);
-    const layouts = await image.copyTo(bytes, options);
-    if (!shared) return interleaved(bytes, layouts[0]!.stride);
+    const layouts = await image.copyTo(bytes);
     const planes = layouts.flatMap(({ offset, stride }, plane) => {
       const [across, down] = plane === 0 ? [1, 1] : shared;
       return [offset, stride, across + 16 * down, 1];
