@@ -4,6 +4,7 @@ import { actions } from '../../store/actions';
 import { colorModeOf } from '../../cloud/picture/material';
 import { BETWEEN, PAINTED, SURE, TRACKED, UNKNOWN, UNSURE } from '../../engine/colouring';
 import { type ColorMode, type Ramp, state } from '../../store/state';
+import type { SurfaceMode } from '../../store/types';
 import { AccumulateButton } from './accumulate';
 import { CamerasButton } from './cameras';
 import { ClipButton } from './clip';
@@ -87,6 +88,26 @@ function ViewSliders({ class: extra }: { class?: string }) {
   );
 }
 
+const SURFACES: readonly RadioOption<SurfaceMode>[] = [
+  { value: 'points', label: 'Points' },
+  { value: 'surface', label: 'Surface' },
+  { value: 'auto', label: 'Auto', tip: 'Surface near enough to see gaps between points' },
+];
+
+/** Look of a depth camera's frames. */
+function SurfaceOptions() {
+  if (!state.sequence.value?.lattice) return null;
+  return (
+    <RadioGroup
+      label="Depth images"
+      class="segmented"
+      options={SURFACES}
+      value={state.view.value.surface}
+      onChoose={(surface) => actions.setView({ surface })}
+    />
+  );
+}
+
 const overlaysOpen = signal(false);
 
 /** Overlays: the setting, its name, what it is for. */
@@ -117,6 +138,7 @@ function OverlayOptions() {
       label="Overlays"
       class="stack"
     >
+      <SurfaceOptions />
       <ViewSliders />
       {OVERLAYS.map(([name, label, tip]) => (
         <Check

@@ -19,6 +19,13 @@ const SCALES = [
   ['Giant', 5],
 ] as const;
 
+/** How depth images are drawn; a press takes the next. */
+const SURFACES = [
+  ['auto', 'Surface: auto'],
+  ['surface', 'Surface: on'],
+  ['points', 'Surface: off'],
+] as const;
+
 export function drawView(
   ui: Ui,
   x: number,
@@ -92,8 +99,13 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
     ui.check(x + (place % 2) * half, y, half, em * 1.9, name, on, set);
     place += 1;
   };
-  const { boxes, trails, ghost } = state.view.peek();
+  const { boxes, trails, ghost, surface } = state.view.peek();
   check('Label boxes', boxes, (on) => actions.setView({ boxes: on }));
   check('Trails', trails, (on) => actions.setView({ trails: on }));
   check('Ghost', ghost, (on) => actions.setView({ ghost: on }));
+  if (!state.sequence.peek()?.lattice) return;
+  const i = SURFACES.findIndex(([mode]) => mode === surface);
+  const next = SURFACES[(i + 1) % SURFACES.length]![0];
+  ui.button(x + half, top + em * 2.1, half - em * 0.2, em * 1.9, { text: SURFACES[i]![1], strong: true },
+    () => actions.setView({ surface: next })); // prettier-ignore
 }
