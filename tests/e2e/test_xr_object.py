@@ -107,7 +107,13 @@ def test_after_a_stroke_the_pad_means_what_it_meant_before(
     headset.until(
         f"hs.headset.cockpit.tipSign.sign.text.endsWith('Hold Trigger, {name} ↑: object')"
     )
-    push(headset, 0.9, pad)
+    ring = "hs.headset.cockpit.ring"
+    headset.lean(0, 0.9, pad=pad)
+    headset.until(f"{ring}.mesh.visible && {ring}.sign.text === '↓ other'")
+    if device == VIVE:
+        push(headset, 0.9, pad)
+    else:
+        headset.lean(0, 0, pad=pad)
     headset.until("pb.state.activeLabel.value === 2")
     push(headset, -0.9, pad)
     headset.until("pb.state.activeLabel.value === 1")

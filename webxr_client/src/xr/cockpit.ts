@@ -30,6 +30,7 @@ import { RoomScale } from './moving/room-scale';
 import { TipSign } from './painting/tip-sign';
 import { Lessons } from './input/lessons';
 import { UpDown } from './input/up-down';
+import { LabelRing } from './bodies/label-ring';
 import { resetWorld, WorldGrab } from './moving/world';
 
 /** Metres from the floor to the eyes of somebody who stands. */
@@ -52,6 +53,7 @@ export class Cockpit {
   private readonly grab = new WorldGrab();
   private readonly buttons: Buttons;
   private readonly upDown: UpDown;
+  private readonly ring: LabelRing;
   private readonly hud = new Hud();
   private readonly cues = new Cues(this.rig);
   private readonly tipSign: TipSign;
@@ -104,6 +106,7 @@ export class Cockpit {
       taken: () => this.lessons.done('label'),
       level: (step) => this.painter.stepLevel(step),
     });
+    this.ring = new LabelRing(this.upDown);
     this.presence = new Presence(engine.link, viewer.afterwards);
     this.feelings = new Feelings(feelPulse);
     this.pulse = new Pulse(viewer.uniforms, this.panels.palette);
@@ -127,7 +130,7 @@ export class Cockpit {
     const { viewer } = this.engine;
     const { group } = this.rig;
     viewer.scene.add(group);
-    group.add(viewer.camera, this.hud.group, this.tipSign.group);
+    group.add(viewer.camera, this.hud.group, this.tipSign.group, this.ring.group);
     this.panels.addTo(group);
     this.painter.addTo(viewer.scene);
     this.locomotion.addTo(viewer.scene);
@@ -200,6 +203,7 @@ export class Cockpit {
     parts.add((now) => this.pulse.update(now));
     parts.add(() => pointers.teach(seconds, this.painter.painting));
     parts.add((now) => this.tipSign.update(this.rig, this.brush, this.painter, now));
+    parts.add(() => this.ring.update(pointers.brush, this.rig));
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
@@ -289,6 +293,7 @@ export class Cockpit {
     this.cues.dispose();
     this.pulse.dispose();
     this.locomotion.dispose();
+    this.ring.dispose();
     this.pointers.dispose();
     this.panels.dispose();
     this.hud.dispose();

@@ -9,6 +9,8 @@ const BODY = 0x2b3440;
 const LIGHT = 0x8b98a8;
 /** Hands and controllers are drawn behind the panels, which hide what is behind them. */
 export const ORDER = 110;
+/** Over the pad or stick, metres in the grip's space. */
+export const PAD = { x: 0, y: 0.042, z: -0.05 } as const;
 
 /** A part of one colour, moved and turned about x. */
 function part(

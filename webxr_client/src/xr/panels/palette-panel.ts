@@ -174,8 +174,8 @@ export class PalettePanel extends Panel {
     TABS.forEach(([tab, text], i) => {
       const [column, line] = [i % TABS_A_LINE, Math.floor(i / TABS_A_LINE)];
       const on = tabOf(this.page) === tab;
-      const [left, top] = [x + column * wide, ui.em * (0.3 + 1.8 * line)];
-      ui.button(left, top, wide - ui.em * 0.2, ui.em * 1.7, { text, on }, () => this.show(tab));
+      const [left, top] = [x + column * wide, ui.em * (0.3 + 1.9 * line)];
+      ui.button(left, top, wide - ui.em * 0.2, ui.em * 1.85, { text, on }, () => this.show(tab));
     });
   }
 

@@ -1,0 +1,100 @@
+/** The ring of colours round the pad of the hand that paints: the labels that a push would take. */
+import { CircleGeometry, Group, Mesh, MeshBasicMaterial, RingGeometry, Vector3, type BufferGeometry } from 'three'; // prettier-ignore
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { free } from '../../common/free';
+import type { Label } from '../../protocol/messages';
+import { state } from '../../store/state';
+import { peek } from '../../store/watch';
+import { faceEyes } from '../drawing/facing';
+import { Sign } from '../drawing/sign';
+import { SIZES } from '../drawing/sizes';
+import { tint } from '../drawing/tint';
+import { ORDER, PAD } from '../input/model';
+import type { Pointer } from '../input/pointer';
+import { labelBeside, type UpDown } from '../input/up-down';
+import type { Rig } from '../moving/rig';
+
+/** Metres from the pad's middle: the disc of the active label, the ring, and the arc that is marked. */
+const [DISC, INNER, OUTER, MARKED] = [0.01, 0.024, 0.037, 0.044];
+/** Opacity of the ring's colours beside a marked one. */
+const DIMMED = 0.45;
+/** Degrees of the arcs, from the right and counterclockwise, by steps in the palette. */
+const ARCS: readonly (readonly [steps: number, from: number, degrees: number])[] = [
+  [-1, 50, 80], [1, 230, 80], [-2, 0, 50], [2, 310, 50], [-3, 130, 50], [3, 180, 50],
+]; // prettier-ignore
+/** Degrees between two arcs. */
+const GAP = 4;
+const DEGREE = Math.PI / 180;
+/** Turn of the ring from lying on the pad towards the eyes. */
+const TILT = 35 * DEGREE;
+/** The name is where no hints of the hand are. */
+const NAME = { up: 0.03, away: SIZES.tips.away };
+const BESIDE = { left: { ...NAME, right: 0.09 }, right: { ...NAME, right: -0.09 } };
+
+export class LabelRing {
+  /** Holds the name of the marked label, in the headset's own space. */
+  readonly group = new Group();
+  private readonly mesh: Mesh<BufferGeometry, MeshBasicMaterial>;
+  private readonly sign = new Sign({ em: SIZES.tips.em, order: 126 });
+  private readonly at = new Vector3();
+  /** What is drawn, so that it is drawn anew when it changes. */
+  private palette: readonly Label[] | null = null;
+  private active = -1;
+  private marked = NaN;
+
+  constructor(private readonly upDown: UpDown) {
+    const look = { vertexColors: true, transparent: true, toneMapped: false };
+    this.mesh = new Mesh(new CircleGeometry(), new MeshBasicMaterial(look));
+    this.mesh.renderOrder = ORDER + 1;
+    this.mesh.frustumCulled = false;
+    this.group.add(this.sign.mesh);
+  }
+
+  /** Once per picture. */
+  update(hand: Pointer | null, rig: Rig): void {
+    const { mesh, upDown, at } = this;
+    const palette = peek(state.palette);
+    mesh.visible = hand !== null && upDown.shown && palette.length > 1;
+    this.sign.mesh.visible = mesh.visible && upDown.marked !== 0;
+    if (!hand || !mesh.visible) return;
+    if (mesh.parent !== hand.grip) hand.grip.add(mesh);
+    const active = peek(state.activeLabel);
+    const changed = palette !== this.palette || active !== this.active;
+    if (changed || upDown.marked !== this.marked) this.draw(palette, active, upDown.marked);
+    if (!this.sign.mesh.visible) return;
+    at.copy(mesh.position).applyMatrix4(hand.grip.matrix);
+    faceEyes(this.group, at, rig.headInRig, BESIDE[hand.side === 'left' ? 'left' : 'right']);
+  }
+
+  private draw(palette: readonly Label[], active: number, marked: number): void {
+    Object.assign(this, { palette, active, marked });
+    const { mesh } = this;
+    const direction = Math.sign(marked);
+    // Held on, the ring turns: the marked label stays where the thumb is.
+    const middle = labelBeside(palette, active, marked - direction);
+    const labelAt = (steps: number): Label =>
+      palette.find(({ id }) => id === labelBeside(palette, middle, steps))!;
+    const shown = ARCS.slice(0, Math.max(2, palette.length - 1));
+    const arcs = shown.map(([steps, from, degrees]) => {
+      const on = steps === direction;
+      const outer = on ? MARKED : OUTER;
+      const sweep = (degrees - GAP) * DEGREE;
+      const arc = new RingGeometry(INNER, outer, 12, 1, (from + GAP / 2) * DEGREE, sweep);
+      return tint(arc, labelAt(steps).color, on || direction === 0 ? 1 : DIMMED);
+    });
+    const parts = [tint(new CircleGeometry(DISC, 24), labelAt(0).color), ...arcs];
+    mesh.geometry.dispose();
+    mesh.geometry = mergeGeometries(parts).rotateX(TILT - Math.PI / 2);
+    for (const part of parts) part.dispose();
+    mesh.position.set(PAD.x, PAD.y, PAD.z);
+    if (direction !== 0) {
+      this.sign.write(`${direction < 0 ? '↑' : '↓'} ${labelAt(direction).name}`);
+    }
+  }
+
+  dispose(): void {
+    free(this.mesh);
+    this.sign.dispose();
+    this.group.removeFromParent();
+  }
+}
