@@ -38,6 +38,13 @@ def test_frames_and_strokes_whatever_pulses_a_browser_has(
         headset.until(glows)
         headset.trigger(0)
         headset.settled()
+        # Suspended by the browser, sound goes on with the next press.
+        context = "hs.headset.cockpit.cues.sounds.context"
+        headset.ask(f"void {context}.suspend()")
+        headset.until(f"{context}.state === 'suspended'")
+        headset.trigger(1)
+        headset.trigger(0)
+        headset.until(f"{context}.state === 'running'")
     headset.click("palette", "Comfort")
     headset.click("palette", "Sound without vibration")
     before = headset.ask("window.sounds")

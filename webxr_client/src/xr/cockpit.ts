@@ -6,7 +6,7 @@ import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../store/listeners';
 import { follow, peek } from '../store/watch';
-import { state } from '../store/state';
+import { notify, state } from '../store/state';
 import { roomWay } from '../tools/ways';
 import { Buttons } from './input/buttons';
 import { Cues } from './painting/cues';
@@ -39,6 +39,7 @@ const EYES = 1.6;
 const TOGETHER_MS = 250;
 /** A press was the system's gesture when the system answers it within this, milliseconds. */
 const SYSTEM_MS = 600;
+const COVERED = 'Not painted: the system took this press';
 
 export class Cockpit {
   readonly rig = new Rig();
@@ -148,10 +149,11 @@ export class Cockpit {
           this.standing = false;
           this.interrupt();
         },
-        // A press that the system answers at once was its own gesture: it paints nothing.
-        covered: () => this.painter.withdraw(performance.now(), SYSTEM_MS),
+        covered: () => this.cover(),
       }),
     );
+    this.session.addEventListener('select', this.cues.wake);
+    undo.push(() => this.session.removeEventListener('select', this.cues.wake));
     let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {
@@ -163,6 +165,13 @@ export class Cockpit {
         this.pointers.assign();
       }),
     );
+  }
+
+  /** A bare press that the system answers at once was its own gesture; what a trigger painted stays. */
+  private cover(): void {
+    const { brush, painter } = this;
+    if (brush?.kind.fleeting !== true) painter.interrupt(brush);
+    else if (painter.withdraw(performance.now(), SYSTEM_MS)) notify('info', COVERED);
   }
 
   // ── each frame ─────────────────────────────────────────────────────────────────────────────

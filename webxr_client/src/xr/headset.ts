@@ -5,18 +5,20 @@ import type { Engine } from '../engine/engine';
 import { follow, peek } from '../store/watch';
 import { isStroke, notify, patch, state } from '../store/state';
 import { Cockpit } from './cockpit';
+import { layersWanted, present } from './layers';
 import { Poses } from './input/poses';
 import { RefreshRate } from './refresh';
 import { xrSettings } from '../store/xr-settings';
 
 type Mode = 'immersive-vr' | 'immersive-ar';
 
-const FEATURES = ['local-floor', 'bounded-floor', 'layers'] as const;
+const FEATURES = ['local-floor', 'bounded-floor'] as const;
 
 /** Features asked of a session: browsers may ask the person about hands, so only where they are wanted. */
 export function wanted(): XRSessionInit {
   const { hands } = peek(xrSettings);
-  return { optionalFeatures: hands ? [...FEATURES, 'hand-tracking'] : [...FEATURES] };
+  const layers = layersWanted() ? ['layers'] : [];
+  return { optionalFeatures: [...FEATURES, ...layers, ...(hands ? ['hand-tracking'] : [])] };
 }
 
 /** More pictures a second than this are not worth points. */
@@ -138,7 +140,7 @@ export class Headset {
     xr.enabled = true;
     xr.setReferenceSpaceType(floor ? 'local-floor' : 'local');
     xr.setFramebufferScaleFactor(peek(xrSettings).sharpness);
-    await xr.setSession(session);
+    await present(xr, session);
     pacing.show(1000 / (session.frameRate ?? DEFAULT_RATE));
     session.addEventListener('frameratechange', () => this.paceBy(session, DEFAULT_RATE));
     void chooseRate(session).then((rate) => this.paceBy(session, rate));

@@ -21,6 +21,9 @@ export class Cues {
     if (sound !== 'off') this.sounds.play(strength, milliseconds, painter.tip, this.rig);
   }
 
+  /** A gesture of the person, which lets a browser that suspended its sound go on. */
+  readonly wake = (): void => this.sounds.wake();
+
   dispose(): void {
     this.sounds.dispose();
   }

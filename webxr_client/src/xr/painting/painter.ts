@@ -222,14 +222,15 @@ export class Painter {
 
   /**
    * The stroke is given up if it began within so many milliseconds: its press was half of a gesture of
-   * two hands, or the system's.
+   * two hands, or the system's.  Returns whether it was.
    */
-  withdraw(now: number, milliseconds: number): void {
-    if (!this.painting || now - this.pressedAt > milliseconds) return;
+  withdraw(now: number, milliseconds: number): boolean {
+    if (!this.painting || now - this.pressedAt > milliseconds) return false;
     this.stroke?.cancel();
     this.stroke = null;
     this.finish();
     this.free = false;
+    return true;
   }
 
   private measureSphere(): void {

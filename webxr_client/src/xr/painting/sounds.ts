@@ -26,6 +26,11 @@ export class Sounds {
   /** Sound like a pulse of this strength, 0..1, at a place of the scene. */
   play(strength: number, milliseconds: number, at: Vector3, { head, turned }: Listener): void {
     try {
+      if (this.context && this.context.state !== 'running') {
+        // Sounds that wait would all be heard at once.
+        this.wake();
+        return;
+      }
       this.context ??= new AudioContext();
       // Heard from the head: ears at the origin that listen along −z.
       const place = at.clone().sub(head).applyQuaternion(this.back.copy(turned).invert());
@@ -33,6 +38,11 @@ export class Sounds {
     } catch {
       // A browser without sound: then there is the flash.
     }
+  }
+
+  /** Resume after the browser suspended it, as it does in the background; gestures are allowed to. */
+  wake(): void {
+    if (this.context?.state !== 'running') void this.context?.resume().catch(() => undefined);
   }
 
   dispose(): void {
