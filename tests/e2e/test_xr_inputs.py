@@ -16,6 +16,7 @@ from tests.waiting import eventually
 PALETTE = "hs.headset.cockpit.panels.palette.mesh"
 WORLD = "pb.engine.viewer.world"
 SAID = "hs.headset.cockpit.hud.sign.text"
+HANDOVER = "hs.headset.cockpit.pointers.handover"
 
 
 def lay_down(headset: Headset, *sides: str) -> None:
@@ -126,6 +127,7 @@ def test_who_comes_and_goes_never_leaves_one_without_a_brush(
     assert roles(headset) == both
     # One controller alone paints, also the left one of somebody who is right-handed.
     lay_down(headset, "right")
+    headset.until(f"{SAID}?.endsWith('The left controller paints now')")
     assert roles(headset) == {"brush": "left controller"}
     headset.reach([x, y + 0.2, z], "left")
     headset.trigger(1, "left")
@@ -225,6 +227,21 @@ def test_a_bare_hand_does_what_a_controller_does(
     assert headset.ask(f"{WORLD}.scale.x") > 1.5
     for side in ("left", "right"):
         headset.trigger(0, side)
+    # The right hand leaves the view: a pinch of the left one paints nothing, however long it lasts.
+    headset.click("palette", "Tools")
+    headset.click("palette", "Ball")
+    count = painted(server, 0)
+    headset.trigger(1, "left")
+    headset.ask("(device.hands.right.connected = false)")
+    headset.until(f"{HANDOVER}.absent[0] > 1.5")
+    assert "brush" not in roles(headset)
+    headset.trigger(0, "left")
+    headset.until(f"{SAID} === 'The left hand paints now'")
+    headset.ask("(device.hands.right.connected = true)")
+    headset.until(f"{SAID} === 'The right hand paints again'")
+    assert roles(headset)["brush"] == "right hand"
+    headset.settled()
+    assert painted(server, 0) == count
 
 
 def give_joints(headset: Headset, hand: str) -> None:
@@ -261,8 +278,17 @@ def test_a_held_wand_with_joints_keeps_its_pad_and_alone_switches_labels_on_it(
     first = headset.ask(active)
     radius = headset.ask("pb.state.brush.value.radius")
     headset.pulses()
+    # A thumb on the pad shows the ring, and the name of the label that a press there takes.
+    ring = "hs.headset.cockpit.ring"
+    assert not headset.ask(f"{ring}.mesh.visible")
+    headset.lean(0, 0.8, pad="touchpad")
+    headset.until(f"{ring}.mesh.visible && {ring}.sign.mesh.visible")
+    assert headset.ask(f"{ring}.sign.text") == "↓ other"
+    assert headset.ask(active) == first
     press_pad(headset, 0, 0.8)
     headset.until(f"{active} !== {first}")
+    headset.lean(0, 0, pad="touchpad")
+    headset.until(f"!{ring}.mesh.visible")
     # The change is shown at the brush, and felt.
     headset.until("hs.headset.cockpit.tipSign.sign.text === 'other'")
     assert "right" in {pulse["hand"] for pulse in headset.pulses()}

@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { xrSettings, change as set } from '../../store/xr-settings';
+import { registered } from '../testing/registry';
 import { TestSource, Worn } from '../testing/sources';
 
 const GRIPLESS = 'generic-trigger-touchpad';
@@ -83,7 +84,7 @@ describe('who comes and goes', () => {
     expect(worn.said).toEqual([]);
     worn.go(1.4);
     expect(worn.said).toEqual([
-      'No controller found:\npress a system button to switch it on,\nor hold a hand in front of the headset',
+      'Look at a point and pinch,\nhold a hand in front of the headset,\nor press a system button of a controller',
     ]);
     worn.go(5);
     expect(worn.said).toHaveLength(1);
@@ -93,6 +94,26 @@ describe('who comes and goes', () => {
     eyes.change([], [look]);
     eyes.go(5);
     expect(eyes.said).toEqual([]);
+  });
+
+  it('is told to touch the screen where the session is on one', () => {
+    const worn = new Worn();
+    worn.session.interactionMode = 'screen-space';
+    worn.go(3);
+    expect(worn.said).toEqual(['Touch the screen\nwhere you want to paint']);
+  });
+
+  it('is noticed within a second where no event tells of it', () => {
+    const [left, right] = [controller('left'), controller('right')];
+    const worn = new Worn(left);
+    worn.arrive([right, new TestSource({ mode: 'brain-waves' })]);
+    worn.go(1);
+    expect(worn.pointers.brush?.source).toBe(right.xr);
+    worn.arrive([], [right]);
+    worn.go(1);
+    worn.go(1.1);
+    expect(worn.pointers.brush?.source).toBe(left.xr);
+    expect(worn.said.filter((text) => text.startsWith('Unknown'))).toHaveLength(1);
   });
 
   it('the wished hand is asked anew, and a trigger that is held does not paint for it', () => {
@@ -166,6 +187,74 @@ describe('who comes and goes', () => {
     expect(worn.said).toEqual([
       'The headset does not see the right controller:\nhold it in front of the headset',
     ]);
+  });
+});
+
+it('a press is heard of a pad that tells of it by events alone, a pulled trigger by its value', () => {
+  for (const [id, heard] of [['generic-touchpad', 1], ['htc-vive', 0]] as const) {
+    const source = registered(id, 'right');
+    const worn = new Worn(source);
+    worn.go();
+    worn.select(source, true);
+    worn.go();
+    expect(worn.pointers.brush!.trigger, id).toBe(heard);
+  }
+}); // prettier-ignore
+
+describe('handedness', () => {
+  const hands = (): { worn: Worn; left: TestSource; right: TestSource } => {
+    const [left, right] = (['left', 'right'] as const).map(
+      (side) => new TestSource({ hand: true, side }),
+    ) as [TestSource, TestSource];
+    return { worn: new Worn(left, right), left, right };
+  };
+  const paints = ({ pointers }: Worn): string | undefined => pointers.brush?.side;
+
+  it('stays while the wished hand is away for a moment, and the other one paints nothing', () => {
+    const { worn, left, right } = hands();
+    worn.change([], [right]);
+    worn.select(left, true);
+    worn.go(0.9);
+    expect([paints(worn), worn.pointers.other?.source, worn.said]).toEqual([
+      undefined,
+      left.xr,
+      [],
+    ]);
+    worn.change([right]);
+    worn.go(0.9);
+    expect([paints(worn), worn.said]).toEqual(['right', []]);
+  });
+
+  it('changes after a second, with a sign, and never in a pinch', () => {
+    const { worn, left, right } = hands();
+    worn.change([], [right]);
+    worn.select(left, true);
+    for (let i = 0; i < 3; i++) worn.go(0.9);
+    expect(paints(worn)).toBeUndefined();
+    worn.select(left, false);
+    worn.go();
+    worn.go();
+    expect([paints(worn), worn.said]).toEqual(['left', ['The left hand paints now']]);
+    // It finishes what it paints when the other one is back.
+    worn.select(left, true);
+    worn.go();
+    worn.change([right]);
+    worn.go(2);
+    expect(paints(worn)).toBe('left');
+    worn.select(left, false);
+    worn.go();
+    worn.go();
+    expect([paints(worn), worn.said.at(-1)]).toEqual(['right', 'The right hand paints again']);
+  });
+
+  it('is said with the reason where a controller went', () => {
+    const [left, right] = [controller('left'), controller('right')];
+    const worn = new Worn(left, right);
+    worn.change([], [right]);
+    worn.go(1.1);
+    expect(worn.said.at(-1)).toBe(
+      'The right controller is disconnected:\npress its system button to switch it on\nThe left controller paints now',
+    );
   });
 });
 

@@ -1,6 +1,7 @@
 /** All that points: who comes and goes, what each does, what their rays are on. */
 import { peek } from '../../store/watch';
 import { Body } from './body';
+import { Handover, isOf } from './handover';
 import { kindOf, KINDS, unknownInput } from '../input/kinds';
 import type { Painter } from '../painting/painter';
 import type { Panel } from '../panels/panel';
@@ -16,8 +17,8 @@ import type { Object3D } from 'three';
 const MISSED = 1;
 /** Seconds of a session after which it is told that nothing points: hands and controllers wake in the first. */
 const NOBODY_CAME = 2;
-const NO_CONTROLLER = 'No controller found:\npress a system button to switch it on';
-const NOTHING = `${NO_CONTROLLER},\nor hold a hand in front of the headset`;
+/** Seconds from one look for inputs that came or went without an event to the next. */
+const LOOK = 1;
 const SWITCH_ON = 'press its system button to switch it on';
 const SHOW = 'hold it in front of the headset';
 
@@ -46,7 +47,13 @@ export class Pointers {
   private readonly gone: Gone[] = [];
   /** Seconds for which nothing has pointed since the session began; NaN once something did. */
   private readonly awaited = new Float64Array(1);
+  private readonly looked = new Float64Array(1);
+  /** Inputs that no pointer was made for. */
+  private readonly refused = new WeakSet<XRInputSource>();
   private readonly undo: (() => void)[] = [];
+  private readonly handover = new Handover();
+  /** The sign that another hand paints, as long as it does. */
+  private standIn = '';
 
   constructor(
     private readonly session: Session,
@@ -136,7 +143,10 @@ export class Pointers {
     const kind = kindOf(source);
     const input = kind ? this.poses.add(source) : -1;
     if (!kind) this.changes.say(unknownInput(source));
-    if (!kind || input < 0) return;
+    if (!kind || input < 0) {
+      this.refused.add(source);
+      return;
+    }
     const pointer = new Pointer(source, kind, KINDS.indexOf(kind), primary, input);
     this.bodies.push(new Body(pointer, this.lessons, this.scene, this.rig.group));
   }
@@ -169,13 +179,36 @@ export class Pointers {
   assign(): void {
     const before = this.roles;
     const pointers = this.bodies.map(({ pointer }) => pointer);
-    this.roles = rolesOf(pointers, peek(xrSettings).hand);
+    const { hand } = peek(xrSettings);
+    this.roles = this.handover.roles(before, rolesOf(pointers, hand), hand);
     if (before.brush !== this.brush) {
       this.changes.brushGone();
+      this.signHand(hand);
       // An input that came just now in order to press is meant; one held before is not.
       if (this.brush && !this.brush.momentary) this.brush.disarm();
     }
     for (const body of this.bodies) body.explain(this.partOf(body.pointer));
+  }
+
+  /** Say that the other hand paints, and that the wished one does again. */
+  private signHand(wished: Side): void {
+    const { brush } = this;
+    if (!brush) return;
+    const before = this.standIn;
+    const name = nameOf(brush, brush.kind.name);
+    this.standIn = isOf(wished, brush) ? '' : `The ${name} paints now`;
+    if (this.standIn !== before) this.changes.say(this.standIn || `The ${name} paints again`);
+  }
+
+  /** Let the hands change as soon as they may. */
+  private hand(seconds: Float64Array): void {
+    const { hand } = peek(xrSettings);
+    let there = false;
+    for (let i = 0; i < this.bodies.length; i++) {
+      const { pointer } = this.bodies[i]!;
+      there ||= pointer.primary && isOf(hand, pointer);
+    }
+    if (this.handover.update(there, this.brush, seconds)) this.assign();
   }
 
   /** Task of a pointer. */
@@ -199,8 +232,25 @@ export class Pointers {
       this.miss(body, seconds);
     }
     if (this.session.visibilityState !== 'visible') return;
+    this.look(seconds);
+    this.hand(seconds);
     this.missGone(seconds);
     this.missAll(seconds);
+  }
+
+  /** Find inputs that came or went without an event: some browsers send none. */
+  private look(seconds: Float64Array): void {
+    const { looked } = this;
+    looked[0] = looked[0]! + seconds[0]!;
+    if (looked[0] < LOOK) return;
+    looked[0] = 0;
+    const there = [...this.session.inputSources];
+    const is = ({ pointer }: Body): boolean => pointer.primary && !pointer.leaving;
+    const known = this.bodies.filter(is).map(({ pointer }) => pointer);
+    const gone = known.filter(({ source, momentary }) => !momentary && !there.includes(source));
+    const came = there.filter((source) => !this.bodyFor(source) && !this.refused.has(source));
+    const left = gone.map(({ source }) => source);
+    if (came.length + left.length > 0) this.sources(came, left, true);
   }
 
   /** Say once that nothing has come that points. */
@@ -210,7 +260,7 @@ export class Pointers {
     const before = awaited[0]!;
     awaited[0] = before + seconds[0]!;
     if (before >= NOBODY_CAME || !(awaited[0] >= NOBODY_CAME)) return;
-    this.changes.say(peek(xrSettings).hands ? NOTHING : NO_CONTROLLER);
+    this.changes.say(firstWords(this.session, peek(xrSettings).hands));
   }
 
   /** Say that a controller has gone, unless it or a hand in its place was there again in a moment. */
@@ -221,7 +271,8 @@ export class Pointers {
       const back = side !== 'none' && this.of(side) !== null;
       if (!back && since[0] < MISSED) continue;
       this.gone.splice(i, 1);
-      if (!back) this.changes.say(`The ${name} is disconnected:\n${SWITCH_ON}`);
+      const meanwhile = this.standIn && `\n${this.standIn}`;
+      if (!back) this.changes.say(`The ${name} is disconnected:\n${SWITCH_ON}${meanwhile}`);
     }
   }
 
@@ -301,6 +352,19 @@ export class Pointers {
     for (const run of this.undo) run();
     for (const body of this.bodies) body.dispose();
   }
+}
+
+/**
+ * Words for a session in which nothing points yet.  A session on a screen takes fingers, and inputs
+ * of the eyes come with their first pinch.
+ */
+function firstWords(session: Session, hands: boolean): string {
+  if (session.interactionMode === 'screen-space')
+    return 'Touch the screen\nwhere you want to paint';
+  const pinch = hands
+    ? 'Look at a point and pinch,\nhold a hand in front of the headset'
+    : 'Look at a point and pinch';
+  return `${pinch},\nor press a system button of a controller`;
 }
 
 /** “right controller”; what has no side is called by its kind alone. */

@@ -29,9 +29,11 @@ export const controller: Kind = {
   systemPinch: false,
   fleeting: false,
   device: ({ profiles, gamepad }) => deviceFor(profiles, gamepad?.axes.length ?? 0, false),
-  // Without the button that selects, only the events tell.
-  press: (gamepad, device, selecting) =>
-    gamepad?.buttons[device.trigger] ? buttonValue(gamepad, device.trigger) : selecting ? 1 : 0,
+  // Without a trigger that is pressed by degrees, the events tell as well.
+  press: (gamepad, device, selecting) => {
+    const analog = device.trigger === 0 && gamepad?.buttons[0];
+    return Math.max(buttonValue(gamepad, device.trigger), selecting && !analog ? 1 : 0);
+  },
   model: (_source, device) => {
     const object = controllerModel(device);
     return { object, gripped: true, dispose: () => disposeModel(object) };

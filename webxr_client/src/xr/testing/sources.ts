@@ -94,6 +94,7 @@ class TestSession extends EventTarget {
   inputSources: XRInputSource[] = [];
   trackedSources: XRInputSource[] = [];
   visibilityState: XRVisibilityState = 'visible';
+  interactionMode = 'world-space';
 }
 
 /** The pointers of a session, and what happens to it. */
@@ -128,7 +129,14 @@ export class Worn {
   change(added: TestSource[], removed: TestSource[] = [], type = 'inputsourceschange'): void {
     const event = new Event(type);
     const xr = (all: TestSource[]): XRInputSource[] => all.map((one) => one.xr);
+    if (type === 'inputsourceschange') this.arrive(added, removed);
     this.session.dispatchEvent(Object.assign(event, { added: xr(added), removed: xr(removed) }));
+  }
+
+  /** Sources come and go, and no event says so. */
+  arrive(added: TestSource[], removed: TestSource[] = []): void {
+    const left = this.session.inputSources.filter((one) => !removed.some(({ xr }) => xr === one));
+    this.session.inputSources = [...left, ...added.map(({ xr }) => xr)];
   }
 
   select(source: TestSource, down: boolean): void {
