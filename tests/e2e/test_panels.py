@@ -351,6 +351,8 @@ def test_every_control_has_a_name_and_the_cloud_its_room(desk: Desk) -> None:
             assert cut(desk.page, "#boxes header *") == []
             assert desk.page.locator("#view").bounding_box() == room
             desk.ask("pb.state.tool.value = 'paint'")
+        if width == 853:
+            verdicts_are_reached(desk)
         desk.press("o")
         name = desk.page.locator(".action strong")
         assert name.evaluate("(e) => e.scrollWidth <= e.clientWidth && e.clientWidth > 20")
@@ -366,6 +368,19 @@ def lies_over_the_cloud(desk: Desk, name: str, close: str) -> None:
     assert cut(desk.page, f"#app > aside[aria-label={name}] > *") == []
     panel.get_by_role("button", name=close).click()
     expect(panel).to_be_hidden()
+
+
+def verdicts_are_reached(desk: Desk) -> None:
+    """The buttons that judge a frame are in the sheet, none of them cut."""
+    page = desk.page
+    work = page.get_by_role("button", name="Work", exact=True)
+    work.click()
+    page.get_by_role("tab", name="Frames").click()
+    for verdict in ("Mark as checked", "Needs correction"):
+        button = page.get_by_role("button", name=verdict)
+        button.scroll_into_view_if_needed()
+        expect(button).to_be_in_viewport(ratio=1)
+    page.get_by_role("button", name="Close the panel").click()
 
 
 def test_the_card_of_a_job_holds_a_long_message(desk: Desk) -> None:

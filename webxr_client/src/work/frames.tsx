@@ -95,7 +95,7 @@ function Judge() {
   };
   return (
     <form class="work-form stack" onSubmit={(event) => event.preventDefault()}>
-      <div class="pair" role="group" aria-label="State">
+      <div class="halves" role="group" aria-label="State">
         {VERBS.map(([kind, words, keys]) => (
           <Button
             key={kind}
@@ -159,7 +159,7 @@ export function FrameRange({ first, last, onChange }: FrameRangeProps) {
     />
   );
   return (
-    <div class="pair">
+    <div class="halves">
       {field('From frame', first, (value) =>
         onChange({ first: value, last: Math.max(value, last) }),
       )}

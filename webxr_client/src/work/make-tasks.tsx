@@ -47,7 +47,7 @@ export function MakeTasks({ of, open = null, onMade }: MakeTasksProps) {
         </select>
       </label>
       {here && <FrameRange first={range.first} last={last} onChange={setRange} />}
-      <div class="pair">
+      <div class="halves">
         <Field
           label="Frames per task"
           type="number"

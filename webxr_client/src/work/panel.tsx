@@ -4,7 +4,6 @@ import { Button } from '../panels/parts/controls';
 import { tabId, Tabs } from '../panels/parts/tabs';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
-import { follow } from '../store/watch';
 import { AgreementTab } from './agreement';
 import { Findings } from './findings';
 import { followWork } from './following';
@@ -38,8 +37,8 @@ function WorkPanel() {
   const [, Body] = TABS[tab];
   return (
     <>
-      <header class="line spread">
-        <h2 class="title name">{project.value?.name ?? 'Work'}</h2>
+      <header class="panel-head line spread">
+        <h2 class="name">{project.value?.name ?? 'Work'}</h2>
         <Button icon="close" tip="Close the panel" small onClick={close} />
       </header>
       <Tabs
@@ -74,17 +73,12 @@ export function WorkButton() {
 
 /** Put the panel beside the stage; the result takes it away again. */
 export function mountWork(): () => void {
-  const app = document.getElementById('app')!;
   const place = document.createElement('aside');
   place.id = 'work';
   place.setAttribute('aria-label', 'Work');
   document.getElementById('stage')!.after(place);
   render(<WorkPanel />, place);
-  const stops = [
-    followWork(),
-    bindActions({ nextTask: begin }),
-    follow(() => void app.classList.toggle('working', isShown())),
-  ];
+  const stops = [followWork(), bindActions({ nextTask: begin })];
   return () => {
     for (const stop of stops) stop();
     render(null, place);

@@ -27,7 +27,7 @@ export function Entry({ icon, current = false, about, onClick, actions, children
         onClick={onClick}
       >
         {icon && <Icon name={icon} />}
-        <span class="what">
+        <span class="lines">
           {children}
           <span class="soft">{about}</span>
         </span>

@@ -120,7 +120,7 @@ function Verdict({ task }: { task: Task }) {
         place={place}
         onChange={(patch) => (draft.value = { ...draft.peek(), ...patch })}
       />
-      <div class="pair">
+      <div class="halves">
         <Button
           class="verdict-accepted"
           label="Accept"
