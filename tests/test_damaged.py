@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import io
 import shutil
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 
+from pointbrush.classify.classifier import Classifier
+from pointbrush.classify.forest import Trees
 from pointbrush.cli import main
 from pointbrush.errors import DamagedError
+from pointbrush.selection.objects import ObjectState
+from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH
+from pointbrush.selection.selectors.tree import TreeSelector
 from pointbrush.settings import Settings
+from pointbrush.work.classifiers.files import ClassifierFiles
+from pointbrush.work.objects.preparing import StateFiles
 from pointbrush.workspace import Workspace
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
@@ -100,6 +110,64 @@ def test_check_names_it_and_checks_the_others(
         )
     assert main(["info", "cut", *where]) == 1
     assert "damaged" in capsys.readouterr().err
+
+
+def with_changed_number(name: str, arrays: dict[str, Any]) -> bytes:
+    """Return an archive with the first number of an array changed, its checksums correct."""
+    out = io.BytesIO()
+    arrays[name].flat[0] = 2**31 - 1
+    np.savez(out, **arrays)
+    return out.getvalue()
+
+
+def arrays_of(data: bytes) -> dict[str, Any]:
+    with np.load(io.BytesIO(data)) as stored:
+        return {name: stored[name].copy() for name in stored}
+
+
+def test_check_finds_a_changed_number_in_classifiers_and_prepared_frames(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = settings_in(tmp_path)
+    add_sequence(settings, "ball", frames=1, points=300)
+    kept = ClassifierFiles(settings.workspace / "classifiers")
+    trees = Trees(
+        np.array([0, -1, -1], np.int16), np.zeros(3, np.float32), np.array([1, 0, 1], np.int32),
+        np.zeros(1, np.int32), np.eye(2, dtype=np.float32),
+    )  # fmt: skip
+    kept.write("whole", Classifier("whole", ("a", "b"), 0.5, trees=trees))
+    states = StateFiles(settings.workspace / "objects", 0)
+    for frame in range(2):
+        path = states.path("identity", "tree", TreeSelector.version, frame)
+        assert states.write(path, object_state().save)
+    where = ["--workspace", str(settings.workspace)]
+    assert main(["check", *where]) == 0
+    path.write_bytes(with_changed_number("piece", arrays_of(path.read_bytes())))
+    whole = (settings.workspace / "classifiers" / "whole.npz").read_bytes()
+    changed = with_changed_number("left", arrays_of(whole))
+    (settings.workspace / "classifiers" / "changed.npz").write_bytes(changed)
+    capsys.readouterr()
+    assert main(["check", *where]) == 1
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 2
+    assert said[0].startswith("classifiers/changed.npz: classifier: expected left from 0")
+    assert said[1].startswith("objects/identity/")
+    assert "000001.npz: expected a saved object state: expected piece from 0 to 0" in said[1]
+    assert main(["check", "--repair", *where]) == 1
+    assert "removed, to be prepared again: objects/identity/" in capsys.readouterr().out
+    assert not path.exists()
+    assert main(["check", *where]) == 1
+    kept.delete("changed")
+    assert main(["check", *where]) == 0
+
+
+def object_state() -> ObjectState:
+    """Return the state of a frame of one cell."""
+    return ObjectState(
+        "room", 0.1, np.zeros(5, np.int32), np.zeros((1, 3), np.float32), np.zeros(1, np.int32),
+        np.empty((0, 2), np.int32), np.empty((0, PAIR_WIDTH), np.float32), np.full(1, -1, np.int32),
+        np.full(1, np.inf, np.float32), np.zeros((1, WIDTH)), np.empty(0, np.float32),
+    )  # fmt: skip
 
 
 def test_it_can_be_deleted_and_comes_back_as_it_was(tmp_path: Path) -> None:

@@ -310,15 +310,18 @@ def check(given: argparse.Namespace, settings: Settings) -> Answer:
 def _checked(given: argparse.Namespace, workspace: Workspace) -> Answer:
     wanted = [given.sequence] if given.sequence else [entry.id for entry in workspace.listing.all()]
     rebuilt: list[str] = []
+    files = workspace.check_files(repair=given.repair)
     if given.repair:
         repaired = workspace.listing.repair(wanted)
         rebuilt = [f"rebuilt: {line}" for line in repaired.rebuilt]
-        problems = [f"cannot be rebuilt: {line}" for line in repaired.lost]
+        rebuilt += [f"removed, to be prepared again: {line}" for line in files.rebuilt]
+        problems = [f"cannot be rebuilt: {line}" for line in (*repaired.lost, *files.lost)]
     else:
         problems = workspace.labels.integrity()
         problems += [
             f"{name}: {line}" for name in wanted for line in workspace.listing.problems(name)
         ]
+        problems += files.lost
     return printing.checked(
         len(wanted), problems, rebuilt, readable=open_to_others(workspace.settings.workspace)
     )

@@ -45,7 +45,7 @@ from pointbrush.work.imports.requests import IMPORT, LABELS, SAMPLE
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
-from pointbrush.work.listing import Listing
+from pointbrush.work.listing import Listing, Repaired
 from pointbrush.work.loops import Loops
 from pointbrush.work.objects import Objects
 from pointbrush.work.stroking import Strokes
@@ -325,6 +325,13 @@ class Workspace:
         numbering = formats.EXPORTS[export_format].numbering
         numbers = self.labels.taxonomy.exported(palette, numbering)
         formats.export(export_format, labeled, palette, out, gaps, *numbers)
+
+    def check_files(self, *, repair: bool = False) -> Repaired:
+        """Find damaged classifiers and prepared frames; ``repair`` removes the latter."""
+        from pointbrush.work.classifiers.files import ClassifierFiles
+
+        removed, left = self._objects.problems(repair=repair)
+        return Repaired(removed, [*ClassifierFiles(self._classifier_folder).problems(), *left])
 
     def import_roots(self, *, own: bool) -> list[Path]:
         """Folders that a caller over the network may import from.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterator
+from contextlib import closing
 from typing import Any
 
 import numpy as np
@@ -120,6 +121,19 @@ def test_a_prepared_frame_stays_prepared_for_another_server(
     again = Workspace(workspace.settings)
     assert ask(again).ready
     again.close()
+
+
+def test_a_prepared_frame_with_a_changed_number_is_prepared_anew(workspace: Workspace) -> None:
+    before = ready(workspace)
+    workspace.close()
+    for path in workspace.settings.workspace.glob("objects/*/*/*.npz"):
+        with np.load(path) as stored:
+            arrays = {name: stored[name].copy() for name in stored}
+        arrays["piece"][0] = 2**31 - 1
+        np.savez(path, **arrays)
+    with closing(Workspace(workspace.settings)) as again:
+        assert not ask(again).ready
+        assert [one.id for one in ready(again).candidates] == [one.id for one in before.candidates]
 
 
 def test_taking_a_candidate_is_one_edit_that_one_undo_takes_back(workspace: Workspace) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 
 from pointbrush.classify.classifier import Classifier, from_file, to_file
@@ -12,14 +13,15 @@ from pointbrush.work.trash import ids_for
 
 _ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")
 _ENDING = ".npz"
+MOST_CLASSIFIERS = 256
+"""Of a workspace: each is listed with what taught it, which reads its file."""
 
 
 class ClassifierFiles:
     """One file a classifier under ``folder``, which need not exist."""
 
-    def __init__(self, folder: Path, most: int) -> None:
-        """``most`` files at most."""
-        self._folder, self._most = folder, most
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
 
     def ids(self) -> list[str]:
         """List all, by id."""
@@ -33,11 +35,24 @@ class ClassifierFiles:
         except FileNotFoundError:
             raise unknown(identifier) from None
 
+    def problems(self) -> list[str]:
+        """Return a sentence for each file that cannot be read as a classifier."""
+        found = []
+        for identifier in self.ids():
+            with suppress(NotFoundError):  # deleted meanwhile
+                try:
+                    self.read(identifier)
+                except (BadInputError, OSError) as error:
+                    found.append(f"{self._folder.name}/{identifier}{_ENDING}: {error}")
+        return found
+
     def free_id(self, name: str) -> str:
         """Return a readable id for a name that nothing has.  Raises BadInputError when full."""
         taken = set(self.ids())
-        if len(taken) >= self._most:
-            raise BadInputError(f"classifiers: expected at most {self._most}, delete one first")
+        if len(taken) >= MOST_CLASSIFIERS:
+            raise BadInputError(
+                f"classifiers: expected at most {MOST_CLASSIFIERS} in a workspace, delete one first"
+            )
         return next(each for each in ids_for(name) if each not in taken)
 
     def write(self, identifier: str, classifier: Classifier) -> None:

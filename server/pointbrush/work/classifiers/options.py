@@ -39,8 +39,6 @@ class ClassifierOptions:
     """Frames of a recording in which doubt is looked for."""
     looked_recordings: int = 4
     """Recordings of a workspace in which doubt is looked for."""
-    classifiers: int = 256
-    """Classifiers of a workspace."""
 
     def check(self) -> None:
         """Raise BadInputError for a number that is not above 0."""

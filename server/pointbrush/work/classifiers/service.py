@@ -108,7 +108,7 @@ class Classifiers:
         self.options = options or ClassifierOptions()
         self.options.check()
         self._store, self._recording, self._recordings = store, recording, recordings
-        self._files = ClassifierFiles(folder, self.options.classifiers)
+        self._files = ClassifierFiles(folder)
         self._frames = DescribedFrames(self.options)
         self._teacher = Teacher(store, self._frames, self.options)
         self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None

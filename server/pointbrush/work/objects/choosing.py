@@ -54,6 +54,10 @@ class Selectors:
         common = made[named.pop("", BUILT_IN)]
         return cls(common, MappingProxyType({key: made[name] for key, name in named.items()}))
 
+    def every(self) -> set[Chosen]:
+        """Return the selectors that answer for any recording."""
+        return {self.common, *self.own.values()}
+
     def of(self, recording: str) -> Chosen:
         """Return the selector for a recording's id."""
         return self.own.get(recording, self.common)

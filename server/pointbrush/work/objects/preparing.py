@@ -43,12 +43,15 @@ class StateFiles:
     """
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
-        self._folder, self._most = folder, most_bytes
+        self.folder, self._most = folder, most_bytes
 
     def path(self, identity: str, selector: str, version: str, frame: int) -> Path:
         """Return the path of a state, whether it is there or not."""
-        told = hashlib.blake2b(f"{selector} {version}".encode(), digest_size=6).hexdigest()
-        return self._folder / identity / told / f"{frame:06d}.npz"
+        return self.folder / identity / _key(selector, version) / f"{frame:06d}.npz"
+
+    def of(self, selector: str, version: str) -> list[Path]:
+        """Return the paths of the states of a selector."""
+        return sorted(self.folder.glob(f"*/{_key(selector, version)}/*.npz"))
 
     def write(self, path: Path, save: Callable[[Path], None]) -> bool:
         """Write a state whole or not at all; False when the disk did not take it."""
@@ -69,10 +72,18 @@ class StateFiles:
         with contextlib.suppress(OSError):
             os.utime(path)
 
+    def remove(self, path: Path) -> bool:
+        """Remove a state that cannot be read; False where the folder cannot be written."""
+        try:
+            path.unlink(missing_ok=True)
+        except OSError:
+            return False
+        return True
+
     def prune(self) -> None:
         """Remove what was not used for longest until the rest fits."""
         found = []
-        for path in self._folder.glob("*/*/*.npz"):
+        for path in self.folder.glob("*/*/*.npz"):
             with contextlib.suppress(OSError):
                 told = path.stat()
                 found.append((told.st_mtime, told.st_size, path))
@@ -83,6 +94,10 @@ class StateFiles:
             with contextlib.suppress(OSError):
                 path.unlink()
             total -= size
+
+
+def _key(selector: str, version: str) -> str:
+    return hashlib.blake2b(f"{selector} {version}".encode(), digest_size=6).hexdigest()
 
 
 class Preparer:

@@ -172,6 +172,10 @@ class Objects:
         """Stop preparing."""
         self._states.close()
 
+    def problems(self, *, repair: bool) -> tuple[list[str], list[str]]:
+        """Return a sentence for each damaged file of a prepared frame; see ``States.problems``."""
+        return self._states.problems(repair=repair)
+
     def parse(self, fields: Any) -> Clicks:
         """Read clicks from the JSON fields of a call or a message; raises BadInputError."""
         return Clicks.parse(fields, self._options.clicks)

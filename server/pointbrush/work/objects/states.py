@@ -69,6 +69,26 @@ class States:
         """Stop preparing."""
         self._preparer.close()
 
+    def problems(self, *, repair: bool) -> tuple[list[str], list[str]]:
+        """Return a sentence for each file that its selector cannot read: removed ones, others.
+
+        ``repair``: remove them.
+        """
+        removed, left = [], []
+        for chosen in self._selectors.every():
+            selector = chosen.selector
+            if not isinstance(selector, StoredSelector):
+                continue
+            for path in self._files.of(chosen.name, selector.version):
+                try:
+                    selector.load(path)
+                except BadInputError as error:
+                    if path.exists():  # not removed meanwhile
+                        gone = repair and self._files.remove(path)
+                        name = path.relative_to(self._files.folder.parent)
+                        (removed if gone else left).append(f"{name.parent}: {error}")
+        return removed, left
+
     def ready(self, recording: Recording, frame: int) -> bool:
         """Return whether a frame is prepared; if not it will be, and those around it."""
         if self._state(recording, frame) is not None:
@@ -115,7 +135,10 @@ class States:
         try:
             size = path.stat().st_size
             state = chosen.selector.load(path)
-        except (OSError, BadInputError):
+        except OSError:
+            return None
+        except BadInputError:
+            self._files.remove(path)  # the frame is prepared anew
             return None
         self._files.used(path)
         return self._states.get(key, lambda: state, size=max(size, 1))
