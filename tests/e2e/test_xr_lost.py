@@ -77,11 +77,12 @@ def test_a_lost_controller_ends_its_stroke_and_comes_back(
     headset.until(f"{said} === false", 15)
     headset.trigger(0)
     count = painted(server, 0)
-    # Where the headset guesses that it is, it paints nothing, and that is said.
+    # Where the headset guesses that it is, it paints nothing; the notice tells the remedy as well.
     x, y, z = truth(0, PERSON)
     headset.ask("(window.guesses = true)")
     headset.paint([[x, y + 0.15, z]])
-    headset.until(f"{said} === 'Not painted: out of view of the headset'")
+    headset.until(f"String({said}).startsWith('Not painted: out of view of the headset')")
+    assert "Move it into view" in headset.ask(said).replace("\n", " ")
     headset.settled()
     assert painted(server, 0) == count
     headset.ask("(window.guesses = false)")

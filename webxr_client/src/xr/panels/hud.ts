@@ -6,6 +6,7 @@ import { faceEyes } from '../drawing/facing';
 import type { Rig } from '../moving/rig';
 import { Sign } from '../drawing/sign';
 import { SIZES } from '../drawing/sizes';
+import { noticeText } from './notice-text';
 import { follow } from '../../store/watch';
 
 /** Metres ahead and below the eyes; what is farther from where it should be jumps there. */
@@ -14,6 +15,8 @@ const BELOW = 0.22;
 const FAR = 1.5;
 const FACING = { right: 0, up: 0, away: SIZES.message.away };
 const STAY_MS = 4000;
+/** Time to read a letter beyond the first line, milliseconds. */
+const READ_MS = 40;
 
 export class Hud {
   readonly group = new Group();
@@ -31,8 +34,8 @@ export class Hud {
     const stops = [
       follow(() => void (this.text = standing())),
       follow(() => {
-        const title = state.notices.value.at(-1)?.title;
-        if (title) this.say(title);
+        const notice = state.notices.value.at(-1);
+        if (notice) this.say(noticeText(notice));
       }),
     ];
     this.unfollow = () => {
@@ -43,7 +46,8 @@ export class Hud {
   /** Say something for a while: nobody can dismiss it here. */
   say(text: string): void {
     this.own = text;
-    this.ownUntil = performance.now() + STAY_MS;
+    const [first = ''] = text.split('\n');
+    this.ownUntil = performance.now() + STAY_MS + READ_MS * (text.length - first.length);
   }
 
   update(rig: Rig, seconds: Float64Array, now: number): void {

@@ -90,7 +90,8 @@ export function drawDoubt(words: Row, answers: Row): void {
   answers.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
     void actions.acceptHere();
   });
-  words.say(`${namesOf(unsure.peek())}: doubtful. Correct or confirm it`, INK.warn);
+  const todo = disabled ? 'Correct it; reviewers can confirm it' : 'Correct or confirm it';
+  words.say(`${namesOf(unsure.peek())}: doubtful. ${todo}`, INK.warn);
 }
 
 export function drawMended(words: Row, answers: Row): void {

@@ -12,6 +12,7 @@ import { actions } from '../../../store/actions';
 import { chosenBox, type ObjectBox } from '../../../store/boxes';
 import { activeLabel, canEdit, state, trackingJob } from '../../../store/state';
 import { INK, type ButtonLook, type Ui } from '../../drawing/ui';
+import { VIEWER } from './rows';
 
 /** Signals that the page shows. */
 export const BOXES = [chosenBox, state.shown, state.jobs, canEdit] as const;
@@ -38,6 +39,7 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
 }
 
 function told(box: ObjectBox | null, name: string | undefined): string[] {
+  if (!canEdit.peek()) return [VIEWER];
   if (name === undefined) return ['Choose a label first'];
   if (!box) return [`${name} has no box yet`, 'Fit makes it from the points'];
   const size = box.size.map(metres).join(' × ');

@@ -18,6 +18,7 @@ import {
 import { percent, plural } from '../../../common/format';
 import { canEdit, state } from '../../../store/state';
 import { INK, type Ui } from '../../drawing/ui';
+import { VIEWER } from './rows';
 
 /** Signals that the page shows. */
 export const EXAMPLE = [
@@ -34,10 +35,12 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
     on ? void openExample() : closeExample(),
   );
   if (!exampleOpen.peek() || !classifier.peek()) {
-    HOW.forEach((text, i) => {
+    const wanting = lacks();
+    const words = exampleOpen.peek() && wanting ? [wanting] : HOW;
+    words.forEach((text, i) => {
       ui.text(text, x + em * 0.4, line(1) + em * (1.2 + 1.6 * i), { color: INK.quiet });
     });
-    const disabled = !exampleOpen.peek() || classifiers.peek() === null || !canEdit.peek();
+    const disabled = !exampleOpen.peek() || wanting !== '';
     ui.button(x, line(3), inner - em * 0.2, em * 2.2,
       { icon: 'example', text: 'Learn from painted points', on: true, disabled },
       () => void makeClassifier()); // prettier-ignore
@@ -49,16 +52,26 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
     shows.value = on ? 'doubt' : 'classes';
   });
   ui.button(x, line(3), inner - em * 0.2, em * 2.2,
-    { icon: 'target', text: 'Next doubt', strong: true, align: 'left' }, () => void nextDoubt()); // prettier-ignore
+    { icon: 'target', text: 'Next doubt', strong: true, align: 'left', disabled: asking.peek() }, () => void nextDoubt()); // prettier-ignore
   const place = question.peek();
   if (place) drawAnswers(ui, x, line(4), inner, place);
   const here = state.frame.peek();
+  const ready = canEdit.peek() && !asking.peek() && (predicted.peek()?.points ?? 0) > 0;
   ui.button(x, line(5), inner - em * 0.2, em * 2.2,
-    { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !canEdit.peek() },
+    { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !ready },
     () => void applyPrediction(`${here}:${here + 1}`, 0)); // prettier-ignore
 }
 
+/** Return the reason why nothing can be learned yet, or "". */
+function lacks(): string {
+  if (!canEdit.peek()) return VIEWER;
+  if (asking.peek() || classifiers.peek() === null) return 'Waiting for the server…';
+  const painted = state.palette.peek().filter(({ id }) => (state.counts.peek().get(id) ?? 0) > 0);
+  return painted.length > 1 ? '' : 'Paint points of two labels first.';
+}
+
 function told(): string {
+  if (!canEdit.peek()) return VIEWER;
   const { points = 0, unsure = 0 } = predicted.peek() ?? {};
   if (asking.peek()) return 'Predicting…';
   if (points === 0) return 'No prediction in this frame yet';

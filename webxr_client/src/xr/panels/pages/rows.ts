@@ -1,5 +1,8 @@
 import type { Ui } from '../../drawing/ui';
 
+/** The reason why everything that changes labels is disabled. */
+export const VIEWER = 'Your role cannot change labels.';
+
 /** Rows of a list that are in sight. */
 export const ROWS = 7;
 
