@@ -12,7 +12,6 @@ import { EyeDome } from './eyedome';
 import { ALL_POINTS, type CloudFrame } from '../points/frame';
 import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth';
 import { LargeCloud } from './large';
-import { antialiasHeadset, isSoftware } from './context';
 import { Lens } from './lens';
 import type { PlacedFrame } from '../points/layer';
 import { ChunkTable, isPlain, pointMaterial, PointUniforms } from './material';
