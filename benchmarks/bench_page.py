@@ -1,6 +1,6 @@
 """The page: frames of a Kinect applied a second, against viser's replay in the same browser.
 
-python benchmarks/bench_page.py [apply|viser|play|open]...
+python benchmarks/bench_page.py [apply|viser|play|open|scale]...
 
 ``apply``: frames decoded in the worker and uploaded to the GPU whole, as fast as they come.
 ``viser``: the same frames replayed by viser at several rates, the best of which counts; also
@@ -8,6 +8,8 @@ counted as they are uploaded.  In both pages the calls that draw or clear do not
 machine's GPU is a program, which would measure only itself.
 ``play``: what the page's own thread spends on a picture of the playing recording, drawn.
 ``open``: from the wish to open a recording to its first draw of points, in a page that is there.
+``scale``: processor time of the page's own thread to open a recording of 2,000 frames, one of 200
+labels and one of both, to search a label, to go to another frame and to choose another label.
 """
 
 from __future__ import annotations
@@ -17,15 +19,20 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import numpy as np
 from bench_streaming import POINTS, TOKEN, kinect, pointbrush, recording, running
 from chromium import Tab, tab
 
+from pointbrush.frame import PointFrame
+from pointbrush.labels import Write
 from pointbrush.sequences import import_frames
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
 
 SECONDS = 5.0
 ROUNDS = 3
@@ -187,8 +194,82 @@ def opening(workspace: Path) -> None:
     )
 
 
+SCALES = (("small", 10, 5), ("frames", 2_000, 20), ("labels", 100, 200), ("both", 2_000, 200))
+"""Name, frames and labels of a recording; every label has points in every frame.
+
+The first one pays for what a page does once.
+"""
+SCALE_POINTS = 1_000
+STEPS = (
+    ("search", "SEARCH.value = 'thing 1'; SEARCH.dispatchEvent(new Event('input'))"),
+    ("search ends", "SEARCH.value = ''; SEARCH.dispatchEvent(new Event('input'))"),
+    ("other frame", "__pointbrush.engine.playback.seek(__pointbrush.state.frame.value + 7)"),
+    ("other label", "__pointbrush.state.activeLabel.value = 17"),
+)
+SEARCH = "document.getElementById('label-search')"
+QUIET = """new Promise((resolve) => {
+  let last = performance.now();
+  let still = 0;
+  const look = () => {
+    const now = performance.now();
+    still = now - last < 60 ? still + 1 : 0;
+    last = now;
+    if (still > 20) resolve(); else setTimeout(look, 20);
+  };
+  look();
+})"""
+"""Resolves when nothing has held the page's thread up for 20 looks."""
+
+
+def scaled(workspace: Path, name: str, frames: int, labels: int) -> None:
+    """Import a recording, and give each label points in each frame."""
+    random = np.random.default_rng(1)
+    xyz = random.uniform(-2, 2, (SCALE_POINTS, 3)).astype(np.float32)
+    made = (PointFrame(xyz=xyz + np.float32(0.001 * i)) for i in range(frames))
+    import_frames(made, workspace / "sequences" / name, sequence_id=name, name=name, fps=10.0)
+    with closing(Workspace(Settings(workspace=workspace))) as opened:
+        store = opened.labels
+        for number in range(labels):
+            store.create_label(name, "a", name=f"thing {number}", category=f"kind {number % 9}")
+        points = np.arange(SCALE_POINTS)
+        label = (1 + points % labels).astype(np.uint16)
+        writes = ((frame, Write(points, label=label, provenance=1)) for frame in range(frames))
+        store.apply(name, edit_id=None, author="a", kind="paint", writes=writes, summary="all")
+
+
+def scale(workspace: Path) -> None:
+    for each in SCALES:
+        scaled(workspace, *each)
+    with pointbrush(workspace) as url, tab() as page:
+        time.sleep(SETTLED)
+        page.call("Performance.enable", timeDomain="threadTicks")
+        page.open(f"{url}/?token={TOKEN}&sequence=none", UNDRAWN)
+        page.until("!!window.__pointbrushHeadset")
+
+        def busy() -> float:
+            metrics = page.call("Performance.getMetrics")["metrics"]
+            return next(m["value"] for m in metrics if m["name"] == "TaskDuration")
+
+        def spent(script: str, done: str = "true") -> float:
+            before = busy()
+            page.run(f"{script}; undefined")
+            page.until(done)
+            page.run(QUIET)
+            return 1e3 * (busy() - before)
+
+        for name, frames, labels in SCALES:
+            there = f"__pointbrush.state.sequence.value?.id === '{name}' && {COMPLETE}"
+            listed = f"__pointbrush.state.timeline.value.rows.size === {labels}"
+            script = f"__pointbrush.engine.openSequence('{name}')"
+            took = [("open", spent(script, f"{there} && {listed}"))]
+            for step, script in STEPS:
+                took.append((step, spent(script.replace("SEARCH", SEARCH))))
+            told = ", ".join(f"{step} {ms:.0f} ms" for step, ms in took)
+            print(f"  {frames:,} frames, {labels} labels: {told} of the page's thread", flush=True)
+
+
 def main() -> None:
-    chosen = sys.argv[1:] or ["apply", "viser", "play", "open"]
+    chosen = sys.argv[1:] or ["apply", "viser", "play", "open", "scale"]
     print("page")
     with tempfile.TemporaryDirectory() as folder:
         workspace = Path(folder)
@@ -203,6 +284,9 @@ def main() -> None:
             play(workspace)
         if "open" in chosen:
             opening(workspace)
+    if "scale" in chosen:
+        with tempfile.TemporaryDirectory() as folder:
+            scale(Path(folder))
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from playwright.sync_api import expect
 
+from tests.e2e.conftest import DATA
 from tests.e2e.desk import Desk
 from tests.e2e.recording import (
     PERSON,
@@ -409,6 +410,75 @@ def test_five_clicks_lead_from_the_address_to_a_tracked_and_exported_label(
     desk.settled()
     assert [painted(server, frame, 1) for frame in range(1, 4)] == [0, 0, 0]
     assert painted(server, 0, 1) > 20
+
+
+def command(desk: Desk, words: str) -> None:
+    """Run the first command that everyday words find."""
+    desk.press("Control+k")
+    expect(desk.page.get_by_role("combobox", name="Search commands")).to_be_focused()
+    desk.page.keyboard.type(words)
+    desk.press("Enter")
+
+
+def tab_to(desk: Desk, name: str) -> None:
+    """Move the focus to a control by the Tab key."""
+    for _ in range(60):
+        if desk.page.evaluate(FOCUSED).startswith(name):
+            return
+        desk.press("Tab")
+    raise AssertionError(f"no Tab leads to {name}, but to {desk.page.evaluate(FOCUSED)}")
+
+
+FOCUSED = """(() => {
+  const { ariaLabel, labels, textContent } = document.activeElement;
+  return (ariaLabel ?? labels?.[0]?.querySelector('span')?.textContent ?? textContent).trim();
+})()"""
+"""Name of the control that has the focus."""
+
+
+def test_keys_alone_import_paint_track_and_export(desk: Desk) -> None:
+    desk.ask("(window.pointed = 0, addEventListener('pointerdown', () => (window.pointed += 1)))")
+    with desk.page.expect_file_chooser() as chooser:
+        command(desk, "upload")
+    chooser.value.set_files([DATA / "0000.npz", DATA / "0001.npz"])
+    desk.until("pb.state.importing.value?.busy === false")
+    tab_to(desk, "Name")
+    desk.press("Control+a")
+    desk.page.keyboard.type("walk")
+    desk.press("Tab")
+    desk.until("pb.state.importing.value.busy === false")
+    tab_to(desk, "Import")
+    desk.press("Enter")
+    desk.until("pb.state.sequences.value.some((recording) => recording.name === 'walk')")
+    desk.until("pb.state.jobs.value.every((job) => job.kind !== 'import' || job.state === 'done')")
+    if desk.ask("pb.state.sequence.value.name") != "walk":
+        command(desk, "open walk")
+    desk.until("pb.state.sequence.value?.name === 'walk' && pb.state.sequence.value.frames === 2")
+    desk.ready()
+    desk.press("n")
+    desk.until("document.activeElement.tagName === 'INPUT'")
+    desk.page.keyboard.type("person")
+    desk.press("Enter")
+    desk.until("pb.state.palette.value[0]?.name === 'person' && pb.state.activeLabel.value === 1")
+    desk.press("b")
+    desk.press("0")
+    desk.settled()
+    painted_points = desk.until("pb.labels()[1]")
+    assert painted_points > 5
+    command(desk, "propagate")
+    tab_to(desk, "Track 1 label")
+    desk.press("Enter")
+    desk.until("pb.state.jobs.value.some((j) => j.kind === 'tracking' && j.state === 'done')", 90)
+    command(desk, "download")
+    tab_to(desk, "NPZ")
+    with desk.page.expect_download() as started:
+        desk.press("Enter")
+    with zipfile.ZipFile(started.value.path()) as archive:
+        names = sorted(name for name in archive.namelist() if name.endswith(".npz"))
+        assert len(names) == 2
+        with archive.open(names[0]) as file:
+            assert int((np.load(file)["label"] == 1).sum()) == painted_points
+    assert desk.ask("window.pointed") == 0
 
 
 def test_exports_with_a_split(desk: Desk) -> None:

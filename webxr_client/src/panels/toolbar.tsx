@@ -105,7 +105,7 @@ function MoreTools() {
     actions.setTool(tool);
   };
   return (
-    <PopoverButton open={moreOpen} icon="more" tip="More tools" label="More tools">
+    <PopoverButton open={moreOpen} icon="more" tip="More tools" button={{ label: 'More' }} label="More tools">
       {RARE_TOOLS.map(({ value, icon, tip, keys }) => (
         <button key={value} type="button" class="menu-item" disabled={!canEdit.value} onClick={() => choose(value)}>
           <Icon name={icon!} /> {tip} <span class="end">{keys}</span>
