@@ -14,14 +14,9 @@ export function Toasts() {
   return (
     <ul class="toasts" aria-live="polite">
       {state.notices.value.map((notice) => (
-        <li
-          key={notice.id}
-          class="toast card line"
-          data-kind={notice.kind}
-          role={notice.kind === 'error' ? 'alert' : undefined}
-        >
+        <li key={notice.id} class="toast card line" data-kind={notice.kind}>
           <Icon name={ICON[notice.kind]} />
-          <div>
+          <div role={notice.kind === 'error' ? 'alert' : undefined}>
             <strong>{notice.title}</strong>
             {notice.times > 1 && <span class="soft small number"> {notice.times} times</span>}
             {notice.detail && <p class="soft small">{notice.detail}</p>}
