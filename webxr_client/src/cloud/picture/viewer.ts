@@ -1,5 +1,5 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
-import { BufferGeometry, Group, Points, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
+import { Box3, Group, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 import type { PerspectiveCamera } from 'three';
 import type { SequenceInfo } from '../../protocol/messages';
 import { Listeners, tellFailure } from '../../store/listeners';
@@ -14,13 +14,14 @@ import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth
 import { LargeCloud } from './large';
 import { Lens } from './lens';
 import type { PlacedFrame } from '../points/layer';
-import { ChunkTable, isPlain, pointMaterial, PointUniforms } from './material';
+import { isPlain, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
 import { SurfaceChoice } from './surface-choice';
 import { spreadOf, type Spread } from '../points/spread';
 import { Timing } from './timing';
+import { noPoints } from './warm-up';
 
 /** Layers 1 and 2 are the headset's eyes. */
 const POINTS_LAYER = 3;
@@ -87,7 +88,12 @@ export class Viewer {
     this.software = isSoftware(this.renderer.getContext());
     this.world.add(this.room);
     this.room.matrixAutoUpdate = false;
-    this.scene.add(this.backdrop.group, this.world, this.eyeDome.quad, this.warmUp());
+    this.scene.add(
+      this.backdrop.group,
+      this.world,
+      this.eyeDome.quad,
+      noPoints(this.renderer, this.uniforms),
+    );
     canvas.addEventListener('webglcontextlost', () => this.lose());
     canvas.addEventListener('webglcontextrestored', () => this.restore());
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -98,17 +104,6 @@ export class Viewer {
   private setUp(): void {
     this.renderer.setClearColor(0x000000, 0);
     keepLists(this.renderer, this.scene);
-  }
-
-  /** No points, drawn with the points' program: it is there before the first of them come. */
-  private warmUp(): Points {
-    const points = new Points(
-      new BufferGeometry(),
-      pointMaterial(this.uniforms, new ChunkTable(this.renderer), -1),
-    );
-    points.geometry.setDrawRange(0, 0);
-    points.frustumCulled = false;
-    return points;
   }
 
   start(): void {
@@ -180,15 +175,9 @@ export class Viewer {
 
   /** Corners of the recording's bounds in the room. */
   bounds(info: SequenceInfo): [Vector3, Vector3] {
-    const low = new Vector3(Infinity, Infinity, Infinity);
-    const high = low.clone().negate();
-    for (let corner = 0; corner < 8; corner++) {
-      const pick = (k: 0 | 1 | 2): number => (corner & (1 << k) ? info.hi[k] : info.lo[k]);
-      const at = new Vector3(pick(0), pick(1), pick(2)).applyMatrix4(this.room.matrix);
-      low.min(at);
-      high.max(at);
-    }
-    return [low, high];
+    const local = new Box3(new Vector3(...info.lo), new Vector3(...info.hi));
+    const { min, max } = local.applyMatrix4(this.room.matrix);
+    return [min, max];
   }
 
   private clear(): void {
