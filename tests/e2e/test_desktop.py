@@ -344,7 +344,7 @@ def test_a_lost_graphics_context_is_told_and_comes_back(
     desk = open_desk(drawn=True)
     name_person(desk, server)
     paint_person(desk, truth)
-    desk.page.get_by_role("button", name="Overlay neighbouring frames").click()
+    desk.page.get_by_role("button", name="Frames", exact=True).click()
     desk.page.get_by_role("button", name="All frames").click()
     desk.until("pb.engine.viewer.laid > 0")
     desk.press("Escape")
