@@ -178,7 +178,7 @@ function LabelsButton() {
     <button
       type="button"
       class="button sheet-part"
-      aria-label="Labels"
+      aria-label={label ? `Labels: ${label.name}` : 'Labels'}
       aria-expanded={listAsked.value}
       onClick={() => (listAsked.value = !listAsked.value)}
     >
