@@ -74,7 +74,8 @@ class States:
 
         ``repair``: remove them.
         """
-        removed, left = [], []
+        removed: list[str] = []
+        left: list[str] = []
         for chosen in self._selectors.every():
             selector = chosen.selector
             if not isinstance(selector, StoredSelector):
