@@ -17,7 +17,7 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.client import Client
-from pointbrush.errors import BadInputError, ForbiddenError
+from pointbrush.errors import ForbiddenError
 from pointbrush.labels import LabelStore, webhooks
 from pointbrush.labels.job_records import JobRecord
 from pointbrush.labels.tasks import Stretch
@@ -208,13 +208,3 @@ def test_a_receiver_that_is_away_is_paused_and_told_everything_later(
         assert len(hooks.take(9, other.id)) == 5
         monkeypatch.setattr(store.team.webhooks._database, "now", lambda _: paused + 60)
         assert len(hooks.take(9, away.id)) == 5
-
-
-def test_a_project_has_a_bounded_number_of_webhooks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(webhooks, "MOST_WEBHOOKS", 1)
-    with closing(LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")) as store:
-        store.team.webhooks.add("default", "https://example.org", ["task"])
-        with pytest.raises(BadInputError, match="at most 1"):
-            store.team.webhooks.add("default", "https://example.org", ["task"])

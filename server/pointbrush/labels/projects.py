@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from sqlalchemy import Connection, delete, insert, select, update
+from sqlalchemy import Connection, delete, func, insert, select, update
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.accounts import require_name
@@ -30,6 +30,8 @@ from pointbrush.names import require_visible
 from pointbrush.roles import ROLES, Role, includes
 
 LONGEST_NAME = 200
+MOST_PROJECTS = 1_000
+"""Of a workspace: the list of projects is read and sent as a whole."""
 OVERSEES: Role = "manager"
 """Role in the workspace whose holders are in every project."""
 _ID = re.compile("[a-z0-9][a-z0-9._-]{0,63}")
@@ -95,7 +97,10 @@ class Projects:
             return _project(connection, project)
 
     def create(self, project: str, change: Change) -> Project:
-        """Make a project of a new id; raises ConflictError where it is another's."""
+        """Make a project of a new id.
+
+        Raises ConflictError where it is another's, BadInputError where there are too many.
+        """
         if not _ID.fullmatch(project):
             raise BadInputError(
                 f"id: expected up to 64 letters a-z, digits, '.', '_' and '-', got {project!r}"
@@ -106,6 +111,10 @@ class Projects:
         def make(connection: Connection) -> Project:
             if connection.execute(select(projects.c.id).where(projects.c.id == project)).first():
                 raise ConflictError(f"id: expected one of no project yet, got {project!r}")
+            lock_project(connection, FIRST)  # no two servers count at once
+            held = connection.execute(select(func.count()).select_from(projects)).scalar_one()
+            if held >= MOST_PROJECTS:
+                raise BadInputError(f"projects: expected at most {MOST_PROJECTS:,} in a workspace")
             connection.execute(insert(projects), row | {"created": self._database.now(connection)})
             _apply(connection, project, change)
             return _project(connection, project)

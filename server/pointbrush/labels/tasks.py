@@ -26,7 +26,7 @@ from sqlalchemy import (
     update,
 )
 
-from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.copies import seen_elsewhere
 from pointbrush.labels.database import Database
 from pointbrush.labels.lost_answers import write_once
@@ -38,6 +38,9 @@ from pointbrush.labels.webhooks import announce
 TaskState = Literal["open", "taken", "done", "review", "accepted", "returned"]
 TASK_STATES: tuple[TaskState, ...] = get_args(TaskState)
 """Nobody's; being labelled; labelled; being looked at; good; to be labelled again."""
+
+MOST_TASKS = 100_000
+"""Of a project, with those that are accepted: taking the next task looks at all of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +121,7 @@ class Tasks:
         """Make tasks; a repeated ``batch`` is answered with those that it has made.
 
         Raises NotFoundError (project, recording of it), ConflictError for frames that have a task
-        already.
+        already, BadInputError where there are too many.
         """
 
         def make(connection: Connection) -> list[Task]:
@@ -137,6 +140,7 @@ class Tasks:
         assignee: str,
         batch: str | None,
     ) -> list[Task]:
+        _require_room(connection, project, len(stretches))
         numbers = _numbers(connection, project)
         _require_free(connection, project, stretches)
         now = self._database.now(connection)
@@ -165,6 +169,11 @@ class Tasks:
             for task in made:
                 announce(connection, project, _told(task, author), now)
         return made
+
+    def require_room(self, project: str, count: int) -> None:
+        """Raise BadInputError unless a project has room for so many more tasks."""
+        with self._database.read() as connection:
+            _require_room(connection, project, count)
 
     def made(self, project: str, batch: str | None) -> list[Task] | None:
         """Return the tasks that a call has made before, if any."""
@@ -293,6 +302,12 @@ def forget_tasks(connection: Connection, gone: ColumnElement[bool]) -> None:
     of_them = tuple_(task_events.c.project, task_events.c.task).in_(keys)
     connection.execute(delete(task_events).where(of_them))
     connection.execute(delete(tasks).where(gone))
+
+
+def _require_room(connection: Connection, project: str, count: int) -> None:
+    held = select(func.count()).where(tasks.c.project == project)
+    if connection.execute(held).scalar_one() + count > MOST_TASKS:
+        raise BadInputError(f"tasks: expected at most {MOST_TASKS:,} in a project")
 
 
 def _to_label(account: str) -> list[tuple[ColumnElement[bool], int]]:

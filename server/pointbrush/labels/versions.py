@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from sqlalchemy import ColumnElement, Connection, and_, delete, insert, select
+from sqlalchemy import ColumnElement, Connection, and_, delete, func, insert, select
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.box_journal import as_at, read_boxes
@@ -49,6 +49,8 @@ from pointbrush.labels.tasks import lock_project
 from pointbrush.labels.types import FrameValues, Label
 from pointbrush.names import require_visible
 
+MOST_VERSIONS = 1_000
+"""Of a project: each keeps a palette for each recording, and all are listed at once."""
 _FIELDS = tuple(Label.__dataclass_fields__)
 
 
@@ -85,7 +87,8 @@ class Versions:
     def create(self, project: str, version: str, name: str, author: str) -> Version:
         """Name the labels of a project's recordings as they are now.
 
-        Raises NotFoundError, ConflictError for an id that a version has.
+        Raises NotFoundError, ConflictError for an id that a version has, BadInputError where there
+        are too many.
         """
         if not name.strip() or len(name) > LONGEST_NAME:
             raise BadInputError(f"name: expected 1 to {LONGEST_NAME} characters, got {len(name)}")
@@ -95,6 +98,9 @@ class Versions:
             lock_project(connection, project)
             if _find(connection, version) is not None:
                 raise ConflictError(f"id: expected one of no snapshot yet, got {version!r}")
+            held = select(func.count()).where(versions.c.project == project)
+            if connection.execute(held).scalar_one() >= MOST_VERSIONS:
+                raise BadInputError(f"snapshots: expected at most {MOST_VERSIONS:,} in a project")
             now = self._database.now(connection)
             row = {"id": version, "project": project, "name": name, "created": now}
             connection.execute(insert(versions), row | {"author": author})

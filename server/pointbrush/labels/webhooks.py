@@ -87,7 +87,8 @@ class Webhooks:
     def add(self, project: str, url: str, topics: Sequence[Topic]) -> Webhook:
         """Add a webhook, which is told what happens from now on; raises NotFoundError."""
         with self._database.write() as connection:
-            there = select(projects.c.id).where(projects.c.id == project)
+            # Locked: no two servers count at once.
+            there = select(projects.c.id).where(projects.c.id == project).with_for_update()
             if connection.execute(there).first() is None:
                 raise NotFoundError(f"project: expected a known id, got {project!r}")
             count = select(func.count()).where(webhooks.c.project == project)

@@ -75,20 +75,28 @@ class Queue:
         if (made := self._store.team.tasks.made(project, new.id)) is not None:
             return [self._named(task) for task in made]  # and no other copies
         chosen = self._store.team.projects.get(project).recordings
-        stretches: list[Stretch] = []
-        for sequence in chosen if new.recordings is None else dict.fromkeys(new.recordings):
-            frames = parse_frames(new.frames, len(self._recording(sequence)))
-            every = new.every or len(frames)
-            for of_one in self._copies(project, sequence, frames, new):
-                for first in frames[::every]:
-                    last = min(first + every, frames.stop) - 1
-                    stretches.append(Stretch(of_one, first, last))
-            if len(stretches) > MOST_TASKS:
-                raise BadInputError(f"expected at most {MOST_TASKS} tasks of a call, got more")
+        wanted = {
+            sequence: parse_frames(new.frames, len(self._recording(sequence)))
+            for sequence in (chosen if new.recordings is None else new.recordings)
+        }
+        starts = {name: frames[:: new.every or len(frames)] for name, frames in wanted.items()}
+        self._require_room(project, new.people * sum(map(len, starts.values())))
+        stretches = [
+            Stretch(of_one, first, min(first + starts[sequence].step, frames.stop) - 1)
+            for sequence, frames in wanted.items()
+            for of_one in self._copies(project, sequence, frames, new)
+            for first in starts[sequence]
+        ]
         made = self._store.team.tasks.add(
             project, author, stretches, assignee=new.assignee, batch=new.id
         )
         return [self._named(task) for task in made]
+
+    def _require_room(self, project: str, count: int) -> None:
+        """Raise BadInputError for too many tasks, before copies are made for them."""
+        if count > MOST_TASKS:
+            raise BadInputError(f"tasks: expected at most {MOST_TASKS:,} of a call, got {count:,}")
+        self._store.team.tasks.require_room(project, count)
 
     def _copies(self, project: str, sequence: str, frames: range, new: NewTasks) -> list[str]:
         if new.truth:
