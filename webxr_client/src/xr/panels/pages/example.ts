@@ -52,11 +52,11 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
     shows.value = on ? 'doubt' : 'classes';
   });
   ui.button(x, line(3), inner - em * 0.2, em * 2.2,
-    { icon: 'target', text: 'Next doubt', strong: true, align: 'left', disabled: asking.peek() }, () => void nextDoubt()); // prettier-ignore
+    { icon: 'target', text: 'Next doubt', strong: true, align: 'left' }, () => void nextDoubt()); // prettier-ignore
   const place = question.peek();
   if (place) drawAnswers(ui, x, line(4), inner, place);
   const here = state.frame.peek();
-  const ready = canEdit.peek() && !asking.peek() && (predicted.peek()?.points ?? 0) > 0;
+  const ready = canEdit.peek() && predicted.peek()?.points !== 0;
   ui.button(x, line(5), inner - em * 0.2, em * 2.2,
     { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !ready },
     () => void applyPrediction(`${here}:${here + 1}`, 0)); // prettier-ignore
