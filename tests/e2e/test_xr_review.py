@@ -1,12 +1,16 @@
-"""In the headset: what is drawn over the recording, ground, doubt, new names, what is felt."""
+"""In the headset: overlays, ground, doubt, new names, what is felt, tasks."""
 
 from __future__ import annotations
 
 import uuid
+from contextlib import closing
 
 import numpy as np
 
-from tests.e2e.headset import PAINTING, Headset
+from pointbrush.client import Client
+from pointbrush.settings import Settings
+from pointbrush.workspace import Workspace
+from tests.e2e.headset import PAINTING, Headset, Wear
 from tests.e2e.recording import (
     PERSON,
     SEQUENCE,
@@ -20,6 +24,7 @@ from tests.e2e.recording import (
     tip_over,
 )
 from tests.e2e.server import LiveServer
+from tests.waiting import eventually
 
 
 def paint_over_rest(
@@ -334,3 +339,37 @@ def test_only_what_changes_is_felt_and_a_lock_is_a_bump(
     headset.click("palette", "unlock")
     headset.until("pb.state.palette.value[0].locked")
     headset.until("window.pulses.some((pulse) => pulse.strength === 1)")
+
+
+# ── tasks ────────────────────────────────────────────────────────────────────────────────────
+
+
+def test_a_task_is_taken_handed_in_and_one_of_another_person_accepted(
+    put_on: Wear, server: LiveServer
+) -> None:
+    with closing(Workspace(Settings(workspace=server.workspace))) as opened:
+        token = opened.labels.tokens.add("annotator", "bob")
+    server.request("POST", "projects/default/tasks", json={"recordings": [SEQUENCE], "every": 3})
+    with Client(server.url, token) as bob:
+        call = bob.call("POST", "/projects/default/tasks/next", json={"work": "label"})
+        theirs = f"projects/default/tasks/{call.json()['number']}"
+        bob.call("PATCH", f"/{theirs}", json={"state": "done"})
+    headset = put_on()
+    headset.click("palette", "Work")
+    headset.click("palette", "Next task")
+    headset.click("palette", "Hand in")
+    # Without a change the task is handed in after a question, which is asked in the headset.
+    headset.click("palette", "Keep working")
+    headset.click("palette", "Hand in")
+    headset.click("palette", "Hand in anyway")
+    headset.click("palette", "Next to review")
+    headset.click("palette", "Accept")
+
+    def states() -> list[str]:
+        tasks = server.request("GET", "projects/default/tasks").json()
+        return [task["state"] for task in tasks]
+
+    eventually(lambda: sorted(states()) == ["accepted", "done"])
+    assert server.request("GET", theirs).json()["state"] == "accepted"
+    headset.click("palette", "Export at the desk")
+    headset.until("pb.state.notices.value.some(({ action }) => action?.label === 'Export')")

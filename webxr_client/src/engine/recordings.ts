@@ -146,16 +146,21 @@ function download(href: string): void {
   link.click();
 }
 
-async function exportSequence(format: string, frames = '', val = '', snapshot = ''): Promise<void> {
-  const info = state.sequence.peek();
-  if (!info) return;
+async function exportSequence(
+  format: string,
+  frames = '',
+  val = '',
+  snapshot = '',
+  id = state.sequence.peek()?.id,
+): Promise<void> {
+  if (id === undefined) return;
   const query = new URLSearchParams({ format });
   if (frames) query.set('frames', frames);
   if (val) query.set('val', val);
   if (snapshot) query.set('snapshot', snapshot);
   // A download that finds no server, or is refused, tells nobody: ask first.
-  await api('GET', sequencePath(info.id));
-  download(apiUrl(`${sequencePath(info.id)}/export?${query.toString()}`));
+  await api('GET', sequencePath(id));
+  download(apiUrl(`${sequencePath(id)}/export?${query.toString()}`));
   rememberExport(format);
   notify('success', 'Export started', 'The browser saves the file in its downloads.');
 }
@@ -215,8 +220,7 @@ export const recordingActions: RecordingActions = {
     attempt('The export formats did not load', async () => {
       exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
     }),
-  exportSequence: (format, frames, val, snapshot) =>
-    attempt('The export did not start', () => exportSequence(format, frames, val, snapshot)),
+  exportSequence: (...what) => attempt('The export did not start', () => exportSequence(...what)),
   cancelJob: (id, keep = false) =>
     attempt('The job could not be stopped', async () => {
       const query = keep ? '?keep=true' : '';

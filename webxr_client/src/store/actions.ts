@@ -175,9 +175,15 @@ export interface Actions {
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
   /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none";
-   * `snapshot`: id of the version of the labels. */
+   * `snapshot`: id of the version of the labels; `id`: of a recording other than the open one. */
   loadExportFormats(): Promise<void>;
-  exportSequence(format: string, frames?: string, val?: string, snapshot?: string): Promise<void>;
+  exportSequence(
+    format: string,
+    frames?: string,
+    val?: string,
+    snapshot?: string,
+    id?: string,
+  ): Promise<void>;
 
   /** Begin the next task of a project, or go on with one's own. */
   nextTask(project: string, work?: 'label' | 'review'): Promise<void>;

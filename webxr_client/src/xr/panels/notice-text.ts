@@ -1,5 +1,6 @@
 /** Text of a notice in the headset: title, reason and remedy, in lines that fit before the eyes. */
 import type { Notice } from '../../store/state';
+import { lines } from '../drawing/lines';
 
 /** Letters of a line. */
 const LINE = 44;
@@ -18,21 +19,10 @@ const REMEDIES: Readonly<Record<string, string>> = {
   'Temporarily unavailable': 'Wait a moment, then try again.',
 };
 
-/** Break text at blanks into lines of at most `LINE` letters; a longer word keeps its line. */
-export function lines(text: string): string[] {
-  const found = [''];
-  for (const word of text.split(/\s+/u)) {
-    const last = found.at(-1)!;
-    if (last && last.length + 1 + word.length > LINE) found.push(word);
-    else found[found.length - 1] = last ? `${last} ${word}` : word;
-  }
-  return found.filter(Boolean);
-}
-
 export function noticeText({ title, detail }: Pick<Notice, 'title' | 'detail'>): string {
-  const remedy = lines(REMEDIES[title] ?? '');
-  const reason = lines(detail);
+  const remedy = lines(REMEDIES[title] ?? '', LINE);
+  const reason = lines(detail, LINE);
   const room = MOST_LINES - remedy.length;
   if (reason.length > room) reason.splice(room - 1, Infinity, `${reason[room - 1]} …`);
-  return [...lines(title), ...reason, ...remedy].join('\n');
+  return [...lines(title, LINE), ...reason, ...remedy].join('\n');
 }

@@ -14,32 +14,36 @@ import { drawExample, EXAMPLE } from './pages/example';
 import { drawFloor } from './pages/floor';
 import { RecordingsPage } from './pages/recordings';
 import { drawTools, offered } from './pages/tools';
+import { drawWork, WORK } from './pages/work';
 import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { xrSettings } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
 import type { ButtonLook, Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
+import { openWork } from '../../work/store';
 
-type Tab = 'labels' | 'tools' | 'boxes' | 'example' | 'view' | 'comfort';
+type Tab = 'labels' | 'tools' | 'boxes' | 'example' | 'work' | 'view' | 'comfort';
 /** Pages that a tab leads on to. */
-type Page = Tab | 'new' | 'edit' | 'letters' | 'recordings';
+type Page = Tab | 'new' | 'edit' | 'letters' | 'note' | 'recordings';
 
 const TABS = [
   ['labels', 'Labels'],
   ['tools', 'Tools'],
   ['boxes', 'Boxes'],
   ['example', 'Teach'],
+  ['work', 'Work'],
   ['view', 'View'],
   ['comfort', 'Comfort'],
 ] as const;
 
 /** Tabs beside one another, so that their names are whole. */
-const TABS_A_LINE = 3;
+const TABS_A_LINE = 4;
 
 /** The tab that a page is reached from. */
 function tabOf(page: Page): Tab {
   if (page === 'recordings') return 'view';
+  if (page === 'note') return 'work';
   return page === 'new' || page === 'edit' || page === 'letters' ? 'labels' : page;
 }
 
@@ -56,14 +60,14 @@ export class PalettePanel extends Panel {
     () => this.show('new'),
     () => this.change(),
   );
-  private readonly letters = new LettersPage(this.touch, () => this.show('labels'));
+  private readonly letters = new LettersPage(this.touch, () => this.show(tabOf(this.page)));
   private readonly ask: AskName = (question, take) => {
     if (this.keyboard.supported) {
       this.keyboard.ask(question, take);
       return;
     }
     this.letters.ask(question, take);
-    this.show('letters');
+    this.show(this.page === 'work' ? 'note' : 'letters');
   };
   private readonly edit = new EditPage(this.touch, this.ask, () => this.show('labels'));
   private readonly recordings = new RecordingsPage(this.touch, () => this.show('view'));
@@ -109,6 +113,7 @@ export class PalettePanel extends Panel {
         xrSettings,
         ...EXAMPLE,
         ...BOXES,
+        ...WORK,
       ],
       this.touch,
     );
@@ -150,11 +155,12 @@ export class PalettePanel extends Panel {
     else if (page === 'tools') drawTools(ui, x, top, inner);
     else if (page === 'boxes') drawBoxes(ui, x, top, inner);
     else if (page === 'example') drawExample(ui, x, top, inner);
+    else if (page === 'work') drawWork(ui, x, top, inner, this.ask);
     else if (page === 'view') drawView(ui, x, top, inner, this.controls, () => this.list());
     else if (page === 'comfort') drawComfort(ui, x, top, inner);
     else if (page === 'new') drawNew(ui, x, top, inner, this.ask, () => this.show('labels'));
     else if (page === 'edit' && label) this.edit.draw(ui, x, top, inner, label);
-    else if (page === 'letters') this.letters.draw(ui, x, top, inner);
+    else if (page === 'letters' || page === 'note') this.letters.draw(ui, x, top, inner);
     else if (page === 'recordings') this.recordings.draw(ui, x, top, inner);
     else this.labels.draw(ui, x, top, inner);
   }
@@ -181,6 +187,8 @@ export class PalettePanel extends Panel {
 
   private show(page: Page): void {
     this.page = page;
+    // The tasks are kept up to date while the desk's own list of them is open.
+    if (page === 'work') openWork('tasks');
     if (state.tool.peek() === 'floor') actions.setTool('paint');
     this.touch();
   }

@@ -3,7 +3,9 @@ import { bindActions } from '../../store/actions';
 import { takeTimeline } from '../../engine/labels';
 import type { Label, Timeline } from '../../protocol/messages';
 import { halted } from '../../engine/review';
+import { projects } from '../../engine/projects';
 import { state } from '../../store/state';
+import { chosen, question as handInQuestion, tasks } from '../../work/queue';
 import type { PaletteControls, PalettePanel } from '../panels/palette-panel';
 import type { Panel } from '../panels/panel';
 import { PLACEMENT } from '../panels/placement';
@@ -73,6 +75,16 @@ beforeAll(async () => {
     damaged: i === 0 ? 'cut short' : null,
   })) as unknown as typeof state.sequences.value;
   state.sequence.value = { id: 'a', frames: 6, fps: 30 } as typeof state.sequence.value;
+  state.copies.value = [
+    { id: 'a', name: 'A', project: 'p' },
+  ] as unknown as typeof state.copies.value;
+  projects.value = [{ id: 'p', role: 'reviewer' }] as unknown as typeof projects.value;
+  const task = { sequence: 'a', first: 0, last: 5, note: '', reviewer: '' };
+  tasks.value = [
+    { ...task, number: 1, state: 'taken', assignee: '' },
+    { ...task, number: 2, state: 'review', assignee: 'bob' },
+  ] as unknown as typeof tasks.value;
+  chosen.value = 2;
   const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
   const session = { isSystemKeyboardSupported: false } as unknown as XRSession;
   palette = new (await import('../panels/palette-panel')).PalettePanel(controls, session);
@@ -104,6 +116,8 @@ describe('what answers on a panel', () => {
     [['Tools']],
     [['View']],
     [['Comfort']],
+    [['Work']],
+    [['Work', 'Return…']],
     [['Labels', 'New']],
     [['Labels', 'New', 'Type a name']],
     [['Labels', 'Edit']],
@@ -194,6 +208,35 @@ describe('the palette counts the points of a label', () => {
     written.length = 0;
     sides(palette);
     expect(written).toContain('60\u2009k in all');
+  });
+});
+
+describe('the palette shows the tasks', () => {
+  it('with the steps of the own one and of the one to review', () => {
+    press(palette, 'Work');
+    const found = sides(palette);
+    for (const name of ['Hand in', 'Hand in, next', 'Accept', 'Return…', 'Next to review'])
+      expect([...found.keys()]).toContain(name);
+  });
+
+  it('and asks before a task without changes is handed in', () => {
+    const answers: boolean[] = [];
+    const task = tasks.value[0]!;
+    handInQuestion.value = { task, answer: (yes) => answers.push(yes) };
+    expect(sides(palette).has('Hand in')).toBe(false);
+    press(palette, 'Hand in anyway');
+    press(palette, 'Keep working');
+    expect(answers).toEqual([true, false]);
+    handInQuestion.value = null;
+  });
+
+  it('offers no step that is impossible, and tells the reason', () => {
+    tasks.value = [];
+    written.length = 0;
+    const found = sides(palette);
+    for (const name of ['Next task', 'Next to review', 'Accept'])
+      expect(found.has(name)).toBe(false);
+    expect(written).toEqual(expect.arrayContaining(['This project has no tasks.', 'No task waits for a review.'])); // prettier-ignore
   });
 });
 
