@@ -1,6 +1,5 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
-import { Box3, Group, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
-import type { PerspectiveCamera } from 'three';
+import { Box3, Group, type PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../../protocol/messages';
 import { Listeners, tellFailure } from '../../store/listeners';
 import { state, type ViewSettings } from '../../store/state';
