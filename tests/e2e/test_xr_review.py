@@ -267,7 +267,7 @@ def test_a_run_stops_where_it_is_unsure_is_mended_by_a_stroke_and_goes_on(
     headset.paint([truth(1, PERSON)])
     headset.settled()
     headset.until("hs.doubt().unsure.length === 0")
-    headset.click("timeline", "Continue to 5")
+    headset.click("question", "Continue to 5")
     headset.until("pb.state.timeline.value.rows.get(1).points[2] > 0", 60)
 
 

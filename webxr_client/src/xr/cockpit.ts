@@ -93,7 +93,7 @@ export class Cockpit {
       if (settles) this.settle(peek(xrSettings).seated);
       else this.panels.settle();
     });
-    this.panels = new RoomPanels(this.rig, session, {
+    this.panels = new RoomPanels(engine, this.rig, session, {
       scaleTo: (scale) => this.scale.to(scale),
       reset: () => this.scale.reset(),
       recentre: () => this.stand(),

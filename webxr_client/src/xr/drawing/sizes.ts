@@ -25,6 +25,8 @@ export const SIZES = {
   palette: { em: 0.0132, away: 0.46 },
   /** Low before one, its far corners. */
   timeline: { em: 0.0268, away: 1.09 },
+  /** A question before the eyes, its far corners. */
+  question: { em: 0.0217, away: 0.9 },
   /** To the side, as long as a headset is checked; its far corners. */
   check: { em: 0.0224, away: 0.93 },
   /** Beside a controller. */

@@ -135,3 +135,23 @@ describe('the palette', () => {
     }
   });
 });
+
+describe('a question', () => {
+  it.each([
+    ['to the right of the eyes', 0.6],
+    ['to the left of them', -0.6],
+  ])('hangs beside an object %s, nearer to straight ahead, and hides none of it', (_where, x) => {
+    const eyes = new Vector3(0, 1.6, 0);
+    const mesh = new Object3D();
+    const placement = new Placement(standing(eyes));
+    placement.face();
+    const object = new Vector3(x, 1.4, -1.5);
+    placement.layBeside(mesh, object);
+    const middle = new Vector3().setFromMatrixPosition(mesh.matrix);
+    const apart = middle.clone().sub(eyes).angleTo(object.clone().sub(eyes)) / DEGREE;
+    // Half the panel is 15° wide.
+    expect(apart).toBeGreaterThan(18);
+    expect(apart).toBeLessThan(30);
+    expect(Math.abs(middle.x)).toBeLessThan(Math.abs(x));
+  });
+});

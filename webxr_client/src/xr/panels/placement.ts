@@ -1,5 +1,5 @@
 /** Places of panels in the room: low before the eyes, or where a ray carries them. */
-import { type Object3D, Vector3 } from 'three';
+import { MathUtils, type Object3D, Vector3 } from 'three';
 import { faceEyes, type Facing } from '../drawing/facing';
 import type { Panel } from './panel';
 import type { Rig } from '../moving/rig';
@@ -17,6 +17,9 @@ export const PLACEMENT = {
   inside: 2 * DEGREE,
   /** The middle of a question below the eyes' height: above, where it hides nothing to be mended. */
   question: -12 * DEGREE,
+  /** From an object to the middle of the question beside it, and the farthest that it hangs aside. */
+  besideObject: 23 * DEGREE,
+  farAside: 40 * DEGREE,
   /** To the left of straight ahead, where a palette without a hand hangs: its handle is beside the timeline's. */
   beside: 13 * DEGREE,
   /** To the side of straight ahead, and below the eyes' height, where another panel hangs. */
@@ -68,6 +71,18 @@ export class Placement {
   /** Lay a panel before the person, so far below the eyes. */
   layBefore(panel: Object3D, below: number): void {
     this.hang(panel, 0, below, FACING);
+  }
+
+  /** Lay a panel beside an object, on the side that is nearer to straight ahead; see `seenAt`. */
+  layBeside(panel: Object3D, object: Vector3): void {
+    const away = this.held.subVectors(object, this.rig.headInRig);
+    const turn = Math.atan2(-away.x, -away.z) - this.yaw;
+    const left = Math.atan2(Math.sin(turn), Math.cos(turn));
+    const aside = left + (left > 0 ? -1 : 1) * PLACEMENT.besideObject;
+    if (Math.abs(aside) > PLACEMENT.farAside) return;
+    const down = -Math.asin(away.y / Math.max(1e-6, away.length()));
+    const { question } = PLACEMENT;
+    this.hang(panel, aside, MathUtils.clamp(down, question, -question), FACING);
   }
 
   /** Hang the timeline straight ahead, its handle low in the picture. */

@@ -1,5 +1,6 @@
 /** The panels in the room: where each hangs, which is folded to its handle, and which fade. */
 import { Vector3, type Group, type Matrix4 } from 'three';
+import type { Engine } from '../../engine/engine';
 import { faceEyes } from '../drawing/facing';
 import type { WorldControls } from './pages/view';
 import { PalettePanel } from './palette-panel';
@@ -8,6 +9,7 @@ import { PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Panel } from './panel';
 import type { Pointer } from '../input/pointer';
 import { QuestionPanel } from './question-panel';
+import { QuestionPlace } from './question-place';
 import type { Rig } from '../moving/rig';
 import { xrSettings, type Side } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
@@ -52,17 +54,20 @@ export class RoomPanels {
   /** A panel that is none of the room's own. */
   added: Panel | null = null;
   private readonly placement: Placement;
+  private readonly questionPlace: QuestionPlace;
   private readonly spot = new PaletteSpot();
   /** The palette hangs beside the timeline's handle: it stays where it is. */
   private hangs = false;
   private readonly middle = new Vector3();
 
   constructor(
+    engine: Engine,
     private readonly rig: Rig,
     session: XRSession,
     controls: WorldControls,
   ) {
     this.placement = new Placement(rig);
+    this.questionPlace = new QuestionPlace(engine, rig, this.placement);
     const panels = {
       putAway: () => this.palette.setFolded(true),
       toggleTimeline: () => this.toggleTimeline(),
@@ -106,9 +111,12 @@ export class RoomPanels {
     if (this.spot.handless) this.timeline.setFolded(true);
   }
 
+  /** Lay the question before the eyes, and fold the timeline, which would hide the object. */
   private ask(): void {
+    this.timeline.setFolded(true);
     this.placement.face();
     this.placement.layBefore(this.question.mesh, PLACEMENT.question);
+    this.questionPlace.begin();
   }
 
   /** Hang the palette, and fade what lies before the points while one paints. */
@@ -132,6 +140,7 @@ export class RoomPanels {
     if (palette.mesh.visible) palette.mesh.updateMatrixWorld();
     timeline.fade(painting);
     this.question.fade(painting);
+    this.questionPlace.update(this.question, performance.now());
   }
 
   /** Fold and unfold; `by`: what points at a panel. */
@@ -157,6 +166,6 @@ export class RoomPanels {
   }
 
   dispose(): void {
-    for (const panel of this.all) panel.dispose();
+    for (const part of [...this.all, this.questionPlace]) part.dispose();
   }
 }

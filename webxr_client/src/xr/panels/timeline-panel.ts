@@ -10,7 +10,7 @@ import { frameToX, xToFrame, type Span } from '../../panels/timeline/layout';
 import { HANDLE_EMS, Panel } from './panel';
 import { Readout } from './readout';
 import { SIZES } from '../drawing/sizes';
-import { drawTracking } from './timeline-tracking';
+import { asking, drawTracking } from './timeline-tracking';
 import { FONT, INK, type ButtonLook, type Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
 
@@ -78,7 +78,19 @@ export class TimelinePanel extends Panel {
     this.numberAt = [handle + NUMBER_AT * em, (HANDLE_EMS / 2) * em - height / 2];
     const { sequence, playing, speed, loop, palette, timeline, loaded, activeLabel, jobs } = state;
     const soon = watch(
-      [sequence, playing, speed, loop, palette, activeLabel, frameRange, halted, unsure, stretch],
+      [
+        sequence,
+        playing,
+        speed,
+        loop,
+        palette,
+        activeLabel,
+        frameRange,
+        halted,
+        unsure,
+        stretch,
+        asking,
+      ],
       this.touch,
     );
     const later = watch([loaded, timeline, jobs], () => (this.stale = true));

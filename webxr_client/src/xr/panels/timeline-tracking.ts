@@ -6,15 +6,20 @@ import { frameRange, ordered } from '../../store/range';
 import type { Job } from '../../protocol/messages';
 import { canReview, state, trackingJob } from '../../store/state';
 import { xrSettings } from '../../store/xr-settings';
+import { lines } from '../drawing/lines';
 import { INK, type Ui } from '../drawing/ui';
 
 const SOME = 30;
+
+/** The question panel asks about this frame: the row below the timeline does not ask as well. */
+export const asking = signal(false);
 
 export function drawTracking(ui: Ui, frames: number, top: number): void {
   const row = new Row(ui, top);
   const job = trackingJob.peek();
   if (job) drawRun(row, job);
-  else if (unsure.peek().length > 0) drawDoubt(row, row);
+  else if (asking.peek()) row.say('Answer the question beside the object', INK.warn);
+  else if (unsure.peek().length > 0) drawDoubt(row, row, row);
   else if (halted.peek()?.at === state.frame.peek()) drawMended(row, row);
   else if (frameRange.peek()) drawRange(row);
   else drawOffers(row, frames);
@@ -27,6 +32,8 @@ export class Row {
   constructor(
     readonly ui: Ui,
     private readonly top: number,
+    /** Letters of a line of text; longer text goes on below. */
+    private readonly letters = Infinity,
   ) {
     this.right = ui.width - ui.em * 0.5;
   }
@@ -34,7 +41,10 @@ export class Row {
   say(text: string, color: string = INK.text): void {
     const { em } = this.ui;
     const x = em * 0.8;
-    this.ui.text(text, x, this.top + em * 1.2, { color, weight: 600, width: this.right - x - em });
+    lines(text, this.letters).forEach((line, i) => {
+      const y = this.top + em * (1.2 + 1.5 * i);
+      this.ui.text(line, x, y, { color, weight: 600, width: this.right - x - em });
+    });
   }
 
   button(wide: number, look: Parameters<Ui['button']>[4], act: () => void): void {
@@ -73,10 +83,10 @@ function drawRun(row: Row, job: Job): void {
 
 /**
  * Some label is doubtful in this frame: right as it is, also in the doubtful frames round it, or
- * paint it and go on.  `words` and `answers` may be the same row.
+ * paint it and go on.  The rows may be the same one.
  */
-export function drawDoubt(words: Row, answers: Row): void {
-  answers.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () =>
+export function drawDoubt(words: Row, answers: Row, onward: Row): void {
+  onward.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () =>
     actions.continueRun(),
   );
   const disabled = !canReview.peek();

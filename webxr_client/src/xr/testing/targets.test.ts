@@ -142,8 +142,11 @@ describe('what answers on a panel', () => {
       }
     }
     expect(sides(timeline).has('Move')).toBe(true);
+    // The doubt asks once: below the timeline only after "Later".
+    expect(sides(timeline).has('Continue to 5')).toBe(false);
     press(question, 'Later');
     expect(question.mesh.visible).toBe(false);
+    expect(sides(timeline).has('Continue to 5')).toBe(true);
     halted.value = null;
   });
 });
