@@ -181,6 +181,7 @@ def test_a_folder_of_recordings_is_previewed_and_comes_in_on_one_card(
     desk: Desk, server: LiveServer, tmp_path: Path
 ) -> None:
     page = desk.page
+    desk.until("pb.state.sequences.value !== null")  # before, the page opens the only one
     desk.ask("pb.engine.closeSequence()")
     for name in ("Filter", "New project", "Import"):
         page.get_by_role("button", name=name, exact=True).click()
