@@ -470,6 +470,7 @@ def test_keys_alone_import_paint_track_and_export(desk: Desk) -> None:
     desk.press("Enter")
     desk.until("pb.state.jobs.value.some((j) => j.kind === 'tracking' && j.state === 'done')", 90)
     command(desk, "download")
+    expect(desk.page.get_by_role("button", name="NPZ", exact=True)).to_be_visible()
     tab_to(desk, "NPZ")
     with desk.page.expect_download() as started:
         desk.press("Enter")
