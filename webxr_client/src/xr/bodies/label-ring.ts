@@ -37,7 +37,7 @@ export class LabelRing {
   private readonly mesh: Mesh<BufferGeometry, MeshBasicMaterial>;
   private readonly sign = new Sign({ em: SIZES.tips.em, order: 126 });
   private readonly at = new Vector3();
-  /** What is drawn, so that it is drawn anew when it changes. */
+  /** Content of the drawn ring; another content is drawn again. */
   private palette: readonly Label[] | null = null;
   private active = -1;
   private marked = NaN;

@@ -19,7 +19,7 @@ const SCALES = [
   ['Giant', 5],
 ] as const;
 
-/** How depth images are drawn; a press takes the next. */
+/** Drawing of depth images; a press takes the next mode. */
 const SURFACES = [
   ['auto', 'Surface: auto'],
   ['surface', 'Surface: on'],
