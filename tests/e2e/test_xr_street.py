@@ -101,6 +101,11 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     # The nearest plane, also where depth is reversed and the session has the planes swapped.
     assert headset.ask(f"Math.min({depth}.depthNear, {depth}.depthFar)") <= 0.05
     assert headset.ask("pb.engine.viewer.reversible")
+    # Tips of the buttons may lie over the handle.
+    headset.ask(
+        f"{cockpit}.pointers.bodies.forEach(({{ tips }}) => tips.mesh?.layers.disableAll())"
+    )
+    headset.frames()
     with_hands = picture(headset)
     headset.screenshot("street-with-hands")
     for hand in HANDS:
@@ -108,7 +113,7 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     headset.until("hs.headset.cockpit.pointers.of('right') === null")
     without = picture(headset)
     headset.screenshot("street-without-hands")
-    assert changed(with_hands, without, handle, 5) > 0.6
+    assert changed(with_hands, without, handle, 8) > 0.25
     assert changed(with_hands, without, brush, 3) > 0.5
     assert changed(with_hands, without, grip, 8) > 0.3
     # The street goes on to its end: its colour is in the picture, walls meet far ahead.
