@@ -328,10 +328,13 @@ class Workspace:
 
     def check_files(self, *, repair: bool = False) -> Repaired:
         """Find damaged classifiers and prepared frames; ``repair`` removes the latter."""
-        from pointbrush.work.classifiers.files import ClassifierFiles
+        classifiers: list[str] = []
+        if self._classifier_folder.is_dir():  # reading them needs large libraries
+            from pointbrush.work.classifiers.files import ClassifierFiles
 
+            classifiers = ClassifierFiles(self._classifier_folder).problems()
         removed, left = self._objects.problems(repair=repair)
-        return Repaired(removed, [*ClassifierFiles(self._classifier_folder).problems(), *left])
+        return Repaired(removed, [*classifiers, *left])
 
     def import_roots(self, *, own: bool) -> list[Path]:
         """Folders that a caller over the network may import from.

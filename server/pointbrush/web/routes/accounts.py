@@ -19,6 +19,7 @@ from pointbrush.web.schemas import Body, Out
 router = resource("accounts")
 AccountName = Annotated[str, Path(max_length=LONGEST_NAME, description="name of an account")]
 TokenId = Annotated[str, Query(pattern="^[0-9a-f]{8}$", description="id of one token; else all")]
+SHORTEST_DAYS = 1 / 1440
 LONGEST_DAYS = 36_500
 
 
@@ -26,7 +27,7 @@ class TokenBody(Body):
     """A new token; ``role`` null: the account's; ``days`` until it expires, null: never."""
 
     role: Role | None = None
-    days: Annotated[float, Field(gt=0, le=LONGEST_DAYS)] | None = None
+    days: Annotated[float, Field(ge=SHORTEST_DAYS, le=LONGEST_DAYS)] | None = None
 
 
 class AccountBody(TokenBody):

@@ -76,6 +76,8 @@ class States:
         """
         removed: list[str] = []
         left: list[str] = []
+        if not self._files.folder.is_dir():
+            return removed, left  # making the selectors needs large libraries
         for chosen in self._selectors.every():
             selector = chosen.selector
             if not isinstance(selector, StoredSelector):

@@ -149,21 +149,30 @@ export class PalettePanel extends Panel {
   }
 
   private drawPage(ui: Ui, x: number, top: number, inner: number): void {
-    const { page } = this;
-    const label = activeLabel.peek();
     if (state.tool.peek() === 'floor') drawFloor(ui, x, top, inner);
-    else if (page === 'tools') drawTools(ui, x, top, inner);
-    else if (page === 'boxes') drawBoxes(ui, x, top, inner);
-    else if (page === 'example') drawExample(ui, x, top, inner);
-    else if (page === 'work') drawWork(ui, x, top, inner, this.ask);
-    else if (page === 'view') drawView(ui, x, top, inner, this.controls, () => this.list());
-    else if (page === 'comfort') drawComfort(ui, x, top, inner);
-    else if (page === 'new') drawNew(ui, x, top, inner, this.ask, () => this.show('labels'));
-    else if (page === 'edit' && label) this.edit.draw(ui, x, top, inner, label);
-    else if (page === 'letters' || page === 'note') this.letters.draw(ui, x, top, inner);
-    else if (page === 'recordings') this.recordings.draw(ui, x, top, inner);
-    else this.labels.draw(ui, x, top, inner);
+    else this.pages[this.page](ui, x, top, inner);
   }
+
+  private readonly pages: Readonly<
+    Record<Page, (ui: Ui, x: number, top: number, inner: number) => void>
+  > = {
+    labels: (...place) => this.labels.draw(...place),
+    tools: drawTools,
+    boxes: drawBoxes,
+    example: drawExample,
+    work: (...place) => drawWork(...place, this.ask),
+    view: (...place) => drawView(...place, this.controls, () => this.list()),
+    comfort: drawComfort,
+    new: (...place) => drawNew(...place, this.ask, () => this.show('labels')),
+    edit: (...place) => {
+      const label = activeLabel.peek();
+      if (label) this.edit.draw(...place, label);
+      else this.labels.draw(...place);
+    },
+    letters: (...place) => this.letters.draw(...place),
+    note: (...place) => this.letters.draw(...place),
+    recordings: (...place) => this.recordings.draw(...place),
+  };
 
   private change(): void {
     this.edit.begin();

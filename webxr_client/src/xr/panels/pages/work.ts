@@ -121,7 +121,8 @@ function drawReview(column: Column, ask: AskName): void {
 function drawVerdict(column: Column, task: Task, ask: AskName): void {
   const by = task.assignee || 'no annotator';
   column.say(`${taskWords(task)}, by ${by}: ${TASK_WORDS[task.state]}`, INK.text);
-  const give = (): void => ask('Note for the correction', (note) => void giveBack(task, note, null));
+  const give = (): void =>
+    ask('Note for the correction', (note) => void giveBack(task, note, null));
   column.buttons([
     [
       { icon: 'check', text: 'Accept', disabled: task.state === 'accepted' },
