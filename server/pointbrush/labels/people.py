@@ -39,7 +39,7 @@ class People:
         self._tokens = tokens
 
     def all(self) -> list[Account]:
-        """Return all accounts by name, those without a valid token too."""
+        """Return all accounts by name, also accounts without a valid token."""
         found: dict[str, list[Token]] = {}
         for token in self._tokens.list():
             found.setdefault(token.account, []).append(token)

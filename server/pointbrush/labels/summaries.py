@@ -145,7 +145,7 @@ class Summaries:
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
     def figures(self, project: str, effort: Effort, without: Collection[str] = ()) -> Figures:
-        """Return the figures of a project, but for those of recordings ``without``."""
+        """Return the figures of a project; recordings ``without`` do not count."""
         here = and_(project == PROJECT_OF, LIVE, WHOLE, sequences.c.id.not_in(without))
         with self._database.read() as connection:
             number = connection.execute(select(func.count()).where(here)).scalar_one()

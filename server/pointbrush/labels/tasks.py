@@ -40,7 +40,7 @@ TASK_STATES: tuple[TaskState, ...] = get_args(TaskState)
 """Nobody's; being labelled; labelled; being looked at; good; to be labelled again."""
 
 MOST_TASKS = 100_000
-"""Of a project, with those that are accepted: taking the next task looks at all of them."""
+"""Of a project, accepted tasks included: taking the next task looks at all of them."""
 
 
 @dataclass(frozen=True, slots=True)

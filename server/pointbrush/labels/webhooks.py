@@ -188,12 +188,12 @@ class Webhooks:
             .where(jobs.c.state.in_(_ENDED), jobs.c.created >= since)
             .order_by(jobs.c.created, sequences.c.deleted.is_(None), sequences.c.deleted)
         )
-        seen = set()
+        held_by: dict[str, Row[Any]] = {}
         for row in connection.execute(chosen).all():
-            if row.id in seen or row.project != webhook.project:
-                seen.add(row.id)
+            held_by.setdefault(row.id, row)
+        for row in held_by.values():
+            if row.project != webhook.project:
                 continue
-            seen.add(row.id)
             body = {name: row._mapping[name] for name in ("id", "kind", "sequence", "state")}
             key = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{webhook.id} {row.id}"))
             self._put(connection, webhook, key, "job", body | {"error": row.error}, now)

@@ -1,4 +1,4 @@
-/** A folder whose files and folders are a recording each: what is in it, and their imports. */
+/** A folder whose entries are one recording each: its entries, and their imports. */
 import type { Job } from '../protocol/messages';
 import { actions } from '../store/actions';
 import type { ChosenFile, ImportOptions, ImportPart } from '../store/state';
@@ -19,7 +19,7 @@ export function partsOfEntries(entries: readonly Entry[]): readonly ImportPart[]
   return entries.map((entry) => ({ ...PART, ...entry }));
 }
 
-/** Chosen files by the file or folder of theirs that lies below what all have in common. */
+/** Chosen files, grouped by the first entry below their common folder. */
 export function partsOfFiles(files: readonly ChosenFile[]): readonly ImportPart[] {
   const paths = files.map(({ path }) => path.split('/'));
   const shared = paths.every((path) => path.length > 1 && path[0] === paths[0]![0]) ? 1 : 0;
@@ -53,7 +53,7 @@ export function optionsOf({ files, name }: ImportPart, options: ImportOptions): 
   return files ? { ...shared, name } : shared;
 }
 
-/** Whether several recordings can be imported: those that are included are on the server. */
+/** Whether several recordings can be imported: all included ones are on the server. */
 export function areReady(parts: readonly ImportPart[]): boolean {
   const chosen = parts.filter(({ included }) => included);
   return chosen.length > 0 && chosen.every(({ path, upload }) => path ?? upload);

@@ -31,7 +31,7 @@ export async function send<T>(
   }
 }
 
-/** Ask what an import of a source would do. */
+/** Ask for the preview of an import. */
 export async function previewOf(
   { files, path, upload: sent }: ImportSource,
   options: ImportOptions,
@@ -62,7 +62,7 @@ export async function submit(
   return jobOf(await api<JobAnswer>('POST', 'sequences', { ...from, ...options, id }));
 }
 
-/** Remove what was sent for previews and is not imported; the server would do so after a while. */
+/** Remove files that were sent for previews and not imported; the server removes them later, too. */
 export async function dropUploads(sources: readonly Pick<ImportSource, 'upload'>[]): Promise<void> {
   for (const { upload: sent } of sources) {
     if (sent) await api('DELETE', `imports/${sent}`).catch(() => undefined);

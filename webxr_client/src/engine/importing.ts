@@ -149,7 +149,7 @@ function importFiles(files: readonly ChosenFile[], options: ImportOptions = {}):
   });
 }
 
-/** Show what each file or folder in a folder of the server is, to be imported as a recording. */
+/** Preview each entry in a folder of the server as a recording. */
 export const importEach = (path: string): Promise<void> =>
   attempt('The folder was not read', async () => {
     const entries = await api<Entry[]>('POST', 'imports/entries', { path });

@@ -231,7 +231,7 @@ class PaintedFrame:
         self._changing.add(self.taken.add(numbers))
 
     def clear(self) -> None:
-        """Take nothing of what was taken so far."""
+        """Drop all points taken so far."""
         self.taken = PointSet()
         self._changing = Changing(self._view, self.frame, self._brush)
 

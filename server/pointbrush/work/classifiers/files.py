@@ -14,7 +14,7 @@ from pointbrush.work.trash import ids_for
 _ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")
 _ENDING = ".npz"
 MOST_CLASSIFIERS = 256
-"""Of a workspace: each is listed with what taught it, which reads its file."""
+"""Of a workspace: listing them reads each file for the recordings that taught it."""
 
 
 class ClassifierFiles:

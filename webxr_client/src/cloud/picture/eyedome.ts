@@ -63,7 +63,7 @@ export class EyeDome {
     return this.shading.value !== NO_SHADING;
   }
 
-  /** Draw the edge of what a click would take, or not. */
+  /** Draw the edge of the points that a click would take, or not. */
   outline(on: boolean): void {
     this.quad.material.uniforms['outline']!.value = on ? EDGE : 0;
   }

@@ -226,7 +226,7 @@ export class Viewer {
     if (shown) this.cloud?.update(shown);
   }
 
-  /** Draw the edge of what a click would take. */
+  /** Draw the edge of the points that a click would take. */
   setOutlined(on: boolean): void {
     if (on === this.outlined) return;
     this.outlined = on;

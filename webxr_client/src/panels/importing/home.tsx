@@ -185,7 +185,7 @@ interface RowsProps {
   sight: Sight;
 }
 
-/** Recordings of a project; only those in sight are drawn. */
+/** Recordings of a project; only rows in sight are drawn. */
 function Rows({ rows, offset, sight }: RowsProps) {
   const [from, until] = inSight(sight, offset, rows.length);
   if (rows.length === 0) return <p class="home-none soft">No recordings yet.</p>;

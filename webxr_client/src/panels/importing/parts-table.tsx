@@ -1,4 +1,4 @@
-/** Recordings that are about to be imported, one a row: what each is, and whether to import it. */
+/** Recordings before their import, one a row: format and size, and whether to import it. */
 import { bytes, count, plural } from '../../common/format';
 import { actions } from '../../store/actions';
 import type { ImportPart } from '../../store/state';

@@ -80,7 +80,7 @@ export function SequenceMenu() {
   );
 }
 
-/** So many are listed; of more those of a search. */
+/** So many are listed; a search finds the others. */
 const LISTED = 40;
 
 function Sequences() {
