@@ -92,7 +92,7 @@ function More({ box }: { box: ObjectBox }) {
 function Without() {
   const label = activeLabel.value;
   return (
-    <div class="box-without">
+    <div class="box-without stack">
       {label ? (
         <>
           <p>No box yet. Fit one to the label’s points in all frames.</p>
@@ -160,7 +160,7 @@ function Chosen({ box }: { box: ObjectBox }) {
         <Button label="Points from box" kind="outlined" keys="Shift P" tip="Label the points inside the box in this frame" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
         <DrawButton />
       </div>
-      <div class="box-more">
+      <div class="box-more stack">
         <Sizes box={box} />
         <BoxAttributes box={box} />
       </div>
@@ -171,7 +171,7 @@ function Chosen({ box }: { box: ObjectBox }) {
 function NotHere({ box }: { box: ObjectBox }) {
   const frames = Object.keys(box.poses).length;
   return (
-    <div class="box-without">
+    <div class="box-without stack">
       <p>Not in this frame. It is in {plural(frames, 'frame')}.</p>
       <Button label="Copy to this frame" kind="primary" tip="Copy the box from the nearest frame" disabled={!canEdit.value} onClick={() => void bringHere()} />
     </div>

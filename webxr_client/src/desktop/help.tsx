@@ -64,13 +64,13 @@ function Opened() {
   return (
     <dialog
       ref={dialog}
-      class="help"
+      class="help wide"
       aria-label="Keyboard and mouse"
       onClose={() => (helpOpen.value = false)}
       onClick={(event) => event.target === dialog.current && dialog.current?.close()}
     >
       <div class="help-body">
-        <header>
+        <header class="line spread wrap">
           <h2>Keyboard and mouse</h2>
           <input
             class="field"
@@ -127,7 +127,7 @@ function KeyList({ group, rows }: KeyListProps) {
       <h3>{group}</h3>
       <dl>
         {rows.map(({ shown, what, binding }) => (
-          <div key={what}>
+          <div key={what} class="line spread">
             <dt>{what}</dt>
             <dd>
               {binding ? (

@@ -41,7 +41,7 @@ export function ExampleBar() {
   return (
     <section class="example-bar bar card" aria-label="Label by example">
       {question.value && <Asked place={question.value} />}
-      <div class="example-row line">
+      <div class="example-row line start">
         <Icon name="example" />
         <div class="example-parts line wrap grow">{classifier.value ? <Predicted /> : <Begin />}</div>
         <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />
@@ -160,7 +160,7 @@ function Asked({ place }: { place: Question }) {
   const colours = coloursOf(place.classes, state.palette.value);
   const answers = [[first, 'Enter'], [second, 'Shift Enter']] as const; // prettier-ignore
   return (
-    <div class="example-row line" role="group" aria-label="A place in doubt">
+    <div class="example-row line start" role="group" aria-label="A place in doubt">
       <div class="example-parts line wrap grow">
         <span>Which class is at the ring?</span>
         {answers.map(([name, keys], k) => (

@@ -22,7 +22,7 @@ export function ExportFormats({ split, start }: ExportFormatsProps) {
   const offered = groups.flatMap(({ formats }) => formats);
   const shown = offered.find(({ format }) => format === chosen) ?? offered[0];
   return (
-    <div class="export-formats">
+    <div class="export-formats stack">
       <div>
         {groups.map((group) => (
           <Group key={group.purpose} group={group} shown={shown} choose={choose} start={start}>

@@ -70,7 +70,7 @@ function WithoutCategory() {
   if (labels.length === 0) return null;
   const more = labels.length - MOST_BUTTONS;
   return (
-    <div class="import-note">
+    <div class="note warn line start small">
       <Icon name="warning" />
       <div>
         {plural(labels.length, 'label')} without a category: training sets and boxes use the name as
@@ -132,7 +132,7 @@ function Range({ all, range }: RangeProps) {
     frameRange.value = { from: within(Math.min(first, last)), to: within(Math.max(first, last)) };
   };
   const field = (label: string, value: number, change: (value: number) => void) => (
-    <label>
+    <label class="row">
       {label}
       <input
         class="field"
@@ -146,7 +146,7 @@ function Range({ all, range }: RangeProps) {
     </label>
   );
   return (
-    <div class="track-range">
+    <div class="track-range line">
       {field('Frames', from, (value) => choose(value, Math.max(value, to)))}
       {field('to', to, (value) => choose(Math.min(from, value), value))}
       {range && (

@@ -24,7 +24,7 @@ import { ViewOptions } from './stage/view-options';
 export function ToolOptions() {
   const tool = state.tool.value;
   return (
-    <div class="toolbar-row options">
+    <div class="toolbar-row line options">
       {isStroke(tool) ? <BrushOptions /> : <Hints tool={tool} />}
       <span class="spacer" />
       <ViewOptions />
@@ -40,7 +40,7 @@ function Hints({ tool }: { tool: 'navigate' | 'pick' | 'floor' | 'boxes' }) {
 
 function NavigateHints() {
   return (
-    <span class="hint">
+    <span class="soft small">
       Drag to turn · right-drag to move · wheel to zoom · <span class="kbd">W A S D</span> to walk
     </span>
   );
@@ -48,7 +48,7 @@ function NavigateHints() {
 
 function BoxesHint() {
   return (
-    <span class="hint">
+    <span class="soft small">
       Click an object or its box · drag its handles here or at the side ·{' '}
       <span class="kbd">W A S D</span> to move it, <span class="kbd">Q E</span> to turn
     </span>
@@ -56,7 +56,7 @@ function BoxesHint() {
 }
 
 function PickHint() {
-  return <span class="hint">Click a point to choose its label</span>;
+  return <span class="soft small">Click a point to choose its label</span>;
 }
 
 /** Places on the floor, and what to do next. */
@@ -70,7 +70,7 @@ const FLOOR_HINTS = [
 function FloorOptions() {
   return (
     <>
-      <span class="hint" role="status">
+      <span class="soft small" role="status">
         {FLOOR_HINTS[floorPlaces.value]}
       </span>
       <Button
@@ -229,7 +229,7 @@ function OutlineKinds() {
 
 /** Actions of the box tool, in the tool bar. */
 function BoxOptions() {
-  if (!boxDraft.value) return <span class="hint">Drag over the floor</span>;
+  if (!boxDraft.value) return <span class="soft small">Drag over the floor</span>;
   return (
     <>
       <Button

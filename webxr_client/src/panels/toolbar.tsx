@@ -38,7 +38,7 @@ export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[
   if (!state.sequence.value) return <WelcomeBar />;
   return (
     <>
-      <div class="toolbar-row">
+      <div class="toolbar-row line">
         <SequenceMenu />
         <span class="divider" />
         <Tools />
@@ -64,7 +64,7 @@ export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[
 
 function WelcomeBar() {
   return (
-    <div class="toolbar-row">
+    <div class="toolbar-row line">
       <span class="title">pointbrush</span>
       <span class="spacer" />
       <ConnectionStatus />

@@ -64,14 +64,14 @@ function Card({ step, number, count }: CardProps) {
   return (
     <div
       ref={box}
-      class="popover tour"
+      class="popover form tour"
       role="dialog"
       aria-labelledby="tour-title"
       aria-describedby="tour-text"
       onKeyDown={keepForButtons}
     >
       <div aria-live="polite">
-        <div class="tour-head">
+        <div class="line baseline spread">
           <h2 id="tour-title">{step.title}</h2>
           <span class="faint number">
             {number + 1} of {count}

@@ -26,7 +26,7 @@ export function WorkspaceAccounts() {
     <section class="settings-webhook" aria-label="Accounts of the workspace">
       <h3>Accounts of the workspace</h3>
       {all.length === 0 && <p class="soft">No accounts yet. Each person needs one.</p>}
-      <ul class="settings-rows" tabIndex={0} aria-label="Accounts">
+      <ul class="settings-rows stack" tabIndex={0} aria-label="Accounts">
         {all.map((each) => (
           <Entry key={each.account} of={each} />
         ))}

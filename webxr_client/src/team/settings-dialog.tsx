@@ -43,7 +43,7 @@ export function ProjectSettings() {
   const Body = BODIES[settingsTab.value];
   return (
     <dialog ref={dialog} class="settings" aria-label="Settings of the project" onClose={close}>
-      <header>
+      <header class="line spread">
         <input
           class="field"
           aria-label="Name of the project"
@@ -67,7 +67,7 @@ export function ProjectSettings() {
         onChoose={(tab) => (settingsTab.value = tab)}
       />
       <div
-        class="settings-body"
+        class="settings-body stack"
         role="tabpanel"
         aria-labelledby={tabId('Settings', settingsTab.value)}
         key={of.id}
@@ -94,7 +94,7 @@ function People({ of }: { of: Project }) {
           ? 'All members have access with their role in the workspace. The first person that you add restricts the project to the people listed here.'
           : 'Only these people and managers of the workspace see the project. A person with a lower role in the workspace keeps the lower role.'}
       </p>
-      <ul class="settings-rows">
+      <ul class="settings-rows stack">
         {rows.map(([name, own]) => (
           <li key={name} class="line">
             <strong class="name">{name}</strong>

@@ -15,7 +15,7 @@ export function Recordings({ of }: { of: Project }) {
   const others = (state.sequences.value ?? []).filter(({ project }) => project !== of.id);
   return (
     <>
-      <ul class="settings-rows">
+      <ul class="settings-rows stack">
         {of.recordings.map((id) => (
           <li key={id}>
             <span class="name">{titleOf(id)}</span>
@@ -56,7 +56,7 @@ export function ProjectTasks({ of }: { of: Project }) {
   return (
     <>
       <MakeTasks of={of} onMade={() => void loadProjectTasks()} />
-      <ul class="settings-rows">
+      <ul class="settings-rows stack">
         {projectTasks.value.map((task) => (
           <li key={task.number}>
             <span class="name">{taskWords(task)}</span>

@@ -27,7 +27,7 @@ export function Webhooks({ of }: { of: Project }) {
   return (
     <>
       {webhooks.value.length === 0 && <p class="soft">No webhooks yet.</p>}
-      <ul class="settings-rows">
+      <ul class="settings-rows stack">
         {webhooks.value.map((each) => (
           <li key={each.id} class="stack">
             <Entry webhook={each} />
@@ -56,20 +56,20 @@ function Entry({ webhook }: { webhook: Webhook }) {
         />
       </div>
       {webhook.paused_until && (
-        <p class="webhook-bad">
+        <p class="bad">
           The receiver does not answer. Next attempt at{' '}
           {new Date(webhook.paused_until).toLocaleTimeString()}.
         </p>
       )}
       {own && (
-        <p class="webhook-secret" role="status">
+        <p class="note line wrap" role="status">
           Secret, shown only once: <code>{own}</code>
         </p>
       )}
       <details open={failing > 0}>
         <summary>
           {plural(events.length, 'event')}
-          {failing > 0 && <span class="webhook-bad">, {failing} not delivered</span>}
+          {failing > 0 && <span class="bad">, {failing} not delivered</span>}
         </summary>
         <ul>
           {events.slice(0, LISTED).map((each) => (

@@ -119,7 +119,7 @@ function Look({ names: [one, other] }: Pick<PairProps, 'names'>) {
       {shown === 'difference' && (
         <p class="line wrap small">
           {Object.entries(legend).map(([kind, words]) => (
-            <span key={kind} data-difference={kind}>
+            <span key={kind} class="difference" style={{ '--difference': `var(--${kind})` }}>
               {words}
             </span>
           ))}

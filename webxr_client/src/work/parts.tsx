@@ -22,7 +22,7 @@ export function Entry({ icon, current = false, about, onClick, actions, children
     <li data-current={current || undefined}>
       <button
         type="button"
-        class="menu-item"
+        class="menu-item start"
         aria-current={current ? 'true' : undefined}
         onClick={onClick}
       >

@@ -36,7 +36,7 @@ export function ImportDialog() {
   return (
     <dialog
       ref={dialog}
-      class={draft.parts ? 'import several' : 'import'}
+      class={draft.parts ? 'import several wide' : 'import'}
       aria-label="Import"
       onCancel={(event) => {
         event.preventDefault();
@@ -44,14 +44,14 @@ export function ImportDialog() {
       }}
     >
       <form onSubmit={submit}>
-        <header>
+        <header class="line spread">
           <h2>{title}</h2>
           {draft.busy && <div class="spinner small" role="status" aria-label="Reading the files" />}
         </header>
-        <div class="import-body">
+        <div class="import-body stack">
           <Content draft={draft} />
         </div>
-        <footer>
+        <footer class="line">
           <Button label="Cancel" onClick={() => void actions.leaveImport()} />
           <button type="submit" class="button primary" disabled={!isReady(draft)}>
             {button}
@@ -79,7 +79,7 @@ function Content({ draft }: { draft: ImportDraft }) {
     <>
       <Target draft={draft} />
       {error && (
-        <p class="import-note bad" role="alert">
+        <p class="note bad line start small" role="alert">
           <Icon name="warning" /> <span>{onPage(error)}</span>
         </p>
       )}
@@ -141,7 +141,7 @@ function Recording({ draft }: { draft: ImportDraft }) {
   return (
     <>
       {found && <Warnings lines={found.warnings} />}
-      <div class="import-fields">
+      <div class="import-fields stack">
         <ProjectOf options={options} />
         {!parts && <Name found={found} options={options} />}
         <Row label="Frames per second">
@@ -236,8 +236,8 @@ function Poses({ found, options }: CorrectedProps) {
 function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft }) {
   return (
     <details class="import-more" open={error !== ''}>
-      <summary>Reading options</summary>
-      <div class="import-fields">
+      <summary class="soft small">Reading options</summary>
+      <div class="import-fields stack">
         <Row label="Format">
           <Choice
             value={options.format ?? ''}

@@ -70,7 +70,7 @@ function Fields() {
     conditions.value = { ...conditions.peek(), ...patch };
   };
   return (
-    <div class="conditions" role="group" aria-label="Only recordings with">
+    <div class="conditions stack" role="group" aria-label="Only recordings with">
       {FIELDS.map(([name, words]) => (
         <input
           key={name}

@@ -44,7 +44,7 @@ export function Facts({ found }: { found: ImportPreview }) {
 export function Warnings({ lines }: { lines: readonly string[] }) {
   if (lines.length === 0) return null;
   return (
-    <details class="import-note" open={lines.length === 1}>
+    <details class="note import-note warn small" open={lines.length === 1}>
       <summary>
         <b>{plural(lines.length, 'warning')}</b>
         {lines.map((line) => (
@@ -59,8 +59,13 @@ export function Warnings({ lines }: { lines: readonly string[] }) {
 function Files({ files }: { files: readonly FileFrame[] }) {
   return (
     <details class="import-more" open={files.length <= OPEN_FILES}>
-      <summary>Files and their frames</summary>
-      <div class="import-files" role="region" aria-label="Files and their frames" tabIndex={0}>
+      <summary class="soft small">Files and their frames</summary>
+      <div
+        class="import-files small"
+        role="region"
+        aria-label="Files and their frames"
+        tabIndex={0}
+      >
         <table>
           <thead>
             <tr>
@@ -92,12 +97,12 @@ type Fact = readonly [name: string, value: string];
 /** List of facts by name, without those that have no value. */
 function FactList({ rows }: { rows: readonly Fact[] }) {
   return (
-    <dl class="import-facts">
+    <dl class="import-facts stack small">
       {rows
         .filter(([, value]) => value)
         .map(([name, value]) => (
           <div key={name}>
-            <dt>{name}</dt>
+            <dt class="soft">{name}</dt>
             <dd>{value}</dd>
           </div>
         ))}

@@ -56,7 +56,7 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
   const only = known.length === 1 && !hasTasks(groups) ? known[0]! : null;
   return (
     <>
-      <header class="home-head">
+      <header class="home-head line wrap">
         <h1>Recordings</h1>
         <input
           class="field"

@@ -41,20 +41,20 @@ export function ImportBox({ onBegin }: { onBegin?: () => void }) {
     else void actions.importPath(path.trim());
   };
   return (
-    <section class="import-box" aria-label="Import">
-      <div class="drop-hint">
+    <section class="import-box stack" aria-label="Import">
+      <div class="drop-hint stack">
         <Icon name="import" />
         <p>
-          <strong>Drop files or a folder here</strong>
+          <strong class="title">Drop files or a folder here</strong>
           <span class="soft">PLY, PCD, LAS, LAZ, E57, NPZ, KITTI, XYZ, bags and more</span>
         </p>
-        <div class="group">
+        <div class="line">
           <Button label="Choose files" kind="primary" onClick={() => pick()} />
           <Button label="Choose a folder" kind="outlined" onClick={() => pick(true)} />
         </div>
       </div>
-      <form class="path-form" onSubmit={submit}>
-        <label>
+      <form class="path-form line" onSubmit={submit}>
+        <label class="labelled grow small">
           <span class="soft">Or a path on the server</span>
           <input
             class="field"

@@ -38,10 +38,10 @@ function Form({ rows, onClose }: NewProjectProps & { onClose: () => void }) {
   return (
     <dialog ref={dialog} class="import" aria-label="New project" onClose={onClose}>
       <form onSubmit={submit}>
-        <header>
+        <header class="line spread">
           <h2>New project</h2>
         </header>
-        <div class="import-body">
+        <div class="import-body stack">
           <p class="soft">
             A project is a group of recordings with people, categories and tasks of its own.
           </p>
@@ -64,7 +64,7 @@ function Form({ rows, onClose }: NewProjectProps & { onClose: () => void }) {
             />
           )}
         </div>
-        <footer>
+        <footer class="line">
           <Button label="Cancel" onClick={onClose} />
           <Button
             label="Create and set up…"

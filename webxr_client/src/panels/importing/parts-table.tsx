@@ -12,7 +12,7 @@ export function PartsTable({ parts, busy }: { parts: readonly ImportPart[]; busy
   return (
     <div
       ref={box}
-      class="import-files parts"
+      class="import-files parts small"
       role="region"
       aria-label="Recordings to import"
       tabIndex={0}

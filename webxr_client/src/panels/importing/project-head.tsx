@@ -36,7 +36,7 @@ export function ProjectHead({ project, rows, shown, onFold }: ProjectHeadProps) 
     <Button label={name} kind="outlined" small tip={`${name} in ${project.name}`} onClick={() => void actions.nextTask(project.id, work)} />
   ); // prettier-ignore
   return (
-    <div class="project-head">
+    <div class="project-head line">
       <button type="button" class="button project-name" aria-expanded={shown} onClick={onFold}>
         <Icon name={shown ? 'chevron' : 'next'} />
         <strong class="name">{project.name}</strong>
@@ -66,7 +66,7 @@ function Progress({ tasks, rows }: ProgressProps) {
     .join(', ');
   const words = all > 0 ? `${tasksOf(tasks, 'accepted')} of ${plural(all, 'task')}` : `${labelled} of ${plural(frames, 'frame')}`; // prettier-ignore
   return (
-    <span class="part project-progress" data-tip={told || 'Frames with labels'}>
+    <span class="line small" data-tip={told || 'Frames with labels'}>
       <span class="soft number">{words}</span>
       <span class="progress states" aria-hidden="true">
         {all === 0 && <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />}
@@ -122,7 +122,7 @@ function FiguresTable({ project }: { project: string }) {
     </tr>
   );
   return (
-    <table class="figures">
+    <table class="figures small">
       <thead>
         <tr>
           <th>Class</th>

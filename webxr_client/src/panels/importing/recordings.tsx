@@ -18,7 +18,7 @@ export function Row({ row }: { row: SequenceSummary }) {
     <>
       <button
         type="button"
-        class="recording"
+        class="recording grow small"
         disabled={!sound}
         onClick={() => actions.openSequence(row.id)}
       >
@@ -30,7 +30,7 @@ export function Row({ row }: { row: SequenceSummary }) {
         <strong class="name" data-tip={row.name}>
           {row.name}
         </strong>
-        {fault ? <span class="recording-fault">{fault}</span> : <Figures row={row} />}
+        {fault ? <span class="recording-fault warn">{fault}</span> : <Figures row={row} />}
       </button>
       <span class="recording-tools">
         {sound && row.labels_missing !== null && canEdit.value && (
@@ -60,7 +60,7 @@ function Figures({ row }: { row: SequenceSummary }) {
     <>
       <span class="soft number">{plural(frames, 'frame') + long}</span>
       <span class="soft number">{shortCount(row.points)}</span>
-      <span class="recording-progress soft number">
+      <span class="line soft number">
         <span class="progress" aria-hidden="true">
           <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />
         </span>

@@ -124,7 +124,7 @@ function SequenceRow({ row }: { row: SequenceSummary }) {
     <li class="recording-line">
       <button
         type="button"
-        class="menu-item"
+        class="menu-item grow"
         aria-current={current}
         onClick={() => {
           close();

@@ -24,14 +24,14 @@ export function Welcome() {
   return (
     <div class={empty ? 'welcome-page empty' : 'welcome-page'}>
       {empty ? (
-        <div class="welcome-box">
+        <div class="welcome-box stack">
           <Empty />
           <ImportBox />
         </div>
       ) : (
         <Recordings sequences={sequences} />
       )}
-      <footer class="home-foot soft">
+      <footer class="home-foot line wrap spread soft small">
         <span>
           {!empty && canManage.value && 'Drop files or a folder anywhere to import them.'}
         </span>
@@ -47,7 +47,7 @@ function Account() {
   const me = state.me.value;
   return (
     me && (
-      <span class="account">
+      <span class="line">
         <span>
           Signed in as <b>{me.author}</b>, {me.role}
         </span>
@@ -136,9 +136,9 @@ function Deleted() {
       tip="Recordings that can be restored"
       label="Deleted recordings"
     >
-      <ul class="deleted">
+      <ul>
         {deleted.map((row) => (
-          <li key={row.identity}>
+          <li key={row.identity} class="line">
             <strong class="name">{row.name}</strong>
             <span class="soft">
               Deleted {day(row.deleted)} · kept until {day(row.until)}

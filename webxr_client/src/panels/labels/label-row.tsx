@@ -81,7 +81,7 @@ function LabelText({ label }: { label: Label }) {
     <>
       <CutName name={label.name} />
       {label.category && label.category !== label.name && (
-        <span class="category name">{label.category}</span>
+        <span class="category name faint">{label.category}</span>
       )}
     </>
   );

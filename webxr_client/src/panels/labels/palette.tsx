@@ -87,7 +87,7 @@ function LabelList() {
 function GroupHead({ category, labels }: { category: string; labels: readonly Label[] }) {
   const points = labels.reduce((sum, { id }) => sum + (state.counts.value.get(id) ?? 0), 0);
   return (
-    <div class="group-head" role="row">
+    <div class="group-head line spread faint" role="row">
       <span role="gridcell" class="name">
         {category || 'No category'}
       </span>
@@ -187,7 +187,7 @@ function PaletteSearch() {
       <div class="label-search line">
         <input
           id={FIELD}
-          class="field"
+          class="field grow"
           type="search"
           aria-label="Search labels"
           placeholder={`Search ${plural(listed.value.length, 'label')}`}
@@ -208,7 +208,7 @@ function PaletteSearch() {
           />
         )}
       </div>
-      <div class="count-head faint" aria-hidden="true">
+      <div class="count-head line spread faint" aria-hidden="true">
         <span>Name, category</span>
         <span>
           Points here

@@ -26,7 +26,7 @@ export function AccountHint({ id, name, role = 'annotator', link = true }: Accou
         ))}
       </datalist>
       {isUnknown(typed) && (
-        <p class="account-hint" role="status">
+        <p class="note line wrap" role="status">
           No account with access is called “{typed}”.
           <Button
             label="Create account"
@@ -51,7 +51,7 @@ export function NewLink() {
       () => notify('error', 'The link was not copied', 'Select it and copy it by hand.'),
     );
   return (
-    <p class="webhook-secret" role="status">
+    <p class="note line wrap" role="status">
       Sign-in link of {made.account}, shown only once: <code>{made.link}</code>
       <Button label="Copy" kind="outlined" small onClick={copy} />
     </p>

@@ -19,14 +19,14 @@ export function ImportCard() {
   const now = active.find(({ state }) => state === 'running') ?? active[0];
   const share = jobs.reduce((sum, job) => sum + (isActive(job) ? job.progress : 1), 0);
   return (
-    <section class="card job imports" aria-label="Imports">
-      <div class="job-head" role="status">
+    <section class="card job imports stack" aria-label="Imports">
+      <div class="job-head line baseline small" role="status">
         <strong>{title(jobs)}</strong>
         <span class="soft">{summary(jobs, now)}</span>
       </div>
       {now && <Progress share={share / jobs.length} label="Imports" />}
       {open.value && jobs.length > 1 && <Each jobs={jobs} />}
-      <div class="job-end">
+      <div class="form-end">
         {jobs.length > 1 && (
           <Button
             label={open.value ? 'Hide the list' : 'Show each'}
@@ -75,7 +75,13 @@ function Each({ jobs }: { jobs: readonly Job[] }) {
   const [box, sight] = useSight();
   const [from, until] = inSight(sight, 0, jobs.length);
   return (
-    <div ref={box} class="import-files jobs" role="region" aria-label="Each import" tabIndex={0}>
+    <div
+      ref={box}
+      class="import-files jobs small"
+      role="region"
+      aria-label="Each import"
+      tabIndex={0}
+    >
       <ul class="rows" style={listStyle(jobs.length, from)}>
         {jobs.slice(from, until).map((job) => (
           <ImportRow key={job.id} job={job} />
@@ -90,9 +96,12 @@ function ImportRow({ job }: { job: Job }) {
   const { state, sequence } = job;
   const words = state === 'running' ? `${Math.round(job.progress * 100)} %` : WORDS[state];
   return (
-    <li data-state={state}>
-      <span class="name">{name}</span>
-      <span class="soft number" data-tip={job.error ?? undefined}>
+    <li class="line" data-state={state}>
+      <span class="name grow">{name}</span>
+      <span
+        class={`name number ${job.error === null ? 'soft' : 'bad'}`}
+        data-tip={job.error ?? undefined}
+      >
         {job.error ?? words}
       </span>
       {isActive(job) && canCancel(job) && (

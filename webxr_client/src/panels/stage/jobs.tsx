@@ -25,7 +25,7 @@ export function JobCards() {
     <>
       {state.uploads.value.map((upload) => (
         <div key={upload.name} class="card job stack" role="status">
-          <div class="job-head line small">
+          <div class="job-head line baseline small">
             <strong>Sending</strong>
             <span class="soft">{upload.name}</span>
             <span class="soft number">
@@ -75,7 +75,7 @@ function Running({ job, about }: { job: Job; about: string }) {
   const tracking = job.kind === 'tracking';
   return (
     <>
-      <div class="job-head line small">
+      <div class="job-head line baseline small">
         <strong>{TITLE[job.kind]}</strong>
         <span class="soft">{job.state === 'queued' ? `queued · ${about}` : about}</span>
         {job.progress > 0 && <span class="number">{Math.round(job.progress * 100)} %</span>}

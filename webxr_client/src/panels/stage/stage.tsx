@@ -44,7 +44,7 @@ function InRecording() {
     <>
       <OfflineBanner />
       <Missing />
-      <div class="signs">
+      <div class="signs small">
         <AccumulateSign />
         <ClipSign />
       </div>
@@ -156,7 +156,7 @@ function Readout() {
   const hover = state.hover.value;
   const { points, total } = state.shown.value;
   return (
-    <div class="readout number">
+    <div class="readout number small">
       <LabelsButton />
       {hover && <Hovered hover={hover} />}
       {points < total && (
@@ -205,7 +205,7 @@ function Hovered({ hover }: { hover: Hover }) {
 
 function DropTarget() {
   return (
-    <div class="drop-target">
+    <div class="drop-target title">
       <Icon name="import" />
       <p>Drop to import as one recording</p>
     </div>

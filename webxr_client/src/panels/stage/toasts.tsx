@@ -14,7 +14,7 @@ export function Toasts() {
   return (
     <ul class="toasts" aria-live="polite">
       {state.notices.value.map((notice) => (
-        <li key={notice.id} class="toast card line" data-kind={notice.kind}>
+        <li key={notice.id} class="toast card line start" data-kind={notice.kind}>
           <Icon name={ICON[notice.kind]} />
           <div role={notice.kind === 'error' ? 'alert' : undefined}>
             <strong>{notice.title}</strong>

@@ -23,7 +23,7 @@ const bookmarksOpen = signal(false);
 export function Views() {
   const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <div class="views" role="group" aria-label="View">
+    <div class="views small" role="group" aria-label="View">
       {VIEWS.map(([preset, name, tip, keys]) => (
         <Button
           key={preset}

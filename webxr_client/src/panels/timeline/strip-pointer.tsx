@@ -53,7 +53,10 @@ export function StripCard() {
   const left = Math.max(8, Math.min(at.x - WIDTH / 2, innerWidth - WIDTH - 8));
   const path = `sequences/${encodeURIComponent(info.id)}/frames/${at.frame}/thumbnail`;
   return (
-    <div class="strip-card card small" style={{ left: `${left}px`, bottom: `${at.bottom}px` }}>
+    <div
+      class="strip-card card stack small"
+      style={{ left: `${left}px`, bottom: `${at.bottom}px` }}
+    >
       <img src={`${apiUrl(path)}?of=${info.identity}`} alt="" width={160} height={90} />
       <span class="number">
         Frame {at.frame}

@@ -89,8 +89,8 @@ function Transport() {
 function Position({ frames, fps }: { frames: number; fps: number }) {
   const frame = state.frame.value;
   return (
-    <span class="position number">
-      <b>{frame}</b>
+    <span class="position line baseline number">
+      <b class="title">{frame}</b>
       <span class="faint">/ {frames - 1}</span>
       {fps > 0 && <span class="soft">{clock(frame / fps)}</span>}
     </span>
