@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import shutil
+import sqlite3
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
@@ -168,6 +169,42 @@ def object_state() -> ObjectState:
         np.empty((0, 2), np.int32), np.empty((0, PAIR_WIDTH), np.float32), np.full(1, -1, np.int32),
         np.full(1, np.inf, np.float32), np.zeros((1, WIDTH)), np.empty(0, np.float32),
     )  # fmt: skip
+
+
+def test_check_and_repair_name_what_cannot_even_be_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = settings_in(tmp_path)
+    for name in ("ball", "cone"):
+        add_sequence(settings, name, frames=1, points=300)
+    stroke = {"label": 1, "radius": 0.5, "samples": [{"origin": [0.0, 0.0, 3.0]}]}
+    with closing(Workspace(settings)) as workspace:
+        workspace.labels.create_label("ball", "ada", name="pin")
+        workspace.strokes.apply("ball", 0, stroke, "ada")
+        painted = workspace.labels.counts("ball")
+    where = ["--workspace", str(settings.workspace)]
+    labels = settings.workspace / "labels.sqlite"
+    with closing(sqlite3.connect(labels)) as connection, connection:
+        connection.execute("UPDATE counts SET label = x'6162'")
+    assert main(["check", *where]) == 1
+    assert "ball: counts: frame 0, label b'ab'" in capsys.readouterr().out
+    for name in ("manifest.json", "checksums.json"):
+        file = settings.workspace / "sequences" / "cone" / name
+        file.rename(tmp_path / name)
+        file.mkdir()
+        for flags in ([], ["--repair"]):
+            assert main(["check", *where, *flags]) == 1
+            assert name in capsys.readouterr().out
+        file.rmdir()
+        (tmp_path / name).rename(file)
+    assert main(["check", *where]) == 0
+    with closing(Workspace(settings)) as workspace:
+        assert workspace.labels.counts("ball") == painted
+    labels.write_bytes(b"")
+    for command in (["info"], ["check", "--repair"]):
+        assert main([*command, *where]) == 1
+        assert "labels.sqlite is empty beside 2 recordings" in capsys.readouterr().err
+    assert labels.read_bytes() == b""
 
 
 def test_it_can_be_deleted_and_comes_back_as_it_was(tmp_path: Path) -> None:

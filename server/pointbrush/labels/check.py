@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Set
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -175,7 +175,7 @@ def _check_counts(
 ) -> Iterator[Finding]:
     rows = connection.execute(select(counts).where(counts.c.sequence == state.number))
     kept = {(row.frame, row.label): (row.points, row.painted, row.held) for row in rows}
-    for key in sorted(kept.keys() | tally.keys()):
+    for key in _sorted(kept.keys() | tally.keys()):
         if kept.get(key, NONE) != tally.get(key, NONE):
             yield Finding(
                 f"counts: frame {key[0]}, label {key[1]}: expected {tally.get(key, NONE)}, "
@@ -218,7 +218,7 @@ def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[Find
     expected = expected_tracks(connection, state)
     rows = connection.execute(select(tracks).where(tracks.c.sequence == state.number))
     kept = {(row.frame, row.label): row.data for row in rows}
-    for frame, label in sorted(expected.keys() | kept.keys()):
+    for frame, label in _sorted(expected.keys() | kept.keys()):
         wanted, found = expected.get((frame, label)), kept.get((frame, label))
         if (wanted and json.loads(wanted)) != (found and json.loads(found)):
             what = f"tracks: frame {frame}, label {label} differs from the journal"
@@ -228,7 +228,7 @@ def _check_tracks(connection: Connection, state: SequenceState) -> Iterator[Find
 def _check_boxes(connection: Connection, state: SequenceState) -> Iterator[Finding]:
     expected = box_journal.fold(connection, state.number)
     kept = box_journal.stored(connection, state.number)
-    for box in sorted(expected.keys() | kept.keys()):
+    for box in _sorted(expected.keys() | kept.keys()):
         if expected.get(box) != kept.get(box):
             yield Finding(f"boxes: box {box} differs from the journal", derived=True)
 
@@ -247,7 +247,7 @@ def _check_frame_changes(connection: Connection, state: SequenceState) -> Iterat
     table = frame_changes.c
     here = select(table.frame, table.revision).where(table.sequence == state.number)
     kept = {row.frame: row.revision for row in connection.execute(here)}
-    for frame in sorted(expected.keys() | kept.keys()):
+    for frame in _sorted(expected.keys() | kept.keys()):
         wanted = expected.get(frame, 0)
         for where, found in (("database", kept), ("memory", state.changed)):
             if found.get(frame, 0) != wanted:
@@ -256,6 +256,14 @@ def _check_frame_changes(connection: Connection, state: SequenceState) -> Iterat
                     f"the {where} has {found.get(frame, 0)}"
                 )
                 yield Finding(what, derived=True)
+
+
+def _sorted(keys: Set[Any]) -> list[Any]:
+    """Sort keys of rows; damaged rows have keys of any type."""
+    try:
+        return sorted(keys)
+    except TypeError:
+        return sorted(keys, key=repr)
 
 
 def at(table: ReadOnlyColumnCollection[str, Any], number: int, place: Place) -> ColumnElement[bool]:

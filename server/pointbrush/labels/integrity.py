@@ -21,8 +21,8 @@ def integrity(database: Database) -> list[str]:
     of the table and of its primary key, which finds pages that cannot be read and rows that an
     index has lost; the extension ``amcheck`` looks at tables and indexes too, where it is there.
     """
-    if database.sqlite:
-        return [f"database: {line}" for line in _sqlite(database)]
+    if database.path is not None:
+        return [f"database: {database.path.name}: {line}" for line in _sqlite(database)]
     return [f"database: {line}" for line in _postgres(database)]
 
 

@@ -45,7 +45,7 @@ class BucketFiles:
         """See RecordingFiles."""
         data = self._bucket.read(f"{self._name}/{FILE}")
         if data is None:
-            raise NotFoundError(f"expected a sequence in {self._name}, got no manifest")
+            raise NotFoundError(f"expected a sequence in {self._name}, got no {FILE}")
         self._known = parse_manifest(data, self._name)
         return self._known
 

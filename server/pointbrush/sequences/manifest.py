@@ -138,12 +138,13 @@ def read_manifest(path: Path) -> Manifest:
     try:
         data = (path / FILE).read_bytes()
     except FileNotFoundError as error:
-        raise NotFoundError(f"expected a sequence in {path.name}, got no manifest") from error
+        raise NotFoundError(f"expected a sequence in {path.name}, got no {FILE}") from error
     return parse_manifest(data, path.name)
 
 
 def parse_manifest(data: bytes, name: str) -> Manifest:
-    """Return the manifest in its file's bytes; raises BadInputError, which names ``name``."""
+    """Return the manifest in the bytes of its file in folder ``name``; raises BadInputError."""
+    name = f"{name}/{FILE}"
     try:
         content = json.loads(data)
     except ValueError as error:

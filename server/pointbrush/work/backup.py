@@ -71,9 +71,10 @@ def require_labels(workspace: Path, url: str, recordings: int, *, anew: bool) ->
     A note beside it says that it was made.  ``recordings``: their number; ``anew``: it is wanted.
     Recordings from before there was such a note are told of in the log.  Raises BadInputError.
     """
-    if url != own_url(workspace) or (workspace / DATABASE).exists() or not recordings or anew:
+    if url != own_url(workspace) or _has_bytes(workspace / DATABASE) or not recordings or anew:
         return
-    found = f"{DATABASE} is missing beside {recordings} recordings"
+    state = "empty" if (workspace / DATABASE).exists() else "missing"
+    found = f"{DATABASE} is {state} beside {recordings} recordings"
     if not (workspace / MADE).exists():
         log.warning("%s: their labels begin empty; if there were some, restore a backup", found)
         return
@@ -81,6 +82,10 @@ def require_labels(workspace: Path, url: str, recordings: int, *, anew: bool) ->
         f"workspace: {found} whose labels it holds; bring it back, restore a backup (pointbrush "
         "restore BACKUP --workspace NEW), or begin with empty labels by serve --new-labels"
     )
+
+
+def _has_bytes(file: Path) -> bool:
+    return file.exists() and file.stat().st_size > 0
 
 
 def note_made(workspace: Path, url: str) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 
 from pointbrush.errors import (
     DamagedError,
     NotFoundError,
-    PointbrushError,
     ReadOnlyError,
     UnavailableError,
 )
@@ -17,6 +17,7 @@ from pointbrush.labels import LabelStore, Progress
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.summaries import Search
 from pointbrush.sequences import Manifest, note_checksums, verify
+from pointbrush.sequences.checksums import CHECKSUMS
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
@@ -53,7 +54,9 @@ def _repair_database(store: LabelStore, done: Repaired) -> None:
 def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
     try:
         rebuilt, lost = store.repair(sequence)
-    except (UnavailableError, NotFoundError) as error:
+    except ReadOnlyError:
+        raise
+    except Exception as error:  # damaged rows have values of any type
         rebuilt, lost = [], [f"its labels cannot be read: {error}"]
     done.rebuilt += [f"{sequence}: {line}" for line in rebuilt]
     done.lost += [
@@ -199,18 +202,10 @@ class Listing:
         look = self._library.look(sequence)
         missing = self._labels_missing(look.manifest)
         damaged = look.damaged or (f"its {LABELS_MISSING}: {missing}" if missing else None)
+        problems = _told(lambda: verify(self._library.store.files(sequence)))
         if known:
-            problems = _told(lambda: self._check(sequence))
-        else:
-            problems = _told(lambda: verify(self._library.store.files(sequence)))
+            problems += _told(lambda: self._store.check(sequence), "its labels")
         return problems if damaged is None else [damaged, *problems]
-
-    def _check(self, sequence: str) -> list[str]:
-        problems = verify(self._library.store.files(sequence))
-        try:
-            return problems + self._store.check(sequence)
-        except (UnavailableError, NotFoundError) as error:
-            return [*problems, f"its labels cannot be read: {error}"]
 
     def repair(self, sequences: Iterable[str]) -> Repaired:
         """Make anew what can be; no other process may have the workspace open.
@@ -228,23 +223,32 @@ class Listing:
             if not self._library.has(sequence):
                 done.lost.append(f"{sequence}: {LABELS_ALONE}")
                 continue
-            files = self._library.store.files(sequence)
-            if note_checksums(files):
-                done.rebuilt.append(
-                    f"{sequence}: it had no checksums; those of its files as they are now are kept"
-                )
             done.lost += [
                 f"{sequence}: {line}; import it again or restore it from a backup"
-                for line in verify(files)
+                for line in _told(partial(self._repair_files, sequence, done))
             ]
         return done
 
+    def _repair_files(self, sequence: str, done: Repaired) -> list[str]:
+        """Note checksums of a recording that has none, and return the faults of its files."""
+        files = self._library.store.files(sequence)
+        if note_checksums(files):
+            done.rebuilt.append(
+                f"{sequence}: it had no checksums; {CHECKSUMS} now has those of its present files"
+            )
+        return verify(files)
 
-def _told(look: Callable[[], list[str]]) -> list[str]:
-    """Return the findings of ``look``; a failure to look is a problem of this one recording."""
+
+def _told(look: Callable[[], list[str]], part: str = "") -> list[str]:
+    """Return the findings of ``look``; a failure to look is one too, as damaged files cause any.
+
+    Raises ReadOnlyError, and UnavailableError unless ``part`` names what was looked at.
+    """
     try:
         return look()
-    except UnavailableError:
+    except ReadOnlyError:
         raise
-    except (PointbrushError, OSError, ValueError) as error:
-        return [f"cannot be checked: {error}"]
+    except Exception as error:
+        if isinstance(error, UnavailableError) and not part:
+            raise
+        return [f"{part} cannot be read: {error}" if part else f"cannot be checked: {error}"]
