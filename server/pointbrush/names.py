@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import unicodedata
 from pathlib import Path
@@ -21,6 +22,11 @@ def require_visible(field: str, name: str) -> None:
             f"{field}: expected no control or bidirectional characters, "
             f"got '{spelled_out(name[:80])}'"
         )
+
+
+def is_plain(name: str | None) -> bool:
+    """Return whether a name, as of a file, stays in the folder that it is joined to."""
+    return name is None or (os.path.split(name) == ("", name) and name[:1] not in ("", "."))
 
 
 def spelled_out(name: str) -> str:

@@ -29,6 +29,7 @@ from pointbrush.labels.schema import (
     signing_keys,
     tokens,
 )
+from pointbrush.names import is_plain
 
 ROWS = 256
 """Rows copied at once: they hold up to a few hundred kilobytes each."""
@@ -168,19 +169,44 @@ def restore(source: Path, url: str) -> None:
             target.close()
 
 
+def restore_file(source: Path, target: Path) -> None:
+    """Copy a backup to the new SQLite file ``target``, brought up to date; raises BadInputError."""
+    _copied(source, target).close()
+
+
 @contextlib.contextmanager
 def _opened(source: Path) -> Iterator[Database]:
     """A copy of a backup, brought up to date: the backup stays as it is itself."""
-    _require_backup(source)
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "copy.sqlite"
-        _copy_file(source, copy)
-        original = Database(f"sqlite:///{copy}")
+        original = _copied(source, Path(folder) / "copy.sqlite")
         try:
-            migrate(original)
             yield original
         finally:
             original.close()
+
+
+def _copied(source: Path, target: Path) -> Database:
+    """Copy a backup, bring it up to date and end its jobs.
+
+    Raises BadInputError for a file that is no backup, or ids in it that lead to other folders.
+    """
+    _require_backup(source)
+    try:
+        _copy_file(source, target)
+    except sqlite3.Error as error:
+        raise BadInputError(f"backup: {source} is damaged: {error}") from None
+    copy = Database(f"sqlite:///{target}")
+    try:
+        migrate(copy)
+        with copy.write() as connection:
+            connection.exec_driver_sql(_INTERRUPT, (INTERRUPTED, *UNDER_WAY))
+            for row in connection.execute(select(sequences.c.id, sequences.c.identity)):
+                if not (is_plain(row.id) and is_plain(row.identity)):
+                    raise BadInputError(f"backup: expected the id of a recording, got {row.id!r}")
+    except BaseException:
+        copy.close()
+        raise
+    return copy
 
 
 def _require_backup(source: Path) -> None:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, fields, replace
 from datetime import UTC, datetime
+from functools import cache
 from hashlib import blake2b
+from math import isfinite
 from pathlib import Path
-from typing import Any
+from types import UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,6 +161,15 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
     given = content.pop("checksum", None)
     if given != checksum(content):
         raise BadInputError(f"{name}: expected manifest checksum {given}, got another")
+    try:
+        manifest = _of_any_version(content)
+    except (KeyError, TypeError, AttributeError) as error:
+        raise BadInputError(f"{name}: expected all fields of a manifest, got {error!r}") from None
+    _require_sound(manifest, name)
+    return manifest
+
+
+def _of_any_version(content: dict[str, Any]) -> Manifest:
     # Imports of before the room could be corrected by pointing did not keep what they found, those
     # of before a recording could be restored under another id did not keep the first one.
     content.setdefault("found_room", content["room"])
@@ -173,6 +185,34 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
     content.setdefault("scale", 1.0)
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
+
+
+def _require_sound(manifest: Manifest, name: str) -> None:
+    """Raise BadInputError unless each field has a value of its type, and each frame its points."""
+    for field, kind in _types().items():
+        if not _fits(getattr(manifest, field), kind):
+            raise BadInputError(f"{name}: expected {field} of type {kind}")
+    if manifest.frames != len(manifest.points) or min(manifest.points, default=0) < 0:
+        raise BadInputError(f"{name}: expected the points of {manifest.frames} frames")
+    if (len(manifest.room), len(manifest.found_room)) != (16, 16):
+        raise BadInputError(f"{name}: expected 16 numbers of room")
+
+
+@cache
+def _types() -> dict[str, Any]:
+    return get_type_hints(Manifest)
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Return whether a value from JSON is of an annotated type."""
+    if isinstance(kind, UnionType):
+        return any(_fits(value, each) for each in get_args(kind))
+    if get_origin(kind) is list:
+        (item,) = get_args(kind)
+        return isinstance(value, list) and all(_fits(each, item) for each in value)
+    if kind is float and isinstance(value, int | float):
+        return not isinstance(value, bool) and isfinite(value)
+    return kind is Any or isinstance(value, get_origin(kind) or kind)
 
 
 def _files_of(content: dict[str, Any]) -> list[str]:

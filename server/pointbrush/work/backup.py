@@ -10,6 +10,7 @@ import json
 import logging
 import os
 import shutil
+import stat
 import uuid
 from itertools import chain, count
 from pathlib import Path
@@ -17,10 +18,12 @@ from typing import Any
 
 from sqlalchemy import make_url
 
-from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels import LabelStore, move, restore
-from pointbrush.labels.backup import back_up, restore_sequence
+from pointbrush.labels.backup import back_up, restore_file, restore_sequence
+from pointbrush.names import is_plain
 from pointbrush.sequences.manifest import rename_sequence
+from pointbrush.system import shortages_in_words
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
 
@@ -151,12 +154,12 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
     partial = _partial(target)
     try:
         for part in (RECORDINGS, CLASSIFIERS):
-            _copy(source / part, partial / part)
+            _copy_plain(source / part, partial / part)
         if url:
             note_database(partial, url)
             restore(source / DATABASE, url)
         else:
-            shutil.copy2(source / DATABASE, partial / DATABASE)
+            restore_file(source / DATABASE, partial / DATABASE)
         partial.rename(target)
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
@@ -170,7 +173,7 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
     Raises NotFoundError when the backup does not have it.
     """
     folder = source / RECORDINGS / sequence
-    if "/" in sequence or not folder.is_dir():
+    if not is_plain(sequence) or not folder.is_dir():
         raise NotFoundError(f"backup: expected a recording of {source}, got {sequence!r}")
     known = [*store.recordings.live(), *store.recordings.deleted()]
     taken = {one.id for one in known}
@@ -179,7 +182,7 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
     target = guard.sequence
     try:
         with library.store.staging() as partial:
-            shutil.copytree(folder, partial)
+            _copy_plain(folder, partial)
             identity = rename_sequence(partial, target).identity
             numbers = restore_sequence(
                 source / DATABASE,
@@ -226,6 +229,43 @@ def _partial(target: Path) -> Path:
     shutil.rmtree(partial, ignore_errors=True)
     (partial / RECORDINGS).mkdir(parents=True)
     return partial
+
+
+def _copy_plain(source: Path, target: Path) -> None:
+    """Copy a part of a backup, if it is there.
+
+    Raises BadInputError for anything in it but folders and files, or for files that cannot be read,
+    UnavailableError when the disk has no room for them.
+    """
+    if not os.path.lexists(source):
+        return
+    size, room = _plain_bytes(source), shutil.disk_usage(target.parent).free
+    if size > room:
+        raise UnavailableError(
+            f"restore: {source.name} of the backup takes {size:,} bytes, the disk has {room:,}"
+        )
+    try:
+        with shortages_in_words():
+            shutil.copytree(source, target, symlinks=True, dirs_exist_ok=True)
+    except OSError as error:
+        reason = error.args[0][0][2] if isinstance(error, shutil.Error) else error
+        raise BadInputError(f"backup: expected files that can be read, got: {reason}") from None
+
+
+def _plain_bytes(folder: Path) -> int:
+    """Return the size of the files in a folder; raises BadInputError for links, pipes, devices."""
+    size = 0
+    found = (Path(place, name) for place, *names in os.walk(folder) for name in chain(*names))
+    for path in chain([folder], found):
+        status = path.lstat()
+        if stat.S_ISREG(status.st_mode):
+            size += status.st_size
+        elif not stat.S_ISDIR(status.st_mode):
+            place = path.relative_to(folder.parent)
+            raise BadInputError(
+                f"backup: expected folders and files, got a link or a special file: {place}"
+            )
+    return size
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
 from pointbrush.errors import BadInputError, DamagedError, NotFoundError
+from pointbrush.names import is_plain
 from pointbrush.sequences import Manifest, open_sequence
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.manifest import FILE
@@ -92,8 +92,7 @@ class Library:
         return opened
 
     def _may_be(self, sequence: str) -> bool:
-        plain = os.path.split(sequence) == ("", sequence) and sequence[:1] not in ("", ".")
-        return plain and sequence not in self.hidden
+        return is_plain(sequence) and sequence not in self.hidden
 
     def has(self, sequence: str) -> bool:
         """Whether there is one of this id, whole or not."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Known
-from pointbrush.names import composed
+from pointbrush.names import composed, is_plain
 from pointbrush.sequences import Manifest, read_manifest, update_manifest
 from pointbrush.sequences.files import sync_folder
 
@@ -40,8 +40,9 @@ class Trash:
             yield
 
     def place(self, known: Known) -> Path:
-        """The folder of a deleted recording."""
-        return self._folder / f"{known.identity}-{known.number}"
+        """The folder of a deleted recording; names in a database of others may lead elsewhere."""
+        identity = known.identity if is_plain(known.identity) else "unknown"
+        return self._folder / f"{identity}-{known.number}"
 
     def is_empty(self) -> bool:
         """See DeletedPlace."""
@@ -53,7 +54,7 @@ class Trash:
     def is_left(self, known: Known) -> bool:
         """See DeletedPlace."""
         folder = self._library / known.id
-        if not folder.is_dir() or self._has(known):
+        if not is_plain(known.id) or not folder.is_dir() or self._has(known):
             return False
         manifest = _manifest_or_none(folder)
         return manifest is None or manifest.identity == known.identity
@@ -68,7 +69,7 @@ class Trash:
 
     def has_room(self, known: Known, sequence: str) -> bool:  # noqa: ARG002 - any id does
         """See DeletedPlace."""
-        return not os.path.lexists(self._library / sequence)
+        return is_plain(sequence) and not os.path.lexists(self._library / sequence)
 
     def manifest(self, known: Known) -> Manifest | None:
         """The manifest of a deleted recording, or None when it cannot be read."""
