@@ -11,6 +11,7 @@ import math
 import zipfile
 import zlib
 from collections.abc import Mapping
+from lzma import LZMAError
 from pathlib import Path
 from typing import IO, Any
 
@@ -65,8 +66,10 @@ def read_npz(source: bytes | Path, most_bytes: int) -> dict[str, NDArray[Any]]:
             return {
                 member.filename.removesuffix(".npy"): _array(found, member) for member in members
             }
-    # RuntimeError: encrypted; NotImplementedError: an unsupported compression.
-    except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError) as error:
+    except BadInputError:
+        raise
+    # RuntimeError: encrypted, or an unsupported compression; ValueError: a negative offset.
+    except (zipfile.BadZipFile, zlib.error, LZMAError, EOFError, RuntimeError, ValueError) as error:
         raise BadInputError(f"expected an .npz archive ({error})"[:300]) from None
 
 

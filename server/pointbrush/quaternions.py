@@ -11,9 +11,9 @@ from pointbrush.errors import BadInputError
 
 
 def rotation_of(quaternion: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute the rotation (3, 3) of a quaternion x, y, z, w.  Raises BadInputError for zero."""
+    """Compute the rotation (3, 3) of a quaternion x, y, z, w.  Raises BadInputError for none."""
     norm = math.hypot(*quaternion)
-    if norm < 1e-9:
+    if not 1e-9 <= norm < math.inf:
         raise BadInputError(
             f"quaternion: expected a rotation x, y, z, w, got {quaternion.tolist()}"
         )

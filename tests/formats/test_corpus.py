@@ -9,6 +9,7 @@ import pytest
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import FORMATS, read
+from tests.formats.mutated_files import changed
 
 # What the reference parser read differently on purpose or by its own fault.
 DIFFERENT = {
@@ -72,43 +73,13 @@ def test_half_a_file_never_does_worse_than_raise(shared, tmp_path, kind):
                 assert path.name in str(error)  # noqa: PT017
 
 
-JUNK = (
-    b"\xff\xff\xff\xff",
-    b"\0\0\0\0",
-    b"\xff\xff\xff\x7f",
-    b"-1",
-    b"nan",
-    b"99999",
-    b"\n",
-    b"1e400",
-)
-
-
-def mutated(data: bytes, rng: random.Random) -> bytes:
-    """A few bytes changed, put in or taken out, in the header more often than not."""
-    changed = bytearray(data)
-    for _ in range(rng.choice((1, 1, 2, 5))):
-        at = rng.randrange(min(len(changed), 600 if rng.random() < 0.7 else len(changed)) or 1)
-        junk = rng.choice(JUNK)
-        match rng.randrange(4):
-            case 0:
-                changed[at : at + len(junk)] = junk
-            case 1:
-                changed[at:at] = junk
-            case 2:
-                del changed[at : at + rng.randrange(1, 20)]
-            case _:
-                changed[at : at + 1] = bytes([rng.randrange(256)])
-    return bytes(changed)
-
-
 def test_mutated_files_raise_errors_that_say_what_was_expected(shared, tmp_path):
     endings = {".ply", ".pcd", ".npy", ".npz", ".las", ".e57", ".txt", ".pts", ".xyz", ".csv"}
     files = sorted(path for path in (shared / "formats").rglob("*") if path.suffix in endings)
     rng = random.Random(7)
     for path in rng.choices([path for path in files if path.stat().st_size < 40_000], k=1200):
         copy = tmp_path / path.name
-        copy.write_bytes(mutated(path.read_bytes(), rng))
+        copy.write_bytes(changed(path.read_bytes(), rng))
         try:
             list(read(copy))
         except (BadInputError, TooLargeError) as error:

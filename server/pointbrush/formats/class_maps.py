@@ -7,7 +7,6 @@ JSON: ``classes`` of ch-sa/labelCloud, labels/_classes.json; rows of nuScenes' c
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -16,6 +15,7 @@ from xml.etree import ElementTree
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.options import read_bytes
 from pointbrush.names import spelled_out
 
@@ -106,8 +106,8 @@ def parse_map(name: str, text: str) -> dict[int, ClassName]:
 
 def _of_json(name: str, text: str) -> dict[int, ClassName]:
     try:
-        content = json.loads(text)
-    except (ValueError, RecursionError) as error:
+        content = parse_json(text)
+    except ValueError as error:
         raise BadInputError(f"{name}: expected JSON of numbers and names: {error}") from None
     if isinstance(content, dict) and not isinstance(content.get("classes"), list):
         return dict(_entry(name, key, value) for key, value in content.items())

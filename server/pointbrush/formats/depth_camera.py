@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.json_text import parse_json
 
 log = logging.getLogger(__name__)
 CAMERA_FILES = (
@@ -121,7 +121,7 @@ def _parse(path: Path) -> Intrinsics:
 
 
 def _of_json(text: str) -> list[float]:
-    document = json.loads(text)
+    document = parse_json(text)
     if isinstance(document.get("intrinsic_matrix"), list):
         # Open3D writes the matrix by columns.
         matrix = np.array(document["intrinsic_matrix"], np.float64).reshape(3, 3).T

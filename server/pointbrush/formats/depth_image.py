@@ -6,7 +6,6 @@ Points are in the depth camera's axes: x right, y down, z forward.
 from __future__ import annotations
 
 import io
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from pointbrush.formats.depth_camera import (
     find_color_intrinsics,
     find_intrinsics,
 )
+from pointbrush.formats.images import opened
 from pointbrush.formats.options import ReadOptions, read_bytes
 from pointbrush.frame import DepthCamera, PointFrame
 
@@ -61,12 +61,8 @@ class Cameras:
 
 def cameras_of(image: Path, scale: float | None = None) -> Cameras:
     """Find the cameras of a depth image and those beside it; raises BadInputError."""
-    try:
-        with Image.open(image) as opened:
-            size = opened.size
-    except (OSError, ValueError, SyntaxError) as error:
-        reason = str(error).split("\n")[0][:120]
-        raise BadInputError(f"{image.name}: expected a depth image, {reason}") from None
+    with opened(image.name, image, "a depth image") as found:
+        size = found.size
     return Cameras(size, find_intrinsics(image, *size), find_color_intrinsics(image), scale)
 
 
@@ -116,23 +112,13 @@ def is_same_shape(size: tuple[int, int], other: tuple[int, int]) -> bool:
 
 
 def _image(path: Path) -> Image.Image:
-    data = read_bytes(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            image = Image.open(io.BytesIO(data))
-            if image.width * image.height > MAX_PIXELS:
-                raise TooLargeError(
-                    f"{path.name}: expected at most {MAX_PIXELS} pixels, got "
-                    f"{image.width}x{image.height}"
-                )
-            image.load()
-    except TooLargeError:
-        raise
-    # Decoders of many formats raise errors of many kinds for damaged data.
-    except Exception as error:
-        reason = str(error).split("\n")[0][:120] or type(error).__name__
-        raise BadInputError(f"{path.name}: expected a whole image, {reason}") from None
+    with opened(path.name, io.BytesIO(read_bytes(path)), "a whole image") as image:
+        if image.width * image.height > MAX_PIXELS:
+            raise TooLargeError(
+                f"{path.name}: expected at most {MAX_PIXELS} pixels, got "
+                f"{image.width}x{image.height}"
+            )
+        image.load()
     return image
 
 

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import colors_of, frame_from_columns
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
+from pointbrush.formats.poses import of_quaternion
 from pointbrush.frame import PointFrame
 
 PAGE = 1024
@@ -323,14 +324,11 @@ def _placed(file: E57File, scan: Element, values: Columns) -> Array:
 
 def _pose(file: E57File, scan: Element) -> NDArray[np.float64]:
     """``T_file_scan``."""
-    name, pose = file.name, np.eye(4)
-    find = scan.find
+    name, find = file.name, scan.find
     quaternion = [number(name, find(f"pose/rotation/{part}"), 0.0) for part in "xyzw"]
-    if any(quaternion) and np.isfinite(quaternion).all():
-        from scipy.spatial.transform import Rotation
-
-        pose[:3, :3] = Rotation.from_quat(quaternion).as_matrix()
-    pose[:3, 3] = [number(name, find(f"pose/translation/{part}"), 0.0) for part in "xyz"]
+    turn = quaternion if any(quaternion) else [0.0, 0.0, 0.0, 1.0]
+    place = [number(name, find(f"pose/translation/{part}"), 0.0) for part in "xyz"]
+    pose = of_quaternion(name, np.array([*place, *turn], np.float64))
     if not np.isfinite(pose).all():
         raise BadInputError(f"{name}: expected a finite pose, got {pose[:3, 3].tolist()}")
     return pose

@@ -9,11 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image
-
 from pointbrush.errors import BadInputError
 from pointbrush.formats.depth_camera import COLOR_FILES, find_color_intrinsics
 from pointbrush.formats.depth_image import DEPTH_MODES, is_same_shape
+from pointbrush.formats.images import opened
 from pointbrush.formats.inside import is_inside
 from pointbrush.formats.matching import FrameName, listed, partners
 from pointbrush.formats.options import ReadOptions
@@ -168,9 +167,9 @@ def _streams(folder: Path, *, inside: bool = False) -> list[Stream]:
 def _look(path: Path) -> tuple[str, tuple[int, int]]:
     """Return mode and size of an image, "" and 1x1 for one that cannot be read."""
     try:
-        with Image.open(path) as image:
+        with opened(path.name, path, "an image") as image:
             return image.mode, image.size
-    except (OSError, ValueError, SyntaxError):
+    except BadInputError:
         return "", (1, 1)
 
 

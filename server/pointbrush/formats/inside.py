@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pointbrush.errors import ForbiddenError, NotFoundError
+from pointbrush.names import stored_as
 
 
 def is_inside(path: Path, roots: Sequence[Path]) -> bool:
@@ -23,6 +24,15 @@ def is_inside(path: Path, roots: Sequence[Path]) -> bool:
     return any(
         real.is_relative_to(root) and not _is_hidden(real.relative_to(root)) for root in roots
     )
+
+
+def file_in(folder: Path, name: str) -> Path | None:
+    """Return the file in ``folder`` that another file names; None where there is none in it."""
+    try:
+        path = stored_as(folder / name)
+        return path if path.is_file() and path.resolve().is_relative_to(folder.resolve()) else None
+    except (OSError, ValueError):  # too long, or with characters that no name has
+        return None
 
 
 def require_inside(paths: Sequence[Path], roots: Sequence[Path]) -> None:

@@ -52,10 +52,7 @@ def read_npy(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
     Raises BadInputError for another shape, a truncated file or a pickle.
     """
-    require_array_header(path, options)
-    array = _load(path)
-    if not isinstance(array, np.ndarray):
-        raise BadInputError(f"{path.name}: expected one NumPy array, got an archive of arrays")
+    array = read_array(path, options)
     columns = _columns_of(path.name, "array", array, options)
     yield frame_from_columns(path.name, columns, options)
 
@@ -122,13 +119,17 @@ def _load(path: Path) -> Any:
         raise BadInputError(f"{path.name}: expected a NumPy file, got another or a part") from None
 
 
-def require_array_header(path: Path, options: ReadOptions) -> None:
-    """Check that the size an .npy header claims is the file's, before NumPy allocates it."""
+def read_array(path: Path, options: ReadOptions) -> Array:
+    """Read an .npy file whose header claims no more than the file has.
+
+    Raises NotFoundError, BadInputError, TooLargeError.
+    """
     try:
         with path.open("rb") as file:
             _require_array(path.name, file, path.stat().st_size, options)
     except FileNotFoundError:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
+    return np.asarray(_load(path))
 
 
 def _require_array(name: str, file: Any, size: int, options: ReadOptions) -> tuple[int, ...]:

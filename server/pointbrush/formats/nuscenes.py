@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import Pose
+from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.matching import FrameName, partners
 from pointbrush.formats.options import Limits
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
@@ -138,7 +138,7 @@ def _is_time(value: object) -> bool:
 def read_table(path: Path) -> list[Record]:
     """Read a table.  Raises BadInputError for another file."""
     try:
-        content = json.loads(path.read_bytes())
+        content = parse_json(path.read_bytes())
     except (OSError, ValueError) as error:
         raise BadInputError(f"{path.name}: expected a table of nuScenes, {error}") from None
     if not isinstance(content, list) or not all(isinstance(each, dict) for each in content):

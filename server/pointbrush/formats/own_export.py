@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +14,9 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.exports import EXPORTS
 from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT, TIMES
+from pointbrush.formats.json_text import parse_json
+from pointbrush.formats.npy import read_array
+from pointbrush.formats.options import ReadOptions
 from pointbrush.names import stored_as
 
 MAX_BYTES = 64 << 20
@@ -63,7 +65,7 @@ class OwnExport:
         if frame not in self.deleted:
             return values
         path = self.deleted[frame]
-        gone = np.load(path, allow_pickle=False)
+        gone = read_array(path, ReadOptions())
         if gone.dtype != np.bool_ or gone.ndim != 1 or int((~gone).sum()) != len(values):
             raise BadInputError(
                 f"{path.parent.name}/{path.name}: expected a mask that leaves {len(values):,} "
@@ -93,7 +95,7 @@ def _parse(told: Path, alone: Path | None) -> OwnExport:
     try:
         if told.stat().st_size > MAX_BYTES:
             raise ValueError(f"more than {MAX_BYTES} bytes")
-        document = json.loads(told.read_text("utf-8"))
+        document = parse_json(told.read_text("utf-8"))
         frames: dict[Path, int] = {}
         deleted: dict[int, Path] = {}
         for entry in document["frames"]:
@@ -109,7 +111,7 @@ def _parse(told: Path, alone: Path | None) -> OwnExport:
             _rigid(document.get(PLACEMENT)),
             {int(frame): float(time) for frame, time in document.get(TIMES, {}).items()},
         )
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise BadInputError(
             f"{told.name}: expected frames and files of an export, got another file: {error}"
         ) from None

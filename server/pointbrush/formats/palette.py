@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import zipfile
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.json_text import parse_json
 from pointbrush.names import spelled_out
 
 NAME = "palette.json"
@@ -113,9 +113,9 @@ def _in_zip(path: Path) -> bytes | None:
 
 def _parse(text: bytes) -> list[SourceLabel] | None:
     try:
-        entries = json.loads(text)["labels"]
+        entries = parse_json(text)["labels"]
         labels = [_label(entry) for entry in entries]
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (ValueError, KeyError, TypeError, AttributeError):
         return None
     return labels if len({label.id for label in labels}) == len(labels) else None
 

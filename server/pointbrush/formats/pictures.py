@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,10 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
 
 from pointbrush.errors import BadInputError, TooLargeError
+from pointbrush.formats.images import opened
 from pointbrush.formats.inside import is_inside
+from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.matching import FrameName, match
 from pointbrush.formats.options import Limits
 from pointbrush.names import stored_as
@@ -69,11 +69,8 @@ class PictureSource:
 
 def picture(frame: int, camera: Camera, content: bytes, name: str) -> Picture:
     """A picture of ``content``; raises BadInputError, naming ``name``, for what is none."""
-    try:
-        with Image.open(io.BytesIO(content)) as image:
-            (width, height), kind = image.size, image.format or ""
-    except (UnidentifiedImageError, OSError, ValueError, Image.DecompressionBombError) as error:
-        raise BadInputError(f"{name}: expected a picture, {error}") from None
+    with opened(name, io.BytesIO(content), "a picture") as image:
+        (width, height), kind = image.size, image.format or ""
     if kind not in ENDINGS:
         raise BadInputError(f"{name}: expected a JPEG, PNG or WebP picture, got {kind}")
     return Picture(frame, camera, content, ENDINGS[kind], width, height)
@@ -170,7 +167,7 @@ def read_cameras_file(path: Path, names: Sequence[str], limits: Limits) -> Pictu
     the file.  Raises BadInputError saying which entry is not so.
     """
     try:
-        content = json.loads(path.read_bytes())
+        content = parse_json(path.read_bytes())
     except ValueError as error:
         raise BadInputError(f"{FILE}: expected JSON, {error}") from None
     entries = content.get("cameras") if isinstance(content, dict) else content

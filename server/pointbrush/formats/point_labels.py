@@ -19,12 +19,13 @@ from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.exports.about import ROW
 from pointbrush.formats.kitti import read_label
 from pointbrush.formats.label_values import number_of
-from pointbrush.formats.npy import require_array_header
+from pointbrush.formats.npy import read_array
 from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.palette import own_palette
 from pointbrush.formats.registry import format_by_name
 from pointbrush.formats.s3dis import object_files, read_objects
+from pointbrush.npz import read_npz as read_arrays
 
 Numbers = NDArray[np.int64]
 PANOPTIC = 1000
@@ -64,11 +65,10 @@ def _read_octets(path: Path, options: ReadOptions) -> PointLabels:
 
 def _read_panoptic(path: Path, options: ReadOptions) -> PointLabels:
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            keys = stored.files
-            packed = stored["data"] if "data" in keys else stored[keys[0]]
-    except Exception as error:
-        raise BadInputError(f"{path.name}: expected an array 'data': {error}") from None
+        stored = read_arrays(path, options.limits.max_points * np.dtype(np.int64).itemsize)
+    except BadInputError as error:
+        raise BadInputError(f"{path.name}: {error}") from None
+    packed = stored.get("data", next(iter(stored.values()), np.empty(0)))
     require_count(path.name, packed.size, options.limits)
     if packed.ndim != 1 or packed.dtype.kind not in "ui":
         raise BadInputError(
@@ -79,8 +79,7 @@ def _read_panoptic(path: Path, options: ReadOptions) -> PointLabels:
 
 
 def _read_npy(path: Path, options: ReadOptions) -> PointLabels:
-    require_array_header(path, options)
-    array = np.load(path, allow_pickle=False, max_header_size=1 << 20)
+    array = read_array(path, options)
     if array.ndim == 2 and 1 in array.shape:
         array = array.reshape(-1)
     if array.ndim != 1 or array.dtype.kind not in "uifb":

@@ -24,6 +24,7 @@ from pointbrush.formats.names import POSES
 from pointbrush.formats.numbers import is_number
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.timing import lines_of, natural_key, read_times, seconds_of
+from pointbrush.quaternions import rotation_of
 
 log = logging.getLogger(__name__)
 CAMERA_KEYS = ("Tr", "Tr_velo_to_cam", "Tr_velo_cam")
@@ -176,12 +177,11 @@ def _marked(
 
 def of_quaternion(where: str, row: NDArray[np.float64]) -> Pose:
     """The pose of a row x y z qx qy qz qw; raises BadInputError naming ``where``."""
-    from scipy.spatial.transform import Rotation
-
-    if not row[3:].any():
-        raise BadInputError(f"{where}: expected a quaternion, got zeros")
     pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat(row[3:]).as_matrix()
+    try:
+        pose[:3, :3] = rotation_of(row[3:])
+    except BadInputError as error:
+        raise BadInputError(f"{where}: {error}") from None
     pose[:3, 3] = row[:3]
     return pose
 

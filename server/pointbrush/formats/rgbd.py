@@ -20,6 +20,7 @@ from pointbrush.formats.image_pairs import (
     moment_of,
     streams_in,
 )
+from pointbrush.formats.inside import file_in
 from pointbrush.formats.interpolation import NEAR, Pose
 from pointbrush.formats.listing import DepthFacts, FrameFile, Listing
 from pointbrush.formats.matching import FrameName, listed, matched, partners
@@ -28,7 +29,6 @@ from pointbrush.formats.poses import Poses, named_file, pose_of, read_poses
 from pointbrush.formats.time_order import order_by_time
 from pointbrush.formats.timing import rate_of, stated_rate
 from pointbrush.frame import PointFrame
-from pointbrush.names import stored_as
 
 log = logging.getLogger(__name__)
 POSE_FOLDERS = ("pose", "poses")
@@ -128,15 +128,13 @@ def _timed(folder: Path, name: str) -> list[tuple[float, Path]]:
         if not words:
             continue
         try:
-            time, path = float(words[0]), stored_as(folder / words[1])
+            time, path = float(words[0]), file_in(folder, words[1])
         except (ValueError, IndexError):
             raise BadInputError(
                 f"{name} line {number}: expected a time and a file, got another line"
             ) from None
-        if not np.isfinite(time) or not path.resolve().is_relative_to(folder.resolve()):
+        if not np.isfinite(time) or path is None:
             raise BadInputError(f"{name} line {number}: expected a file within {folder.name}")
-        if not path.is_file():
-            raise BadInputError(f"{name} line {number}: its file is absent")
         rows.append((time, path))
     return rows
 

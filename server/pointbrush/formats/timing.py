@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.time_order import TimeOrder, order_by_time, read_fractions
 from pointbrush.names import composed
 
@@ -274,7 +274,7 @@ def stated_rate(folder: Path) -> float | None:
     """The number ``fps`` or ``rate_hz`` in a ``meta.json`` in the folder or beside it, or None."""
     for place in (folder, folder.parent):
         try:
-            meta = json.loads((place / "meta.json").read_text("utf-8"))
+            meta = parse_json((place / "meta.json").read_text("utf-8"))
         except (OSError, ValueError):
             continue
         for key in ("fps", "rate_hz"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -11,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.options import read_bytes
 
 
 def document(path: Path) -> Any:
     """Read a JSON document.  Raises ValueError for other files."""
-    return json.loads(read_bytes(path).decode("utf-8-sig"))
+    return parse_json(read_bytes(path).decode("utf-8-sig"))
 
 
 def lines_of_words(path: Path, least: int, most: int | None = None) -> Iterator[list[str]]:

@@ -1,0 +1,26 @@
+"""Images of files, whose decoders raise errors of many kinds for damaged ones."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from PIL import Image
+
+from pointbrush.errors import BadInputError, PointbrushError
+
+
+@contextmanager
+def opened(name: str, source: Path | BinaryIO, wanted: str) -> Iterator[Image.Image]:
+    """Open an image.  Raises BadInputError: ``name`` is no ``wanted``, also inside the context."""
+    try:
+        with warnings.catch_warnings(action="ignore"), Image.open(source) as image:
+            yield image
+    except PointbrushError:
+        raise
+    except Exception as error:
+        reason = str(error).split("\n")[0][:120] or type(error).__name__
+        raise BadInputError(f"{name}: expected {wanted}, {reason}") from None
