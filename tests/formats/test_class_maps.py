@@ -72,7 +72,7 @@ def test_xml_of_point_labeler() -> None:
         ("labels:\n" + "#" * (1 << 18), "at most 262144 characters of YAML"),
         ("<config/>", "expected XML with 'label' elements, got 'config'"),
         ("<config>", "expected XML of class names"),
-        ("<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "without entities"),
+        ("<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "no entities"),
         ("<c><label><id>1</id><name>a</name><color>red</color></label></c>", "three numbers"),
         ("<c><label><name>a</name></label></c>", "expected class numbers"),
     ],

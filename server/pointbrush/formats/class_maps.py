@@ -15,8 +15,8 @@ from xml.etree import ElementTree
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import ClassName
-from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.options import read_bytes
+from pointbrush.formats.parsing import parse_json, parse_xml
 from pointbrush.names import spelled_out
 
 GREATEST_CLASS = 65535
@@ -179,11 +179,9 @@ def _is_byte(value: object) -> bool:
 
 
 def _of_xml(name: str, text: str) -> dict[int, ClassName]:
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise BadInputError(f"{name}: expected XML without entities")
     try:
-        root = ElementTree.fromstring(text)  # noqa: S314 – without entities
-    except (ElementTree.ParseError, ValueError) as error:
+        root = parse_xml(text)
+    except ValueError as error:
         raise BadInputError(f"{name}: expected XML of class names: {error}") from None
     found = _classes(_of_element(name, label) for label in root.iter("label"))
     if not found:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.json_text import parse_json
+from pointbrush.formats.parsing import parse_json
 
 log = logging.getLogger(__name__)
 CAMERA_FILES = (

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.columns import colors_of, frame_from_columns
 from pointbrush.formats.options import Extras, ReadOptions, read_bytes, require_count
+from pointbrush.formats.parsing import parse_xml
 from pointbrush.formats.poses import of_quaternion
 from pointbrush.frame import PointFrame
 
@@ -101,12 +102,9 @@ def open_e57(name: str, data: bytes) -> E57File:
 
 
 def _parse_xml(name: str, xml: bytes) -> ElementTree.Element:
-    # Entities are what makes XML of strangers dangerous; E57 has none.
-    if b"<!DOCTYPE" in xml or b"<!ENTITY" in xml:
-        raise BadInputError(f"{name}: expected XML without a document type")
     try:
-        root = ElementTree.fromstring(xml)  # noqa: S314
-    except (ElementTree.ParseError, ValueError) as error:
+        root = parse_xml(xml)
+    except ValueError as error:
         raise BadInputError(f"{name}: expected XML, {error}") from None
     for element in root.iter():
         # Names of E57 itself; those of extensions keep their namespace and are not asked for.

@@ -47,6 +47,7 @@ def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[st
             rows = sum(reader.get_batch(i).num_rows for i in range(reader.num_record_batches))
         require_count(path.name, rows, limits)
         table = feather.read_table(path, memory_map=False)
+        columns = dict(zip(table.column_names, table.columns, strict=True))
     except (pa.ArrowException, OSError, ValueError) as error:
         if isinstance(error, BadInputError):
             raise
@@ -54,7 +55,7 @@ def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[st
         raise BadInputError(f"{path.name}: expected a feather table, {reason}") from None
     return {
         name: column.to_numpy()
-        for name, column in zip(table.column_names, table.columns, strict=True)
+        for name, column in columns.items()
         if name in words or pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
     }
 

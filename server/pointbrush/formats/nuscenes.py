@@ -12,9 +12,9 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.interpolation import Pose
-from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.matching import FrameName, partners
 from pointbrush.formats.options import Limits
+from pointbrush.formats.parsing import parse_json
 from pointbrush.formats.pictures import Camera, PictureSource, of_files
 from pointbrush.formats.poses import Poses, of_quaternion
 

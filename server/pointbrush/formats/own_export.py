@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.exports import EXPORTS
 from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT, TIMES
-from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.npy import read_array
 from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.parsing import parse_json
 from pointbrush.names import stored_as
 
 MAX_BYTES = 64 << 20

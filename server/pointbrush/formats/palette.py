@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.datasets import SEMANTIC_KITTI
-from pointbrush.formats.json_text import parse_json
+from pointbrush.formats.parsing import parse_json
 from pointbrush.names import spelled_out
 
 NAME = "palette.json"

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.images import opened
 from pointbrush.formats.inside import is_inside
-from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.matching import FrameName, match
 from pointbrush.formats.options import Limits
+from pointbrush.formats.parsing import parse_json
 from pointbrush.names import stored_as
 
 log = logging.getLogger(__name__)

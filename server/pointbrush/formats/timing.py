@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.json_text import parse_json
+from pointbrush.formats.parsing import parse_json
 from pointbrush.formats.time_order import TimeOrder, order_by_time, read_fractions
 from pointbrush.names import composed
 

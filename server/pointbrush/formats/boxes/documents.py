@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.json_text import parse_json
 from pointbrush.formats.options import read_bytes
+from pointbrush.formats.parsing import parse_json
 
 
 def document(path: Path) -> Any:

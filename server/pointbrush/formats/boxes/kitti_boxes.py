@@ -16,6 +16,7 @@ from pointbrush.formats.boxes.editors import labelcloud_format
 from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
 from pointbrush.formats.kitti_cameras import camera_from_velodyne, read_calibration
 from pointbrush.formats.options import read_bytes
+from pointbrush.formats.parsing import parse_xml
 from pointbrush.formats.poses import rigid_of
 
 Floats = NDArray[np.float64]
@@ -110,12 +111,9 @@ def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
 
 
 def _tracklets(path: Path) -> ElementTree.Element:
-    data = read_bytes(path)
-    if b"<!ENTITY" in data:
-        raise BadInputError(f"{path.name}: expected tracklets, got XML with entities of its own")
     try:
-        return ElementTree.fromstring(data)  # noqa: S314 – without entities
-    except ElementTree.ParseError as error:
+        return parse_xml(read_bytes(path))
+    except ValueError as error:
         raise BadInputError(f"{path.name}: expected tracklets as XML: {error}") from None
 
 
