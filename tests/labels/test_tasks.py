@@ -117,7 +117,7 @@ def test_a_recording_moves_when_its_tasks_are_over_and_a_project_goes_when_it_is
     assert access.to_sequence(SEQUENCE, "bob", "manager") == "manager"
     with pytest.raises(ConflictError, match="has 'juggling'"):
         projects.remove("night")
-    projects.put_in(PROJECT, SEQUENCE)
+    projects.change(PROJECT, Change(recordings=[SEQUENCE]))
     projects.remove("night")
     assert [each.id for each in projects.all()] == [PROJECT]
     with pytest.raises(NotFoundError, match="taxonomy"):
@@ -150,7 +150,7 @@ def test_an_old_workspace_is_one_project(tmp_path: Path) -> None:
         )
         other = workspace.labels.team.projects.create("other", Change(recordings=["ball"]))
         make_backup(workspace.labels, workspace.library, tmp_path / "backup")
-        workspace.labels.team.projects.put_in(PROJECT, "ball")
+        workspace.labels.team.projects.change(PROJECT, Change(recordings=["ball"]))
         workspace.labels.team.projects.remove("other")
         restored = workspace.restore_from_backup(tmp_path / "backup", "ball")
         assert other.recordings == ("ball",)
@@ -159,3 +159,25 @@ def test_an_old_workspace_is_one_project(tmp_path: Path) -> None:
             "hall",
             restored,
         }
+
+
+def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
+    store: LabelStore,
+) -> None:
+    store.team.projects.create("night", Change(roles={"ada": "annotator"}))
+    access = store.team.access
+
+    def seen(account: str) -> bool:
+        return access.to_sequence("shelf", account, "reviewer") is not None
+
+    guard = store.guards.reserve(["shelf"], lambda _: True)
+    assert not seen("bob"), "before an import has told its project"
+    store.recordings.register("shelf", [3], "one", "night")
+    store.guards.end(guard)
+    assert (seen("ada"), seen("bob")) == (True, False)
+    store.recordings.delete("shelf")
+    store.recordings.register("shelf", [3], "two")
+    assert (seen("ada"), seen("bob")) == (True, True)
+    store.recordings.delete("shelf")
+    store.recordings.register("shelf", [3], "three", "night")
+    assert (seen("ada"), seen("bob")) == (True, False)

@@ -198,6 +198,8 @@ def test_a_recording_with_the_id_of_a_deleted_one_is_another_one(
     lead["twice"].delete()
     assert lead.import_path(cloud).id == "twice"
     assert len(guest["twice"].frames) == 1
+    told = guest.call("GET", "/sequences/twice/events", params={"after": 0}).json()["jobs"]
+    assert len(told) == 1, "the import of the first one is told"
     assert "twice" in {each.id for each in guest.sequences()}
     assert "twice" not in {each.id for each in guest.deleted()}
     assert "twice" in {each.id for each in lead.deleted()}

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from sqlalchemy import Connection, select
 
 from pointbrush.labels.database import Database
+from pointbrush.labels.guards import coming_in
 from pointbrush.labels.project_tables import project_roles, tasks
 from pointbrush.labels.projects import OVERSEES, role_in
 from pointbrush.labels.schema import PROJECT_OF, WHOLE, sequences
@@ -49,12 +50,14 @@ class _Known:
     """Roles of each project that has any, and its recordings, as of a moment.
 
     ``numbers``: the recordings that had an id one after the other, each with the time of its
-    deletion.  All else is by their permanent number.  ``copies``: the people with tasks in each
-    copy for one person; ``homes``: its project.
+    deletion.  All else is by their permanent number.  ``coming``: ids of imports that have not
+    ended, whose recordings are nobody's before they have a number.  ``copies``: the people with
+    tasks in each copy for one person; ``homes``: its project.
     """
 
     roles: Mapping[str, Mapping[str, Role]] = field(default_factory=dict)
     numbers: Mapping[str, Sequence[tuple[float, int]]] = field(default_factory=dict)
+    coming: frozenset[str] = frozenset()
     projects: Mapping[int, str] = field(default_factory=dict)
     copies: Mapping[int, set[str]] = field(default_factory=dict)
     homes: Mapping[int, str] = field(default_factory=dict)
@@ -69,12 +72,26 @@ class _Known:
             (number for end, number in lives if end >= when), lives[-1][1] if lives else None
         )
 
+    def has(self, sequence: str) -> bool:
+        """Return whether a recording has an id now."""
+        lives = self.numbers.get(sequence)
+        return lives is not None and lives[-1][0] == math.inf
+
     def hides(self, number: int, account: str) -> bool:
         """Return whether it is another person's copy, or one that an account has a copy of."""
         people, original = self.copies.get(number), self.originals.get(number)
         if people is not None:
             return account not in people
         return original is not None and original.hides_from(account)
+
+    def role_in(
+        self, sequence: str, account: str, role: Role, at: float | None = None
+    ) -> Role | None:
+        """Return the role of an account in the recording that had an id at a time, as ``role``."""
+        number = self.number(sequence, at)
+        if number is None and at is None and sequence in self.coming:
+            return None
+        return self.role(number, account, role)
 
     def role(self, number: int | None, account: str, role: Role) -> Role | None:
         """Return the role of an account in a recording; None: the recording is not for it."""
@@ -106,12 +123,15 @@ class Access:
         if includes(role, OVERSEES):
             return role
         known = self._look()
-        number = known.number(sequence, at)
-        found = known.role(number, account, role)
-        if found is None or number is None:  # a role or the recording may be a moment old
-            known = self._look_anew()
-            found = known.role(known.number(sequence, at), account, role)
+        found = known.role_in(sequence, account, role, at)
+        if found is None or not known.has(sequence):  # a role or the recording may be a moment old
+            found = self._look_anew().role_in(sequence, account, role, at)
         return found
+
+    def is_of(self, sequence: str, at: float) -> bool:
+        """Return whether the recording that had an id at a time is the one that has it now."""
+        known = self._look()
+        return known.number(sequence, at) == known.number(sequence, None)
 
     def to_number(self, number: int, account: str, role: Role) -> Role | None:
         """Role in a recording by its permanent number, deleted or not."""
@@ -122,10 +142,7 @@ class Access:
         if includes(role, OVERSEES):
             return dict.fromkeys(wanted, role)
         known = self._look_anew()
-        roles = (
-            (sequence, known.role(known.number(sequence, None), account, role))
-            for sequence in wanted
-        )
+        roles = ((sequence, known.role_in(sequence, account, role)) for sequence in wanted)
         return {sequence: own for sequence, own in roles if own is not None}
 
     def sight(self, account: str) -> Sight:
@@ -172,6 +189,7 @@ class Access:
             with self._database.read() as connection:
                 for row in connection.execute(select(project_roles)):
                     roles.setdefault(row.project, {})[row.account] = row.role
+                coming = coming_in(connection, self._database.now(connection))
                 for row in connection.execute(rows):
                     end = math.inf if row.deleted is None else row.deleted
                     numbers[row.id].append((end, row.number))
@@ -180,7 +198,7 @@ class Access:
                 copies = _copies(connection)
             for lives in numbers.values():
                 lives.sort()
-            self._known = _Known(roles, numbers, projects, *copies, time.monotonic())
+            self._known = _Known(roles, numbers, coming, projects, *copies, time.monotonic())
             return self._known
 
 

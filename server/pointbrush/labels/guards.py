@@ -109,9 +109,7 @@ class Guards:
     def importing(self) -> set[str]:
         """Ids that imports have reserved and not finished."""
         with self._database.read() as connection:
-            now = self._database.now(connection)
-            rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
-            return {row.sequence for row in rows if not given_up(row, now, EXPIRY_SECONDS)}
+            return set(coming_in(connection, self._database.now(connection)))
 
     def _remove(self, condition: Any) -> None:
         with self._database.write() as connection:
@@ -156,6 +154,12 @@ def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
             host = row.host.partition("/")[0]
             return f"it {DOING[row.kind]} (by process {row.process} on {host})"
     return None
+
+
+def coming_in(connection: Connection, now: float) -> frozenset[str]:
+    """Return the ids that imports have reserved and not finished."""
+    rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
+    return frozenset(row.sequence for row in rows if not given_up(row, now, EXPIRY_SECONDS))
 
 
 def _clear(connection: Connection, now: float) -> None:

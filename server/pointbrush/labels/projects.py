@@ -163,9 +163,11 @@ class Projects:
         with self._database.read() as connection:
             return selected(connection, connection.execute(here).scalar() or 0)
 
-    def put_in(self, project: str, sequence: str) -> None:
-        """Put a recording into a project; raises NotFoundError."""
-        self.change(project, Change(recordings=(sequence,)))
+
+def put_in(connection: Connection, project: str, sequence: str) -> None:
+    """Put a recording into a project; raises NotFoundError."""
+    lock_project(connection, project)
+    _apply(connection, project, Change(recordings=(sequence,)))
 
 
 def _found(connection: Connection, project: str) -> Project | None:

@@ -14,7 +14,8 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels import plans, schema
 from pointbrush.labels.database import Database
 from pointbrush.labels.guards import busy_with
-from pointbrush.labels.project_tables import tasks, version_recordings
+from pointbrush.labels.project_tables import FIRST, tasks, version_recordings
+from pointbrush.labels.projects import put_in
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LIVE, decode_points, encode_points
 from pointbrush.labels.statements import driver_of
@@ -55,12 +56,20 @@ class Recordings:
     def __init__(self, database: Database, sessions: Sessions) -> None:
         self._database, self._sessions = database, sessions
 
-    def register(self, sequence: str, points: Sequence[int], identity: str | None = None) -> None:
+    def register(
+        self,
+        sequence: str,
+        points: Sequence[int],
+        identity: str | None = None,
+        project: str = FIRST,
+    ) -> None:
         """Make a recording known, with the number of points of each frame; again is no change.
 
+        A new one is in ``project`` from the first moment, so that no one else ever sees it.
         Labels of this id that belong to another import are set aside, under an id of their own;
         those of this import that were set aside come back.  Without ``identity`` nothing is told
-        of the import.  Raises ConflictError when it is known with other points.
+        of the import.  Raises ConflictError when it is known with other points, NotFoundError for
+        an unknown project.
         """
         plans.check_text("sequence", sequence, plans.ID_LIMIT)
         counts = [int(n) for n in points]
@@ -74,6 +83,8 @@ class Recordings:
             row = _find(connection, sequence, lock=True)
             if row is None or not _fits(row, counts, identity):
                 row = self._make_room(connection, sequence, row, counts, identity)
+                if project != FIRST:
+                    put_in(connection, project, sequence)
             elif identity is not None and row.identity is None:
                 _change(connection, row.number, identity=identity)
             self._sessions.watcher.announce(driver_of(connection))

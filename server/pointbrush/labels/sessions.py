@@ -56,6 +56,8 @@ class Sessions:
         self._seen = {number: revision for number, revision, _ in self._live.values()}
         self.came_or_went: Callable[[str], None] = lambda _: None
         """Called with the id of a sequence that another process added, deleted or replaced."""
+        self.listed: Callable[[], None] = lambda: None
+        """Called after a change of which sequences there are, by this process or another."""
         self.classes_renamed: Callable[[str], None] = lambda _: None
         """Called with the id of an open sequence after classes were renamed."""
         self.outbox = Outbox()
@@ -146,6 +148,7 @@ class Sessions:
         try:
             for sequence in sorted(before.keys() | newest.keys()):
                 if _number(before, sequence) != _number(newest, sequence):
+                    self.listed()
                     self.came_or_went(sequence)
         except UnavailableError:
             with self._listing:
@@ -178,6 +181,7 @@ class Sessions:
         """A change of which sequences there are, made by this process, which tells of it itself."""
         with self._listing:
             yield
+            self.listed()
             with contextlib.suppress(UnavailableError):  # then it is told of a second time
                 self._live = self._read_live()
 

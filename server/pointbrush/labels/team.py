@@ -22,6 +22,7 @@ class Team:
         self.versions, self.summaries = Versions(database), Summaries(database)
         self.webhooks = Webhooks(database)
         self.access, self.copies = Access(database), Copies(database)
+        sessions.listed = self.access.forget
 
     def at(self, moment: Moment) -> PastLabels:
         """Return the labels of a recording as they were at a moment."""

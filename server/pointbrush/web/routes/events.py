@@ -81,7 +81,9 @@ async def wait_for_events(
 
 def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str | None) -> Happened:
     """Collect the edits after a revision and, where any differs from those seen, the jobs."""
-    jobs = [job for job in workspace.jobs.all() if job.sequence == seq]
+    access = workspace.labels.team.access
+    mine = (job for job in workspace.jobs.all() if job.sequence == seq)
+    jobs = [job for job in mine if access.is_of(seq, job.created)]
     seen = _digest(jobs)
     revision = workspace.labels.revision(seq) if after is None else after
     name = workspace.labels.accounts.name

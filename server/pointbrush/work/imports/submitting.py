@@ -253,9 +253,8 @@ class Imports:
             if cancelled:
                 return {}
             recording = self._library.recording(sequence)
-            self._store.recordings.register(sequence, recording.manifest.points, recording.identity)
-            if project != FIRST:
-                self._store.team.projects.put_in(project, sequence)
+            points, identity = recording.manifest.points, recording.identity
+            self._store.recordings.register(sequence, points, identity, project)
             try:
                 warnings.extend(label(recording))
             except Exception as error:
