@@ -479,6 +479,18 @@ print([(each.id, each.valid) for each in client.accounts.tokens("lin")])
 client.accounts.revoke("lin", headset.id)
 client.accounts.revoke("lin")  # all of the account
 
+# Client.headset_reports
+reports = client.headset_reports
+
+# HeadsetReports.add
+import json
+
+report = json.loads(Path("headset-report-2026-11-27.json").read_text())
+client.headset_reports.add(report)
+
+# HeadsetReports.all
+print([(each.account, each.received) for each in client.headset_reports.all()])
+
 # Client.projects
 print(client.projects.all())
 
@@ -486,6 +498,7 @@ print(client.projects.all())
 print(client.classifiers.all())
 
 # rest
+client.call("POST", "/headset-checks")
 client.call("DELETE", "/session")
 
 # Client.close

@@ -28,6 +28,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Review": ("review",),
     "Projects": ("projects", "tasks", "agreement", "snapshots", "webhooks"),
     "People": ("accounts",),
+    "Headset checks": ("headset checks",),
     "Server and jobs": ("server", "jobs"),
 }
 """Pages, and the tags of the calls on each."""

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from pointbrush.work.projects.service import Projects
     from pointbrush.work.projects.versions import Versions
     from pointbrush.work.reviewing import Reviewing
+    from pointbrush.work.scratch import Scratch
     from pointbrush.work.tracking.runs import Runs
 
 
@@ -241,6 +242,13 @@ class Workspace:
         return Queue(self.labels, self.recording, partial(make_copy, self.labels, self.library))
 
     @once
+    def scratch(self) -> Scratch:
+        """The recording for headset checks."""
+        from pointbrush.work.scratch import Scratch
+
+        return Scratch(self.labels, self.library)
+
+    @once
     def hooks(self) -> Hooks:
         """Webhooks of projects."""
         from pointbrush.work.projects.delivering import Hooks
@@ -310,7 +318,7 @@ class Workspace:
         if export_format not in formats.EXPORTS:
             known = ", ".join(sorted(formats.EXPORTS))
             raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
-        split = exporting.choose_split(export_format, val, recording, self.library.ids)
+        split = exporting.choose_split(export_format, val, recording, self.library.listed_ids)
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
         gaps: list[str] | None = None if isinstance(out, Path) else []

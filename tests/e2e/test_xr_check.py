@@ -6,16 +6,20 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
+from pointbrush.names import SCRATCH
 from tests.e2e.headset import QUEST, VIVE, Headset, wear
-from tests.e2e.recording import PERSON, Truth
+from tests.e2e.recording import PERSON, SEQUENCE, Truth
 from tests.e2e.server import LiveServer
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -24,8 +28,26 @@ TIMES = ("made", "browser", "pictures")
 
 OTHER = "pb.state.palette.value.find(({ id }) => id !== pb.state.activeLabel.value).name"
 
-Walk = Callable[[Headset, Truth], None]
+# Degrees to the side of straight ahead at which the panel hangs.
+ASIDE = """(() => {
+  const { panels, rig } = hs.headset.cockpit, { elements } = panels.added.mesh.matrix;
+  const x = elements[12] - rig.headInRig.x, z = elements[14] - rig.headInRig.z;
+  return (180 / Math.PI) * (Math.atan2(x, -z) - Math.atan2(rig.ahead.x, -rig.ahead.z));
+})()"""
+
+Walk = Callable[[Headset, list[float]], None]
 Check = Callable[[str], Headset]
+
+
+@pytest.fixture(scope="module")
+def server(template: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveServer]:
+    """One for all checks: the first makes the recording, the others find it."""
+    workspace = tmp_path_factory.mktemp("checks") / "workspace"
+    shutil.copytree(template, workspace)
+    live = LiveServer(workspace)
+    live.start()
+    yield live
+    live.stop()
 
 
 @pytest.fixture
@@ -51,16 +73,15 @@ def check(browser: Browser, server: LiveServer) -> Iterator[Check]:
         assert headset.complaints == []
 
 
-def stroke(headset: Headset, truth: Truth) -> None:
+def stroke(headset: Headset, place: list[float]) -> None:
     """Change labels with one stroke, until the server has answered it."""
-    x, y, z = truth(0, PERSON)
     undo = headset.ask("pb.state.undo.value")
     if headset.bare:
-        headset.hand_to("right", headset.ask(f"hs.place({[x, y, z]})"))
+        headset.hand_to("right", headset.ask(f"hs.place({place})"))
         headset.trigger(1)
         headset.trigger(0)
     else:
-        headset.paint([[x, y, z]])
+        headset.paint([place])
     headset.until(f"pb.state.undo.value !== {json.dumps(undo)}")
     headset.settled()
 
@@ -86,11 +107,11 @@ def press(headset: Headset, x: float, y: float, pad: str, hand: str = "right") -
     headset.for_a_picture(begin, end)
 
 
-def quest(headset: Headset, truth: Truth) -> None:
-    stroke(headset, truth)
+def quest(headset: Headset, place: list[float]) -> None:
+    stroke(headset, place)
     press(headset, 0, 1, "thumbstick")
     headset.button("a-button")
-    stroke(headset, truth)
+    stroke(headset, place)
     headset.button("b-button")
     headset.until("pb.state.redo.value !== null")
     press(headset, 1, 0, "thumbstick")
@@ -98,23 +119,23 @@ def quest(headset: Headset, truth: Truth) -> None:
     headset.lean(0, 0, "left")
 
 
-def vive(headset: Headset, truth: Truth) -> None:
-    stroke(headset, truth)
+def vive(headset: Headset, place: list[float]) -> None:
+    stroke(headset, place)
     press(headset, 0, 0.9, "touchpad")
     gripped(headset, 0, -0.9, "touchpad")
-    stroke(headset, truth)
+    stroke(headset, place)
     gripped(headset, -0.9, 0, "touchpad")
     headset.until("pb.state.redo.value !== null")
     press(headset, 0.9, 0, "touchpad")
     press(headset, 0, -0.9, "touchpad", "left")
 
 
-def hands(headset: Headset, truth: Truth) -> None:
-    stroke(headset, truth)
+def hands(headset: Headset, place: list[float]) -> None:
+    stroke(headset, place)
     headset.click("palette", headset.ask(OTHER))
     headset.click("palette", "Tools")
     headset.click("palette", "Erase")
-    stroke(headset, truth)
+    stroke(headset, place)
     headset.click("palette", headset.ask("pb.state.undo.value"))
     headset.until("pb.state.redo.value !== null")
     headset.click("timeline", "forward")
@@ -142,16 +163,20 @@ def report_of(headset: Headset) -> dict[str, Any]:
     ids=["quest", "vive", "hands"],
 )
 def test_a_walk_ends_in_the_golden_report(
-    check: Check, truth: Truth, name: str, device: str, walk: Walk
+    check: Check, server: LiveServer, truth: Truth, name: str, device: str, walk: Walk
 ) -> None:
     headset = check(device)
     if name == "hands":
         headset.lay_down_controllers()
     headset.until("hs.areas('added').some(({ name }) => name === 'Pulse')")
+    assert headset.ask("pb.state.sequence.value.id") == SCRATCH
+    assert math.isclose(headset.ask(ASIDE), 0, abs_tol=2)
     headset.click("added", "Pulse")
     headset.click("added", "Felt it")
     headset.flick_to_frame(0)
-    walk(headset, truth)
+    points = server.points(SCRATCH, 0)
+    nearest = np.linalg.norm(points - truth(0, PERSON), axis=1).argmin()
+    walk(headset, points[nearest].tolist())
     headset.until("hs.areas('added').some(({ name }) => name === 'Leave VR')")
     report = report_of(headset)
     golden = GOLDEN / f"headset-{name}.json"
@@ -162,3 +187,7 @@ def test_a_walk_ends_in_the_golden_report(
     assert {key: report[key] for key in report if key not in TIMES} == {
         key: expected[key] for key in expected if key not in TIMES
     }
+    kept = server.request("GET", "headset-reports").json()[0]
+    assert kept["report"] | {"made": ""} == report | {"made": ""}
+    assert [each["id"] for each in server.request("GET", "sequences").json()] == [SEQUENCE]
+    assert not server.annotation(SEQUENCE, 0).any()

@@ -1,7 +1,7 @@
 /** Wiring only. */
 import { ObjectBoxes } from './boxes/index';
 import { mountBoxes } from './boxes/panel';
-import { checking } from './common/checking';
+import { isCheck } from './common/checking';
 import { installCameras } from './cameras/strip';
 import { installDesk } from './desktop/desk';
 import { CommandPalette } from './desktop/command-palette';
@@ -60,7 +60,7 @@ export function startPage(early: Early): void {
     new Flight(engine);
     const { installHeadset } = await import('./xr/index');
     const headset = installHeadset(engine, overlays);
-    if (!checking) return;
+    if (!isCheck()) return;
     const { installCheck } = await import('./checking/index');
     installCheck(engine, headset);
   });

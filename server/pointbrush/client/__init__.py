@@ -21,6 +21,7 @@ from pointbrush.client.boxes import Box, Boxes, BoxPose
 from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
+from pointbrush.client.headset_reports import HeadsetReport, HeadsetReports
 from pointbrush.client.projects import Difference, Project, ProjectInfo, Projects, Snapshot, Task
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import (
@@ -79,6 +80,8 @@ __all__ = [
     "Frame",
     "FrameAgreement",
     "Frames",
+    "HeadsetReport",
+    "HeadsetReports",
     "Job",
     "Label",
     "LabelAgreement",

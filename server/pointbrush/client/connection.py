@@ -16,6 +16,7 @@ import httpx
 
 from pointbrush.client.accounts import Accounts
 from pointbrush.client.classifiers import Classifiers
+from pointbrush.client.headset_reports import HeadsetReports
 from pointbrush.client.projects import Projects
 from pointbrush.client.recording import Recording
 from pointbrush.client.steps import (
@@ -218,6 +219,11 @@ class Server(Part[L]):
     def accounts(self) -> Accounts[L]:
         """The accounts of people and their tokens, for managers."""
         return Accounts(self._link)
+
+    @property
+    def headset_reports(self) -> HeadsetReports[L]:
+        """The reports of headset checks."""
+        return HeadsetReports(self._link)
 
     @property
     def projects(self) -> Projects[L]:

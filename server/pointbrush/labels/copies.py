@@ -11,8 +11,8 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import tasks
 from pointbrush.labels.schema import LIVE, PROJECT_OF, sequences
 
-CopyKind = Literal["agreement", "truth"]
-"""Copies that are compared with each other, or with known truth."""
+CopyKind = Literal["agreement", "truth", "scratch"]
+"""Copies that are compared with each other, or with known truth, or not at all."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,7 +35,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0021"
+HEAD = "0022"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
@@ -307,6 +307,15 @@ own_keys = Table(
     metadata,
     Column("account", String(256), primary_key=True),
     Column("keys", Text, nullable=False),  # of commands of the page: JSON
+)
+
+headset_reports = Table(
+    "headset_reports",
+    metadata,
+    Column("id", String(32), primary_key=True),
+    Column("account", String(256), nullable=False),
+    Column("received", Double, nullable=False),  # seconds since the epoch
+    Column("report", Text, nullable=False),  # JSON
 )
 
 works = Table(

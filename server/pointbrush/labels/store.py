@@ -12,6 +12,7 @@ from pointbrush.labels.boxes import Boxes
 from pointbrush.labels.class_names import ClassNames, read_names
 from pointbrush.labels.database import Database, Limits
 from pointbrush.labels.guards import Guards
+from pointbrush.labels.headset_reports import HeadsetReports
 from pointbrush.labels.job_records import JobRecords
 from pointbrush.labels.journal import Told
 from pointbrush.labels.own_keys import OwnKeys
@@ -60,6 +61,7 @@ class LabelStore:
         self.sign_ins = SignIns(self.database)
         self.signing_keys = SigningKeys(self.database)
         self.own_keys = OwnKeys(self.database)
+        self.headset_reports = HeadsetReports(self.database)
         self.taxonomy = Taxonomy(self.database, self._sessions)
         self.recordings = Recordings(self.database, self._sessions)
         self.reviews = Reviews(self.database)

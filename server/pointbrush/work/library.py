@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pointbrush.errors import BadInputError, DamagedError, NotFoundError
-from pointbrush.names import is_plain
+from pointbrush.names import SCRATCH, is_plain
 from pointbrush.sequences import Manifest, open_sequence
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.manifest import FILE
@@ -49,6 +49,10 @@ class Library:
     def ids(self) -> list[str]:
         """Ids of everything that is, or should be, a recording."""
         return [name for name in self.store.ids() if name not in self.hidden]
+
+    def listed_ids(self) -> list[str]:
+        """Ids of the recordings that lists contain."""
+        return [name for name in self.ids() if name != SCRATCH]
 
     def survey(self) -> list[Found]:
         """Every one that is, or should be, a recording."""

@@ -16,6 +16,7 @@ from pointbrush.errors import (
 from pointbrush.labels import LabelStore, Progress
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.summaries import Search
+from pointbrush.names import SCRATCH
 from pointbrush.sequences import Manifest, note_checksums, verify
 from pointbrush.sequences.checksums import CHECKSUMS
 from pointbrush.work.deletion import Deletion
@@ -103,7 +104,7 @@ class Listing:
     def all(self, *, copies: bool = False) -> list[Listed]:
         """Every recording that has files or labels, by name; not those that imports have begun.
 
-        ``copies``: those for one person, too.
+        ``copies``: those for one person, too.  The scratch recording is never among them.
         """
         found, revisions = self._library.survey(), self._store.sequences()
         if revisions.keys() != {folder.id for folder in found}:
@@ -135,9 +136,9 @@ class Listing:
                 of_copies.get(one.id),
             )
             for one in found
-            if one.id in revisions or one.id not in importing
+            if one.id != SCRATCH and (one.id in revisions or one.id not in importing)
         ]
-        alone = revisions.keys() - {one.id for one in found}
+        alone = revisions.keys() - {one.id for one in found} - {SCRATCH}
         entries += [Listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
@@ -149,6 +150,7 @@ class Listing:
         wanted = text.strip().lower()
         found: dict[str, Manifest] = {}
         matches = self._store.team.summaries.matching(search)
+        matches.pop(SCRATCH, None)
         for sequence in matches:
             with suppress(NotFoundError, DamagedError):
                 manifest = self._library.recording(sequence).manifest

@@ -1,18 +1,18 @@
-/** Checking a headset: the whole page as it is, with somebody who watches what happens in it. */
+/** The check of a headset: the page as it is, an observer of its events, and the report. */
 import { h, render } from 'preact';
 import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
 import type { Headset } from '../xr/headset';
 import { CheckPage } from './page';
-import { makeLabels, openRecording } from './recording';
+import { openRecording } from './recording';
+import { sendReport } from './report';
 import { Findings, noteActions, Round } from './round';
 
 export function installCheck(engine: Engine, headset: Headset): void {
   const findings = new Findings();
   noteActions();
   openRecording();
-  makeLabels();
   const place = document.createElement('div');
   document.body.append(place);
   render(h(CheckPage, { findings }), place);
@@ -24,7 +24,9 @@ export function installCheck(engine: Engine, headset: Headset): void {
       round ??= new Round(engine, cockpit, session, findings);
       return;
     }
-    round?.stop();
+    if (!round) return;
+    round.stop();
     round = null;
+    void sendReport(findings);
   });
 }

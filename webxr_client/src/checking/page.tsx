@@ -19,9 +19,9 @@ export function CheckPage({ findings }: { findings: Findings }) {
     <section class="check-headset card" aria-labelledby="check-title">
       <h2 id="check-title">Check this headset</h2>
       <p class="soft">
-        Enter VR and follow the panel at your side; this takes ten minutes. Then return to this page
-        and download the report. It lists the abilities of the headset and its controllers. It
-        contains no points and no names.
+        Enter VR and follow the panel before you; this takes ten minutes. You paint in a recording
+        made for the check. When you leave VR, the page sends a report to this server. It lists the
+        abilities of the headset and its controllers. It contains no points and no names.
       </p>
       <ul>
         {TASKS.map(({ name, title }) => (
@@ -51,12 +51,9 @@ export function CheckPage({ findings }: { findings: Findings }) {
 /** Reasons why one cannot enter, or not do everything. */
 function Trouble() {
   const { detail } = state.xr.value;
-  const none = state.sequences.value?.length === 0;
   const words = [
     detail,
-    none
-      ? 'There is no recording yet. Run “pointbrush demo” to create the sample, or import one.'
-      : '',
+    ready.value ? '' : 'The recording for the check is being prepared.',
     canEdit.value ? '' : 'This token has the role viewer: painting cannot be checked.',
   ].filter((each) => each !== '');
   return words.map((each) => (

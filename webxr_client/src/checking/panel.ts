@@ -45,7 +45,9 @@ export class CheckPanel extends Panel {
     const doing = task.value;
     ui.area({ name: 'move', x: 0, y: 0, w: width, h: em * 3.6, moves: true, plain: true });
     ui.text(doing?.title ?? 'All done', pad, em * 1.3, { weight: 650, size: 1.2 });
-    const hint = doing ? this.hint(doing) : 'Leave VR and download the report from the page.';
+    const hint = doing
+      ? this.hint(doing)
+      : 'Leave VR. The page then sends the report to the server.';
     ui.text(hint, pad, em * 2.9, { color: INK.quiet, width: width - 2 * pad });
     TASKS.forEach((each, i) => this.drawTask(ui, each, i, each === doing));
     const below = em * (4.6 + (ROW * TASKS.length) / COLUMNS);

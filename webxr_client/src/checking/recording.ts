@@ -1,15 +1,11 @@
-/** The recording in which a headset is checked: the sample, or the first one, with two labels. */
+/** The recording in which a headset is checked. */
 import { computed } from '@preact/signals';
 import { actions } from '../store/actions';
-import { attempt, sequencePath } from '../engine/recordings';
-import { firstOf } from '../net/early';
+import { attempt } from '../engine/recordings';
 import { api } from '../net/rest';
-import type { Label } from '../protocol/messages';
 import { canEdit, state } from '../store/state';
 import { follow } from '../store/watch';
 
-/** Id of the sample recording. */
-const SAMPLE = 'juggling';
 /** Labels that are needed to switch between them. */
 const LABELS = 2;
 
@@ -18,36 +14,23 @@ export const ready = computed(
   () => state.shown.value.total > 0 && (!canEdit.value || state.palette.value.length >= LABELS),
 );
 
-/** Open a recording unless the address names one. */
+/** Open the server's scratch recording; viewers, who change nothing, look at the first recording. */
 export function openRecording(): void {
   const stop = follow(() => {
     const sound = state.sequences.value?.filter(({ damaged }) => damaged === null);
-    if (!sound || sound.length === 0) return;
+    if (!sound || state.me.value === null) return;
     queueMicrotask(() => {
       stop();
-      if (firstOf(sound) !== null) return;
-      actions.openSequence((sound.find(({ id }) => id === SAMPLE) ?? sound[0]!).id);
+      const [first] = sound;
+      if (canEdit.peek()) void openScratch();
+      else if (first) actions.openSequence(first.id);
     });
   });
 }
 
-/** Make the labels that are missing, once there is something to paint. */
-export function makeLabels(): void {
-  const stop = follow(() => {
-    const { id } = state.sequence.value ?? {};
-    const known = state.me.value !== null && canEdit.value;
-    if (id === undefined || !known || state.shown.value.total === 0) return;
-    queueMicrotask(() => {
-      stop();
-      void fill(id);
-    });
-  });
-}
-
-/** Points may come before the palette: the server is asked how many there are. */
-async function fill(sequence: string): Promise<void> {
-  await attempt('The labels to check with were not made', async () => {
-    const labels = await api<Label[]>('GET', `${sequencePath(sequence)}/labels`);
-    for (let i = labels.length; i < LABELS; i++) await actions.createLabel();
+async function openScratch(): Promise<void> {
+  await attempt('The recording for the check was not made', async () => {
+    const { sequence } = await api<{ sequence: string }>('POST', 'headset-checks');
+    actions.openSequence(sequence);
   });
 }

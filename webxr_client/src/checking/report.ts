@@ -1,7 +1,9 @@
-/** The file that a check ends in. */
+/** The report of a check: a file, and a copy on the server. */
+import { attempt } from '../engine/recordings';
 import { saveFile } from '../net/files';
+import { api } from '../net/rest';
 import type { HeadsetReport } from '../protocol/messages';
-import { state } from '../store/state';
+import { canEdit, notify, state } from '../store/state';
 import type { Lesson } from '../xr/input/lessons';
 import type { Findings } from './round';
 import { outcomeOf, TASKS } from './tasks';
@@ -36,4 +38,13 @@ export function reportOf({ session, inputs, pictures, buttons }: Findings): Head
 export function saveReport(findings: Findings): void {
   const report = reportOf(findings);
   saveFile(`headset-report-${report.made.slice(0, 10)}.json`, report);
+}
+
+/** Send the report to the server, where managers find it. */
+export async function sendReport(findings: Findings): Promise<void> {
+  if (!canEdit.peek()) return;
+  await attempt('The report was not sent; download it instead', async () => {
+    await api('POST', 'headset-reports', reportOf(findings));
+    notify('success', 'The report was sent', 'Managers find it in the settings of a project.');
+  });
 }

@@ -1,2 +1,4 @@
-/** Whether this page is there to check a headset: the server gives it at an address of its own. */
-export const checking = location.pathname.endsWith('/check-headset');
+/** Whether this page checks a headset: the server gives it at an address of its own. */
+export function isCheck(): boolean {
+  return location.pathname.endsWith('/check-headset');
+}

@@ -1,4 +1,5 @@
 /** First messages, before the rest of the page has come: the socket, and the recording to open. */
+import { isCheck } from '../common/checking';
 import { forgetPlace, placeIn } from './address';
 import { Link } from './link';
 import { api } from './rest';
@@ -51,6 +52,7 @@ export class Early {
   }
 
   private async open(): Promise<string | null> {
+    if (isCheck()) return null;
     const list = await listSequences();
     const id = firstOf(list);
     const wanted = new URLSearchParams(location.search).get('sequence');
@@ -70,10 +72,11 @@ export function listSequences(): Promise<SequenceOut[]> {
   return api('GET', 'sequences?copies=true');
 }
 
-/** The recording that the address names; where it names none, the only one there is. */
+/** The recording that the address names; where it names none, the only one there is; none for a check. */
 export function firstOf(
   list: readonly { readonly id: string; readonly copy_of?: string | null }[],
 ): string | null {
+  if (isCheck()) return null;
   const wanted = new URLSearchParams(location.search).get('sequence');
   if (list.some(({ id }) => id === wanted)) return wanted;
   const whole = list.filter(({ copy_of: original }) => !original);

@@ -6,6 +6,7 @@ import { useModal } from '../panels/parts/modal';
 import { Tabs, tabId } from '../panels/parts/tabs';
 import { AccountHint } from '../panels/parts/account-hint';
 import { WorkspaceAccounts } from './accounts-list';
+import { HeadsetReports } from './headset-reports';
 import { RoleSelect } from './role-select';
 import {
   deleteProject,
@@ -125,6 +126,7 @@ function People({ of }: { of: Project }) {
       </form>
       <AccountHint id="settings-people" name={account} role={role} link={false} />
       <WorkspaceAccounts />
+      <HeadsetReports />
     </>
   );
 }

@@ -11,6 +11,7 @@ from pointbrush.web.routes import (
     events,
     export,
     frames,
+    headset_checks,
     imports,
     jobs,
     labels,
@@ -29,6 +30,6 @@ from pointbrush.web.routes import (
 RESOURCES = (
     edits, meta, sequences, imports, frames, labels, boxes, taxonomy, events, objects,
     annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
-    snapshots, agreement, webhooks, accounts,
+    snapshots, agreement, webhooks, accounts, headset_checks,
 )  # fmt: skip
 """In the order in which a path is looked for: strokes come many times as often as others."""

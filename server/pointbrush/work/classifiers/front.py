@@ -26,7 +26,7 @@ class ClassifierFront(Classifiers):
         models: Models,
     ) -> None:  # fmt: skip
         """``folder``: where their files are."""
-        super().__init__(store, folder, library.recording, library.ids, models=models)
+        super().__init__(store, folder, library.recording, library.listed_ids, models=models)
         self._jobs = jobs
         self._predictions = Predictions(store, runner, self.current, self.options, models)
 

@@ -22,9 +22,8 @@ export const PLACEMENT = {
   farAside: 40 * DEGREE,
   /** To the left of straight ahead, where a palette without a hand hangs: its handle is beside the timeline's. */
   beside: 13 * DEGREE,
-  /** To the side of straight ahead, and below the eyes' height, where another panel hangs. */
-  aside: 40 * DEGREE,
-  asideBelow: -8 * DEGREE,
+  /** The middle of an added panel below the eyes' height: above, so that the points stay in sight. */
+  added: -17 * DEGREE,
   /** As near to the eyes, and as far from them, as a carried panel comes. */
   nearest: 0.45,
   farthest: 3,
@@ -100,11 +99,6 @@ export class Placement {
   /** Return how far below the eyes' height a panel's lower edge hangs, in the picture of each eye. */
   private lowest(): number {
     return Math.min(PLACEMENT.edge, this.rig.sight.down - PLACEMENT.inside);
-  }
-
-  /** Hang another panel to the side; `left`: on that one. */
-  hangAside(panel: Object3D, left: boolean): void {
-    this.hang(panel, left ? PLACEMENT.aside : -PLACEMENT.aside, PLACEMENT.asideBelow, FACING);
   }
 
   private hang(panel: Object3D, left: number, down: number, facing: Facing): void {

@@ -11,7 +11,7 @@ import type { Pointer } from '../input/pointer';
 import { QuestionPanel } from './question-panel';
 import { QuestionPlace } from './question-place';
 import type { Rig } from '../moving/rig';
-import { xrSettings, type Side } from '../../store/xr-settings';
+import type { Side } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
 import { TimelinePanel } from './timeline-panel';
 
@@ -82,7 +82,7 @@ export class RoomPanels {
     for (const { mesh } of this.all) rig.add(mesh);
   }
 
-  /** Take in another panel, which hangs to the side. */
+  /** Take in another panel, which hangs before the person, above the points. */
   add(panel: Panel): void {
     this.added = panel;
     this.all.push(panel);
@@ -93,7 +93,7 @@ export class RoomPanels {
   settle(): void {
     this.placement.face();
     this.placement.hangTimeline(this.timeline);
-    if (this.added) this.placement.hangAside(this.added.mesh, xrSettings.peek().hand === 'right');
+    if (this.added) this.placement.layBefore(this.added.mesh, PLACEMENT.added);
     this.hangs = false;
   }
 

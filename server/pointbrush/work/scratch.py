@@ -1,0 +1,68 @@
+"""The scratch recording of headset checks: made when it is first needed, and in no list."""
+
+from __future__ import annotations
+
+import threading
+
+from pointbrush.labels import LabelStore
+from pointbrush.labels.project_tables import FIRST
+from pointbrush.names import SCRATCH
+from pointbrush.sequences import import_frames
+from pointbrush.work.annotate.copying import Copying
+from pointbrush.work.library import Library
+
+FRAMES = 4
+"""Frames of a Kinect 2, 0.2 million points each: a second of work for each, and 4 MB."""
+LABELS = {"First label": "#ff8c42", "Second label": "#3fa7d6"}
+"""Labels to switch between: name → colour."""
+
+
+class Scratch:
+    """The scratch recording of one workspace; thread-safe.
+
+    It counts as a copy of itself, so that figures, versions and webhooks of projects leave it out.
+    """
+
+    def __init__(self, store: LabelStore, library: Library) -> None:
+        self._store, self._library = store, library
+        self._clearing = Copying(store, library.recording)
+        self._lock = threading.Lock()
+
+    def prepare(self) -> str:
+        """Return the id of the scratch recording, whose points have no labels.
+
+        Raises ReadOnlyError, UnavailableError, and ConflictError while another server makes it.
+        """
+        with self._lock:
+            if not self._library.has(SCRATCH):
+                self._make()
+            manifest = self._library.recording(SCRATCH).manifest
+            self._store.recordings.register(SCRATCH, manifest.points, manifest.identity)
+            self._store.team.copies.mark(SCRATCH, SCRATCH, FIRST, "scratch")
+            known = self._store.palette(SCRATCH)
+            for name in list(LABELS)[len(known) :]:
+                self._store.create_label(SCRATCH, "import", name=name, color=LABELS[name])
+            ids = [label.id for label in self._store.palette(SCRATCH)]
+            self._clearing.clear(SCRATCH, range(manifest.frames), ids, "import")
+        return SCRATCH
+
+    def _make(self) -> None:
+        from pointbrush.samples import generate
+
+        self._library.require_writable()
+        self._store.recordings.forget(SCRATCH)  # labels whose files were removed
+        guard = self._store.guards.reserve([SCRATCH], self._library.is_free)
+        recording = generate("juggling", frames=FRAMES)
+        try:
+            with self._library.store.target(SCRATCH).building(lambda *_: None) as folder:
+                import_frames(
+                    recording.frames,
+                    folder,
+                    sequence_id=SCRATCH,
+                    name="Headset check",
+                    fps=recording.fps,
+                    total=FRAMES,
+                    source="made for headset checks",
+                )
+        finally:
+            self._store.guards.end(guard)
