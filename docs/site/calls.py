@@ -316,6 +316,12 @@ print((predicted.confidence < 64).mean(), "of the points are in doubt")
 for place in client["room"].by_example.doubt(kinds.id, frame=0, most=3):
     print(place.centre, place.classes)
 
+# ByExample.ignore
+client["room"].by_example.ignore(kinds.id, place)  # none of the classes
+
+# ByExample.take_back
+client["room"].by_example.take_back(kinds.id)
+
 # ByExample.start
 job = client["room"].by_example.start(kinds.id, frames="1:2")
 client.wait(job)

@@ -70,6 +70,13 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     desk.press(";")
     expect(page.get_by_text("Which class is at the ring?")).to_be_visible()
     before = sum(desk.labels().get(label, 0) for label in (1, 2))
+    with page.expect_response("**/doubt/answers") as ignored:
+        desk.press("Alt+Enter")
+    assert ignored.value.status == 204
+    with page.expect_response("**/doubt/answers?classifier=*") as undone:
+        page.get_by_role("button", name="Undo", exact=True).last.click()
+    assert undone.value.status == 204
+    expect(page.get_by_text("Which class is at the ring?")).to_be_visible()
     desk.press("Enter")
     desk.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
     page.get_by_role("button", name="Turn into labels…").click()

@@ -78,6 +78,36 @@ def test_a_classifier_predicts_and_labels(client: Client, hall: Recording) -> No
     assert not hall.frames[1].annotation().any()
 
 
+def test_none_of_the_classes_is_neither_asked_nor_predicted_again(
+    client: Client, hall: Recording
+) -> None:
+    made = client.classifiers.create("nones", ["hall"])
+    xyz = hall.frames[1].points()["xyz"]
+    place = hall.by_example.doubt(made.id, frame=1, most=1)[0]
+    near = np.linalg.norm(xyz - place.centre, axis=1) < place.radius / 2
+    assert hall.by_example.predict(made.id, 1).kind[near].all()
+    hall.by_example.ignore(made.id, place)
+    found = hall.by_example.predict(made.id, 1)
+    assert not found.kind[near].any()
+    assert found.kind.any()
+    for other in hall.by_example.doubt(made.id, frame=1, most=5):
+        assert np.linalg.norm(np.subtract(other.centre, place.centre)) > place.radius / 2
+    hall.by_example.apply(made.id, "1")
+    labels = hall.frames[1].annotation()
+    assert labels.any()
+    assert not labels[near].any()
+    hall.undo()
+    saved = client.call("GET", f"/classifiers/{made.id}/file").content
+    with np.load(io.BytesIO(saved)) as arrays:
+        about = json.loads(arrays["about"].tobytes())
+    assert about["ignored"] == []  # a file for other workspaces has no places
+    hall.by_example.take_back(made.id)
+    assert hall.by_example.predict(made.id, 1).kind[near].all()
+    with pytest.raises(NotFoundError):
+        hall.by_example.take_back(made.id)
+    client.classifiers.delete(made.id)
+
+
 def test_a_page_gets_points_as_it_holds_them(client: Client, hall: Recording) -> None:
     made = client.classifiers.create("stored", ["hall"])
     path = "/sequences/hall/frames/1/prediction?format=stored"

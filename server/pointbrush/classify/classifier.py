@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from pointbrush.classify.options import (
     MOST_BYTES,
     MOST_CLASSES,
     MOST_DEPTH,
+    MOST_IGNORED,
     MOST_TREES,
     NAME_LENGTH,
     SMALLEST_CELL,
@@ -61,6 +62,19 @@ class Examples:
         return len(self.classes)
 
 
+@dataclass(frozen=True, slots=True)
+class Ignored:
+    """A ball of points that are of no class: ``centre`` in local coordinates, metres.
+
+    ``identity``: of the import that the frame is of.
+    """
+
+    identity: str
+    frame: int
+    centre: tuple[float, float, float]
+    radius: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Classifier:
     """Classes, what taught them, and the trees that know them.
@@ -69,6 +83,7 @@ class Classifier:
     metres, 0 before anything taught; ``score``: of examples that were held out, None where there
     were too few.  ``model``: name of the one that answers in place of the trees, and ``state``,
     what it learnt, None before.  ``imported``: imported labels teach beside painted ones.
+    ``ignored``: places that it neither labels nor asks about, the last answer last.
     """
 
     name: str
@@ -81,6 +96,7 @@ class Classifier:
     model: str = BUILT_IN
     state: bytes | None = None
     imported: bool = False
+    ignored: tuple[Ignored, ...] = ()
 
     @property
     def ready(self) -> bool:
@@ -229,6 +245,7 @@ def to_file(classifier: Classifier) -> bytes:
             [recording, frame, len(some), some.identity, some.revision]
             for (recording, frame), some in classifier.examples.items()
         ],
+        "ignored": [astuple(each) for each in classifier.ignored],
     }  # fmt: skip
     arrays: dict[str, NDArray[Any]] = {"about": np.frombuffer(json.dumps(told).encode(), np.uint8)}
     if every := list(classifier.examples.values()):
@@ -276,8 +293,18 @@ def _checked(about: Any, arrays: Arrays) -> Classifier:
     model = about.get("model") and check_name(about["model"])
     return Classifier(
         name, classes, size, recordings, examples, trees, score, model or BUILT_IN, state,
-        bool(about.get("imported")),
+        bool(about.get("imported")), _ignored(about.get("ignored", ())),
     )  # fmt: skip
+
+
+def _ignored(rows: Sequence[Any]) -> tuple[Ignored, ...]:
+    _require(len(rows) <= MOST_IGNORED, f"at most {MOST_IGNORED} ignored places", len(rows))
+    found = []
+    for identity, frame, (x, y, z), radius in rows:
+        sizes = [float(each) for each in (x, y, z, radius)]
+        _require(bool(np.abs(sizes).max() < LARGEST), "ignored places in metres", sizes)
+        found.append(Ignored(str(identity), int(frame), (sizes[0], sizes[1], sizes[2]), sizes[3]))
+    return tuple(found)
 
 
 def _examples(

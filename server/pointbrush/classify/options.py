@@ -10,6 +10,8 @@ from pointbrush.errors import BadInputError
 MOST_BYTES = 64 * 2**20
 """Of a classifier's file, unpacked."""
 MOST_CLASSES = 64
+MOST_IGNORED = 1000
+"""Places that a classifier ignores."""
 NAME_LENGTH = 128
 """Characters in a name of a classifier or class."""
 MOST_TREES = 1_024

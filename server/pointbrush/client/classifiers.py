@@ -192,6 +192,20 @@ class ByExample(Part[L]):
         return [read(Place, entry) for entry in answer.json()]
 
     @steps
+    def ignore(self, classifier: str, place: Place) -> Steps[None]:
+        """Answer a doubt with none of the classes: it is not asked or predicted again."""
+        about = {"frame": place.frame, "centre": list(place.centre), "radius": place.radius}
+        body = {"classifier": classifier, "place": about, "class": None}
+        path = f"/sequences/{self._sequence}/doubt/answers"
+        yield from send(Request("POST", path, {"json": body}))
+
+    @steps
+    def take_back(self, classifier: str) -> Steps[None]:
+        """Take back the last answer of ``ignore`` in this recording; raises NotFoundError."""
+        path = f"/sequences/{self._sequence}/doubt/answers"
+        yield from send(Request("DELETE", path, {"params": {"classifier": classifier}}))
+
+    @steps
     def start(
         self, /, classifier: str, frames: str = "", above: float = 0.0, *,
         patience: float = PATIENCE,

@@ -86,6 +86,9 @@ export const KEYS: readonly KeyBinding[] = [
   key('shift+enter', 'Shift Enter', 'Tools', 'Choose the second class of a doubt', () =>
     answerDoubt(1),
   ),
+  key('alt+enter', 'Alt Enter', 'Tools', 'Answer a doubt with none of the classes', () =>
+    answerDoubt('none'),
+  ),
   key(';', ';', 'Tools', 'By example: next doubt', () => nextDoubt()),
   key('shift+g', 'Shift G', 'Tools', 'Snap the box to the ground', () => actions.snapBox()),
   key('0', '0', 'Tools', 'Use the tool at the centre of the view', () => actions.useInMiddle()),

@@ -168,6 +168,9 @@ function Asked({ place }: { place: Question }) {
             <Swatch color={colours[k]!} /> <span class="button-label">{name}</span>
           </button>
         ))}
+        <button type="button" class="button outlined" data-keys="Alt Enter" data-tip="Leave these points without a label, and do not ask again" disabled={!canEdit.value} onClick={() => answerDoubt('none')}>
+          <span class="button-label">None of these</span>
+        </button>
         <span class="soft">or paint another class</span>
       </div>
       <Button icon="close" small tip="Skip this question" onClick={leaveQuestion} />

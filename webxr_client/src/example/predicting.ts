@@ -11,10 +11,13 @@ import { follow, watch } from '../store/watch';
 import { lookedAt } from './looking';
 import { coloursOf, countOf, idsOf, labelOf, type Prediction } from './model';
 import {
+  type Answer,
   answer,
   asking,
   classifier,
   exampleOpen,
+  ignore,
+  ignored,
   leaveQuestion,
   looking,
   nextDoubt,
@@ -49,14 +52,16 @@ export class Predicting {
       palette.setPredicted(PREDICTED, coloursOf(classes, state.palette.value));
       engine.viewer.invalidate();
     });
-    watch([exampleOpen, classifier], () => this.clear());
-    watch([exampleOpen, classifier, state.shown, state.counts, state.playing], () => this.ask());
+    watch([exampleOpen, classifier, ignored], () => this.clear());
+    watch([exampleOpen, classifier, ignored, state.shown, state.counts, state.playing], () =>
+      this.ask(),
+    );
     watch([shows, question], () => this.showAgain());
     watch([state.sequence], () => this.openedAnother());
     follow(() => {
       const choice = answer.value;
       answer.value = null;
-      if (choice !== null) this.paintAnswer(choice);
+      if (choice !== null) this.carryOut(choice);
     });
   }
 
@@ -154,11 +159,12 @@ export class Predicting {
     if (shown && predicts) this.engine.viewer.show(shown);
   }
 
-  /** Paint a ball of the first or second class at the place in doubt, and go to the next. */
-  private paintAnswer(choice: 0 | 1): void {
+  /** Paint a ball of a class at the place in doubt, or ignore the place, and go to the next. */
+  private carryOut(choice: Answer): void {
     const place = question.peek();
     const frame = this.engine.frame();
-    const name = place?.classes[choice];
+    if (place && choice === 'none') void ignore(place).then(nextDoubt);
+    const name = choice === 'none' ? undefined : place?.classes[choice];
     if (!place || name === undefined || frame?.index !== place.frame) return;
     const label = labelOf(name, state.palette.peek());
     if (label) this.paint(place.centre, place.radius, label.id);

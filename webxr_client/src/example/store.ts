@@ -22,6 +22,8 @@ export const classifier = signal<Classifier | null>(null);
 export const shows = signal<Shows>('classes');
 /** Points predicted in the frame on screen; null: nothing yet. */
 export const predicted = signal<{ readonly points: number; readonly unsure: number } | null>(null);
+/** Changes of the places that the classifier ignores. */
+export const ignored = signal(0);
 /** Something is asked of the server. */
 export const asking = signal(false);
 /** Frames in which doubts are looked for. */
@@ -31,11 +33,14 @@ export const looking: { at: () => readonly number[] | undefined } = { at: () => 
 /** The place in doubt that one was led to. */
 export const question = signal<Question | null>(null);
 
-/** The answer that was chosen, until it is painted. */
-export const answer = signal<0 | 1 | null>(null);
+/** The first or the second class of the question, or none of the classes. */
+export type Answer = 0 | 1 | 'none';
 
-/** Answer the question by its first or second class; false when there is none. */
-export function answerDoubt(choice: 0 | 1): boolean {
+/** The answer that was chosen, until it is carried out. */
+export const answer = signal<Answer | null>(null);
+
+/** Answer the question; false when there is none. */
+export function answerDoubt(choice: Answer): boolean {
   if (!question.peek()) return false;
   answer.value = choice;
   return true;
@@ -113,6 +118,22 @@ export async function predict(
   const path = `${sequencePath(state.sequence.peek()!.id)}/frames/${frame}/prediction`;
   const body = { classifier: classifier.peek()!.id, place };
   return predictionOf(await apiBytes('POST', `${path}?format=stored`, body, signal));
+}
+
+/** Answer that a place is of no class: the classifier neither asks about it again nor labels it. */
+export async function ignore({ frame, centre, radius, sequence }: Question): Promise<void> {
+  const { id } = classifier.peek()!;
+  const path = `${sequencePath(sequence)}/doubt/answers`;
+  await attempt('The answer was not stored', async () => {
+    await api('POST', path, { classifier: id, place: { frame, centre, radius } });
+    const run = (): void =>
+      void attempt('The answer was not taken back', async () => {
+        await api('DELETE', `${path}?classifier=${encodeURIComponent(id)}`);
+        ignored.value += 1;
+      });
+    notify('info', 'Ignored this place', 'It gets no label.', { label: 'Undo', run });
+    ignored.value += 1;
+  });
 }
 
 /** Go to the place whose answer would teach most. */

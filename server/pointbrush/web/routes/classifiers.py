@@ -11,7 +11,7 @@ from fastapi import Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from pydantic import Field, FiniteFloat
 
-from pointbrush.classify.options import MOST_BYTES, MOST_CLASSES, NAME_LENGTH
+from pointbrush.classify.options import LARGEST_CELL, MOST_BYTES, MOST_CLASSES, NAME_LENGTH
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
@@ -77,6 +77,22 @@ class PredictionBody(Body):
     classifier: ClassifierId
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
     place: Vec3 | None = None
+
+
+class DoubtPlace(Body):
+    """A place as ``GET …/doubt`` lists it: ``centre`` and ``radius``, source metres."""
+
+    frame: FrameIndex
+    centre: Vec3
+    radius: Annotated[float, Field(gt=0, le=LARGEST_CELL, allow_inf_nan=False)]
+
+
+class AnswerBody(Body):
+    """An answer to a doubt; ``class`` null: none of the classes."""
+
+    classifier: ClassifierId
+    place: DoubtPlace
+    class_: Annotated[None, Field(alias="class")] = None
 
 
 class ApplyBody(Body, ApplyOptions):
@@ -256,6 +272,27 @@ def get_doubt(
         classifier, seq, frame=frame, workspace=all, near=near, most=most
     )
     return [PlaceOut.of(each) for each in found if gate.may_see(who, each.sequence)]
+
+
+@router.post("/sequences/{seq}/doubt/answers", status_code=204, responses=responses(404))
+def answer_doubt(seq: SequenceId, body: AnswerBody, workspace: Ws) -> None:
+    """Answer a doubt with none of the classes.
+
+    The classifier no longer asks about this place and leaves it out of its predictions.  To answer
+    with a class, paint a stroke there.
+    """
+    place = body.place
+    workspace.classifiers.ignore(body.classifier, seq, place.frame, place.centre, place.radius)
+
+
+@router.delete("/sequences/{seq}/doubt/answers", status_code=204, responses=responses(404))
+def take_back_answer(
+    seq: SequenceId,
+    workspace: Ws,
+    classifier: Annotated[str, Query(pattern=ID, max_length=64)],
+) -> None:
+    """Take back the last answer that was none of the classes in this recording."""
+    workspace.classifiers.heed(classifier, seq)
 
 
 @router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))

@@ -27,6 +27,7 @@ from pointbrush.work.annotate.layers import Packed
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.frames import example_frame, pieces
+from pointbrush.work.classifiers.ignoring import ignored_cells
 from pointbrush.work.classifiers.naming import label_of
 from pointbrush.work.classifiers.options import ApplyOptions, ClassifierOptions
 from pointbrush.worker import Channel
@@ -97,11 +98,13 @@ def predicted(
         if voter is not None:
             chance = agreed(recording, frame, place, chance, voter, say)
         kind, sure = answered(chance, place.of_point)
+        kind[ignored_cells(model, recording, frame, place)[place.of_point]] = 0
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
         return
     for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
         place, chance = asked(example_frame(recording, frame, piece.members))
         kind, sure = answered(chance, place.of_point)
+        kind[ignored_cells(model, recording, frame, place)[place.of_point]] = 0
         inside = piece.inside
         yield (
             Found(frame, piece.members[inside], Packed.of(kind[inside]), Packed.of(sure[inside])),

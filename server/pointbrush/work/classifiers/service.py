@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.classifier import (
     Classifier,
+    Ignored,
     check_classes,
     check_name,
     from_file,
@@ -21,6 +22,7 @@ from pointbrush.classify.classifier import (
 from pointbrush.classify.doubt import doubts
 from pointbrush.classify.features import Described
 from pointbrush.classify.models import BUILT_IN, Model, Models
+from pointbrush.classify.options import MOST_IGNORED
 from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import LabelStore
@@ -31,6 +33,7 @@ from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.work.classifiers.frames import example_frame, level_rotation
+from pointbrush.work.classifiers.ignoring import ignored_cells
 from pointbrush.work.classifiers.naming import classes_of, label_of
 from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.teaching import Teacher, cell_classes
@@ -183,8 +186,8 @@ class Classifiers:
             self._locks.pop(identifier, None)
 
     def file(self, identifier: str) -> bytes:
-        """Return the bytes of a classifier's file, as it is now."""
-        return to_file(self._read(identifier)[1])
+        """Return the bytes of a classifier's file, as it is now, without places of recordings."""
+        return to_file(replace(self._read(identifier)[1], ignored=()))
 
     def bring(self, data: bytes, name: str | None = None) -> About:
         """Take in a classifier's file; raises BadInputError for anything else."""
@@ -237,6 +240,8 @@ class Classifiers:
         kind, sure = answered(chances, described.of_point)
         if not classifier.ready:
             kind, sure = np.zeros_like(kind), np.zeros_like(sure)
+        ignored = ignored_cells(classifier, recording, frame, described)[described.of_point]
+        kind[ignored], sure[ignored] = 0, 0
         named = tuple(ids[1:].tolist())
         return Prediction(numbers, ids[kind], kind, sure, classifier.classes, named)
 
@@ -322,6 +327,7 @@ class Classifiers:
         values = self._store.values(sequence, frame)
         painted = ((values.provenance == PAINTED) | values.deleted)[members]
         done = cell_classes(place, painted.astype(np.uint8)) > 0
+        done |= ignored_cells(classifier, recording, frame, place)
         taught = classifier.taught(self.options.forest.most)[0]
         found = doubts(
             place, self._chances(classifier, recording, frame, place, members), done, taught,
@@ -338,6 +344,45 @@ class Classifiers:
             )
             for each in found
         ]  # fmt: skip
+
+    def ignore(
+        self, identifier: str, sequence: str, frame: int, centre: Sequence[float], radius: float
+    ) -> None:
+        """Answer a doubt with none of the classes: nothing is asked or predicted in this ball.
+
+        ``centre`` (3,) and ``radius``: source metres.  Raises NotFoundError, and BadInputError when
+        the classifier ignores too many places.
+        """
+        recording = self._recording(sequence)
+        _ = recording[frame]
+        x, y, z = (np.asarray(centre) - np.asarray(recording.manifest.shift)).tolist()
+        place = Ignored(recording.identity, frame, (x, y, z), radius)
+        self._set_ignored(identifier, lambda known: (*known, place))
+
+    def heed(self, identifier: str, sequence: str) -> None:
+        """Take back the last answer of ``ignore`` in a recording; raises NotFoundError."""
+        identity = self._recording(sequence).identity
+
+        def shorter(known: tuple[Ignored, ...]) -> tuple[Ignored, ...]:
+            here = [k for k, each in enumerate(known) if each.identity == identity]
+            if not here:
+                raise NotFoundError("answer: expected an ignored place in this recording, got none")
+            return (*known[: here[-1]], *known[here[-1] + 1 :])
+
+        self._set_ignored(identifier, shorter)
+
+    def _set_ignored(
+        self, identifier: str, change: Callable[[tuple[Ignored, ...]], tuple[Ignored, ...]]
+    ) -> None:
+        self._require_writable()
+        with self._guard(identifier):
+            names, known = self._read(identifier)
+            ignored = change(known.ignored)
+            if len(ignored) > MOST_IGNORED:
+                raise BadInputError(f"answers: expected at most {MOST_IGNORED} ignored places")
+            changed = replace(known, ignored=ignored)
+            self._known[identifier] = names, changed
+            self._write(identifier, changed, names)
 
     # ── keeping ──────────────────────────────────────────────────────────────────────────
 

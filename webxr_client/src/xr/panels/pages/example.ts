@@ -1,6 +1,7 @@
 /** Page of the palette for label by example: what is predicted, its doubts, applying it. */
 import { coloursOf, type Question } from '../../../example/model';
 import {
+  type Answer,
   answerDoubt,
   applyPrediction,
   asking,
@@ -78,14 +79,19 @@ function told(): string {
   return `${plural(points, 'point')}, ${percent(unsure / points)} in doubt`;
 }
 
-/** Two buttons: the points that pulse white are of one of two classes. */
+/** Three buttons: the points that pulse white are of one of two classes, or of none. */
 function drawAnswers(ui: Ui, x: number, y: number, inner: number, place: Question): void {
   const { em } = ui;
   const colours = coloursOf(place.classes, state.palette.peek());
-  const half = inner / 2;
-  place.classes.slice(0, 2).forEach((text, k) => {
-    ui.button(x + k * half, y, half - em * 0.2, em * 2.2,
-      { swatch: colours[k]!, text, strong: true, align: 'left', disabled: !canEdit.peek() },
-      () => answerDoubt(k as 0 | 1)); // prettier-ignore
+  const third = inner / 3;
+  const answers: Answer[] = [0, 1, 'none'];
+  answers.forEach((choice, k) => {
+    const look =
+      choice === 'none'
+        ? { text: 'Neither' }
+        : { text: place.classes[choice]!, swatch: colours[choice]! };
+    ui.button(x + k * third, y, third - em * 0.2, em * 2.2,
+      { ...look, strong: true, align: 'left', disabled: !canEdit.peek() },
+      () => answerDoubt(choice)); // prettier-ignore
   });
 }
