@@ -63,6 +63,8 @@ class OrientedBox:
 
     ``id`` 1 and up in its recording, never given twice (0: not stored yet); ``label`` the label's
     id; ``size`` (3,) length, width, height, metres, along the box's axes; ``poses`` by frame.
+    ``heading_known``: the box's forward axis points to the front of the object; where it is False,
+    the front may also be at the opposite end.
     """
 
     id: int
@@ -71,6 +73,7 @@ class OrientedBox:
     poses: Mapping[int, BoxPose]
     attributes: Attributes = field(default_factory=dict)
     provenance: BoxProvenance = "drawn"
+    heading_known: bool = True
 
     def __post_init__(self) -> None:
         """Check the box.  Raises BadInputError."""

@@ -25,7 +25,7 @@ from pointbrush.formats.boxes.scene import (
     label_of,
     tracked,
 )
-from pointbrush.formats.boxes.writing import ATTRIBUTES, BOX_WRITERS, OBJECTS
+from pointbrush.formats.boxes.writing import ATTRIBUTES, BOX_WRITERS, HEADING, OBJECTS
 from pointbrush.oriented_box import UNKNOWN_OCCLUSION, BoxPose, OrientedBox
 from pointbrush.quaternions import quaternion_of, rotation_of
 
@@ -60,7 +60,9 @@ def boxes(draw: st.DrawFn, upright: bool) -> list[OrientedBox]:
             told = {} if level is None else {"occluded": float(level)}
             poses[frame] = BoxPose(np.array(draw(place)), quaternion_of(R), attributes=told)
         size = np.array(draw(st.tuples(*[st.floats(0.2, 20)] * 3)))
-        made.append(OrientedBox(label, label, size, poses, {"parked": True, "load": "sand"}))
+        known = draw(st.booleans())
+        more = {"parked": True, "load": "sand"}
+        made.append(OrientedBox(label, label, size, poses, more, heading_known=known))
     return made
 
 
@@ -124,6 +126,7 @@ def require_same(format: str, made: list[OrientedBox], found: list[BoxTrack]) ->
             R = rotation_of(mine.poses[frame].quaternion).T @ rotation_of(pose.quaternion)
             assert np.degrees(np.linalg.norm(R - np.eye(3)) / np.sqrt(2)) < 0.01
             assert mine.name == CLASSES[box.label]
+            assert mine.heading_known == (HEADING in lost or box.heading_known)
             kept = told(mine.attributes, mine, frame)
             if "occluded" in " ".join(lost):
                 assert kept == told({}, box, frame)

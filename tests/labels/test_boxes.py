@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import closing
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from alembic import command
+from alembic.config import Config
 from conftest import SEQUENCE
 from sqlalchemy import text
 
 from pointbrush.errors import BadInputError, ConflictError, LockedLabelError, NotFoundError
 from pointbrush.labels import BoxEdit, Label, LabelStore, Write
 from pointbrush.labels.box_maps import fields_of
+from pointbrush.labels.database import Database
 from pointbrush.labels.palette import Palette
+from pointbrush.labels.schema import MIGRATIONS
 from pointbrush.oriented_box import BoxPose, OrientedBox
 
 
@@ -224,3 +229,38 @@ def test_labels_points_and_boxes_come_in_together(store: LabelStore) -> None:
     store.undo(SEQUENCE, "ann")
     assert boxes(store) == {}
     assert store.palette(SEQUENCE) == []
+
+
+def downgrade(url: str, revision: str) -> None:
+    database = Database(url)
+    with database.write() as connection:
+        config = Config()
+        config.set_main_option("script_location", str(MIGRATIONS))
+        config.set_main_option("path_separator", "os")
+        config.attributes["connection"] = connection
+        command.downgrade(config, revision)
+    database.close()
+
+
+def test_headings_that_an_earlier_version_fitted_become_unknown(
+    labelled: LabelStore, url: str
+) -> None:
+    drawn = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
+    fitted = replace(car(2), provenance="fitted")
+    kept = labelled.boxes.add(SEQUENCE, "ann", fitted).box.id
+    labelled.boxes.change(SEQUENCE, "ann", kept, {"poses": {"0": pose(1.2)}})
+    removed = labelled.boxes.add(SEQUENCE, "ann", fitted).box.id
+    labelled.boxes.remove(SEQUENCE, "ann", removed)
+    labelled.close()
+    downgrade(url, "0021")
+    with closing(LabelStore(url)) as opened:
+        assert {n: box["heading_known"] for n, box in boxes(opened).items()} == {
+            drawn: True, kept: False,
+        }  # fmt: skip
+        assert opened.check(SEQUENCE) == []
+        opened.undo(SEQUENCE, "ann")
+        assert boxes(opened)[removed]["heading_known"] is False
+        opened.boxes.change(SEQUENCE, "ann", kept, {"heading_known": True})
+        opened.undo(SEQUENCE, "ann")
+        assert boxes(opened)[kept]["heading_known"] is False
+        assert opened.check(SEQUENCE) == []

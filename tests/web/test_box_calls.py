@@ -43,13 +43,16 @@ def test_a_box_is_added_changed_listed_and_removed(api: httpx.Client) -> None:
     }  # fmt: skip
     assert api.post("/boxes", json=new(edit=edit)).json()["box"] == box
     where = added.headers["Location"].rpartition("/wall")[2]
+    assert box["heading_known"] is True
     change = {
+        "heading_known": False,
         "size": [4.0, 1.7, 1.4],
         "attributes": {"parked": None},
         "poses": {"0": None, "2": {"attributes": {"truncated": 0.5}}, "3": PLACE},
     }
     changed = api.patch(where, json=change).json()["box"]
     assert (changed["size"], changed["attributes"]) == ([4.0, 1.7, 1.4], {"occluded": 1})
+    assert changed["heading_known"] is False
     assert list(changed["poses"]) == ["2", "3"]
     assert changed["poses"]["2"] == {**box["poses"]["2"], "attributes": {"truncated": 0.5}}
     assert api.get(where).json() == changed

@@ -32,7 +32,10 @@ class BoxPose:
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """An oriented box: ``size`` length, width, height along its x (forward), y (left), z (up)."""
+    """An oriented box: ``size`` length, width, height along its x (forward), y (left), z (up).
+
+    ``heading_known`` is False if the front of the object may also be at the opposite end.
+    """
 
     id: int
     label: int
@@ -40,6 +43,7 @@ class Box:
     poses: Mapping[int, BoxPose]
     attributes: Mapping[str, AttributeValue]
     provenance: Provenance
+    heading_known: bool = True
 
 
 class Boxes(Part[L]):
@@ -68,6 +72,7 @@ class Boxes(Part[L]):
         poses: Mapping[int, BoxPose],
         attributes: Mapping[str, AttributeValue] | None = None,
         provenance: Provenance = "drawn",
+        heading_known: bool = True,
     ) -> Steps[Box]:
         """Add a box as one edit, and return it; ``poses`` by frame."""
         body = {
@@ -76,6 +81,7 @@ class Boxes(Part[L]):
             "poses": {str(frame): _pose(pose) for frame, pose in poses.items()},
             "attributes": dict(attributes or {}),
             "provenance": provenance,
+            "heading_known": heading_known,
         }
         return (yield from self._edited("POST", self._place, body))
 
@@ -88,12 +94,16 @@ class Boxes(Part[L]):
         label: int | None = None,
         poses: Mapping[int, BoxPose | None] | None = None,
         attributes: Mapping[str, AttributeValue | None] | None = None,
+        heading_known: bool | None = None,
     ) -> Steps[Box]:
         """Change a box as one edit, and return it.
 
         ``poses`` by frame and ``attributes`` by name; None removes an entry.
         """
-        given = {"label": label, "size": size and list(size), "attributes": attributes}
+        given = {
+            "label": label, "size": size and list(size), "attributes": attributes,
+            "heading_known": heading_known,
+        }  # fmt: skip
         body: dict[str, Any] = {name: each for name, each in given.items() if each is not None}
         if poses is not None:
             body["poses"] = {str(f): None if p is None else _pose(p) for f, p in poses.items()}
@@ -122,7 +132,7 @@ class Boxes(Part[L]):
         """Return a pandas frame with a row for each box and frame; needs pandas.
 
         Columns: box, frame, label, length, width, height, x, y, z, qx, qy, qz, qw, provenance,
-        confidence, and one for each attribute.
+        confidence, heading_known, and one for each attribute.
         """
         try:
             import pandas
@@ -148,7 +158,7 @@ class Boxes(Part[L]):
 
 COLUMNS = (
     "box", "frame", "label", "length", "width", "height", "x", "y", "z",
-    "qx", "qy", "qz", "qw", "provenance", "confidence",
+    "qx", "qy", "qz", "qw", "provenance", "confidence", "heading_known",
 )  # fmt: skip
 
 
@@ -156,7 +166,7 @@ def _row(box: Box, frame: int) -> dict[str, Any]:
     pose = box.poses[frame]
     values = (
         box.id, frame, box.label, *box.size, *pose.centre, *pose.quaternion, pose.provenance,
-        pose.confidence,
+        pose.confidence, box.heading_known,
     )  # fmt: skip
     return {**dict(zip(COLUMNS, values, strict=True)), **box.attributes, **pose.attributes}
 

@@ -124,6 +124,7 @@ def _whole(fields: Fields) -> Fields | None:
         "poses": {frame: poses[frame] for frame in sorted(poses, key=int)},
         "attributes": fields["attributes"],
         "provenance": fields["provenance"],
+        "heading_known": fields["heading_known"],
     }
 
 

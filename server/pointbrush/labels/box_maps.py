@@ -12,8 +12,9 @@ from pointbrush.names import require_visible
 from pointbrush.oriented_box import AttributeValue, BoxPose, OrientedBox
 
 Fields = dict[str, Any]
-"""``label``, ``size``, ``poses`` by frame, ``attributes`` and ``provenance`` of a box, as JSON has
-them; a change of it has some of these, None for what goes, and ``exists`` where it came or went."""
+"""``label``, ``size``, ``poses`` by frame, ``attributes``, ``provenance`` and ``heading_known`` of
+a box, as JSON has them; a change of it has some of these, None for what goes, and ``exists`` where
+it came or went."""
 
 LONGEST_SIDE = 1_000.0
 """Metres."""
@@ -35,6 +36,7 @@ def fields_of(box: OrientedBox) -> Fields:
         "poses": {str(frame): _pose_fields(box.poses[frame]) for frame in sorted(box.poses)},
         "attributes": dict(box.attributes),
         "provenance": box.provenance,
+        "heading_known": box.heading_known,
     }
 
 
@@ -63,6 +65,7 @@ def box_of(number: int, fields: Mapping[str, Any]) -> OrientedBox:
         {frame: poses[frame] for frame in sorted(poses)},
         check_attributes(fields["attributes"]),
         fields["provenance"],
+        fields["heading_known"],
     )
 
 

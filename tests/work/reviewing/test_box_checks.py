@@ -112,3 +112,8 @@ def test_boxes_that_overlap_and_those_of_two_sizes(store: LabelStore, recording:
     store.boxes.remove("street", "ann", beside)
     store.boxes.add("street", "ann", box(1, {5: (0, 0, 0)}, SIZE * 1.3))
     assert {kind for kind, *_ in found(store, recording)} >= {"box_size", "box_overlap"}
+
+
+def test_boxes_whose_front_is_unknown(store: LabelStore, recording: Path) -> None:
+    store.boxes.change("street", "ann", 1, {"heading_known": False})
+    assert found(store, recording) == [("box_heading", 0, 0)]

@@ -45,6 +45,7 @@ export function BoxAttributes({ box }: { box: ObjectBox }) {
   const disabled = !canEdit.value;
   return (
     <fieldset class="box-attributes" disabled={disabled}>
+      <Check label="Front known" tip="The arrow points to the front of the object, in all frames" checked={box.heading_known} onChange={(heading_known) => void changeBox(box.id, { heading_known })} />
       <label class="row">
         <span>Occluded</span>
         <select class="field" value={String(here['occluded'] ?? '')} onChange={(event) => setNumber(box, 'occluded', event.currentTarget.value)}>

@@ -27,6 +27,7 @@ import {
   SHORTEST,
   shapeIn,
   stretched,
+  turned,
   type Shape,
 } from './shape';
 
@@ -127,7 +128,7 @@ export async function addBox({ size, centre, quaternion }: Shape): Promise<void>
   if (known) return changeBox(known.id, { size, poses: { [frame]: pose } });
   await attempt('The box was not made', async () => {
     const edit = crypto.randomUUID();
-    const made = { label, size, poses: { [frame]: pose }, attributes: {}, provenance: 'drawn' };
+    const made = { label, size, poses: { [frame]: pose }, provenance: 'drawn' };
     const answer = await inOrder(() => api<Answer>('POST', path(), { ...made, edit }));
     take(answer);
     picked.value = answer.box.id;
@@ -333,6 +334,18 @@ export function patchSize(box: ObjectBox, axis: 0 | 1 | 2, metres: number): void
   }
   const by: Triple = [0, 0, metres - box.size[2]];
   void changeBox(box.id, patchOf(box, frame, shape, stretched(shape, [0, 0, 1], by)));
+}
+
+/** Turn the chosen box by 180° in all frames; its heading then counts as known. */
+export async function turnRound(): Promise<void> {
+  const box = chosenBox.peek();
+  if (!box) return;
+  const poses: Record<string, BoxPose> = {};
+  for (const [frame, pose] of Object.entries(box.poses)) {
+    const { quaternion } = turned({ ...pose, size: box.size }, 2, Math.PI);
+    poses[frame] = { ...pose, quaternion };
+  }
+  await changeBox(box.id, { poses, heading_known: true });
 }
 
 /** Confidence of poses between drawn ones. */

@@ -39,6 +39,8 @@ export interface Drawn {
   readonly dashed: boolean;
   /** 0..1: what is less sure is fainter. */
   readonly confidence: number;
+  /** Its front is known, and marked. */
+  readonly headed: boolean;
 }
 
 type Corner = readonly [Side, Side, Side];
@@ -52,10 +54,11 @@ const EDGES = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6,
 /** The front's corners as two triangles. */
 const FACE = [1, 3, 7, 1, 7, 5];
 
-/** Ends of the lines of a box, two and two: its edges, and an arrow on its roof to the front. */
-export function linesOf(shape: Shape): number[] {
+/** Ends of the lines of a box, two and two: its edges, and an arrow on its roof to a known front. */
+export function linesOf(shape: Shape, headed: boolean): number[] {
   const corners = CORNERS.map((sides) => placeOn(shape, sides));
   const edges = EDGES.flatMap((k) => [...corners[k]!]);
+  if (!headed) return edges;
   const top = placeOn(shape, [0, 0, 1]);
   const tip = placeOn(shape, [1, 0, 1]);
   const barb = (side: Side): number[] => {
@@ -82,7 +85,7 @@ export class BoxWires {
 
   show(boxes: readonly Drawn[]): void {
     for (const part of this.parts) free(part);
-    this.parts = boxes.map(front);
+    this.parts = boxes.filter(({ headed }) => headed).map(front);
     for (const dashed of [false, true]) {
       for (const chosen of [false, true]) {
         const some = boxes.filter((box) => box.dashed === dashed && box.chosen === chosen);
@@ -117,7 +120,7 @@ function rgb(color: string): [number, number, number] {
 }
 
 function wires(boxes: readonly Drawn[], dashed: boolean, chosen: boolean): LineSegments2 {
-  const places = boxes.map(({ shape }) => linesOf(shape));
+  const places = boxes.map(({ shape, headed }) => linesOf(shape, headed));
   const colours = boxes.flatMap(({ color, confidence }, i) => {
     const faint = 0.45 + 0.55 * confidence;
     const mixed = rgb(color).map((channel) => channel * faint);

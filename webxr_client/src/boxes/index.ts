@@ -55,11 +55,11 @@ export class ObjectBoxes {
     this.drawn = info && this.on() ? this.shownNow(info.shift) : [];
     this.wires.grips = state.xr.peek().session === 'running';
     this.wires.show(this.drawn);
-    outlines.value = this.drawn.map(({ shape, color, chosen, dashed }) => ({
+    outlines.value = this.drawn.map(({ shape, color, chosen, dashed, headed }) => ({
       color,
       chosen,
       dashed,
-      ends: linesOf(shape),
+      ends: linesOf(shape, headed),
     }));
   }
 
@@ -78,7 +78,7 @@ export class ObjectBoxes {
       const local = lessShift(shape, shift);
       const { color, name } = label;
       const dashed = pose.provenance === 'fitted' && draft.peek()?.id !== box.id;
-      return [{ shape: local, color, name, dashed, confidence: pose.confidence, chosen: box.id === chosen }]; // prettier-ignore
+      return [{ shape: local, color, name, dashed, confidence: pose.confidence, chosen: box.id === chosen, headed: box.heading_known }]; // prettier-ignore
     });
   }
 

@@ -20,6 +20,7 @@ import {
   pointsFromBox,
   removeBox,
   trackAndFit,
+  turnRound,
   type Fit,
 } from './changes';
 import { drawing } from './new';
@@ -45,6 +46,7 @@ function Head({ box }: { box: ObjectBox | null }) {
       {label && <Swatch color={label.color} />}
       <h2 class="name">{label?.name ?? 'Boxes'}</h2>
       {pose && <Origin pose={pose} />}
+      {box?.heading_known === false && <span class="pill" data-tip="The points do not show which end is the front. “Turn round” sets it, and so does “Front known”">Front unknown</span>}
       <span class="spacer" />
       {box && <More box={box} />}
       <Button icon="close" tip="Close the boxes panel" small onClick={() => actions.setTool('navigate')} />
@@ -156,6 +158,7 @@ function Chosen({ box }: { box: ObjectBox }) {
         <FitButton />
         <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame, along the track or on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
         <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn boxes" disabled={no} onClick={() => void interpolate()} />
+        <Button label="Turn round" kind="outlined" keys="Shift T" tip="Turn the box by 180° in all frames; its front then counts as known" disabled={no} onClick={() => void turnRound()} />
         <Button label="Box from points" kind="outlined" keys="Shift F" tip="Fit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
         <Button label="Points from box" kind="outlined" keys="Shift P" tip="Label the points inside the box in this frame" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
         <DrawButton />

@@ -30,7 +30,15 @@ function boxOf(...centres: Triple[]): ObjectBox {
   const { quaternion } = CAR;
   const pose = (centre: Triple) => drawnPose({ centre, quaternion });
   const poses = Object.fromEntries(centres.map((centre, i) => [i, pose(centre)]));
-  return { id: 1, label: 1, size: CAR.size, poses, attributes: {}, provenance: 'drawn' };
+  return {
+    id: 1,
+    label: 1,
+    size: CAR.size,
+    poses,
+    attributes: {},
+    provenance: 'drawn',
+    heading_known: true,
+  };
 }
 
 describe('a side or corner that is dragged', () => {

@@ -184,14 +184,14 @@ function Handles({ view, box, shape, anchor, scale, color }: HandlesProps) {
   return (
     <svg width={scale.width} height={scale.height} style={{ '--color': color }} role="group" aria-label={`${view.name} view of the box`}>
       <polygon class="box-inside" points={corners.map((pixel) => pixel.join()).join(' ')} data-handle="move" {...on('move')} />
-      <polyline class="box-arrow" points={arrow(view, middle, front)} />
+      {box.heading_known && <polyline class="box-arrow" points={arrow(view, middle, front)} />}
       {SIDES.map(([right, up], i) => {
         const [a, b] = [corners[(i + 3) % 4]!, corners[i]!];
         const ends = { x1: a[0], y1: a[1], x2: b[0], y2: b[1] };
         const name = `${right} ${up}`;
         return (
           <g key={name} class={right === 0 ? 'box-side level' : 'box-side upright'}>
-            <line {...ends} class={right === 1 && view.right === 0 ? 'box-edge ahead' : 'box-edge'} />
+            <line {...ends} class={right === 1 && view.right === 0 && box.heading_known ? 'box-edge ahead' : 'box-edge'} />
             <line {...ends} class="box-hold" data-handle={name} {...on({ right, up })} />
           </g>
         );

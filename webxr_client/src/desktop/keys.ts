@@ -1,6 +1,12 @@
 /** The keyboard, as data: the page listens by it and shows it. */
 import { actions } from '../store/actions';
-import { boxFromPoints, copyToFrame, interpolate, pointsFromBox } from '../boxes/changes';
+import {
+  boxFromPoints,
+  copyToFrame,
+  interpolate,
+  pointsFromBox,
+  turnRound,
+} from '../boxes/changes';
 import { answerDoubt, nextDoubt } from '../example/store';
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
@@ -119,6 +125,7 @@ export const KEYS: readonly KeyBinding[] = [
   boxed('shift+f', 'Shift F', 'Box from the label’s points in this frame', boxFromPoints),
   boxed('shift+p', 'Shift P', 'Points from the box in this frame', () => pointsFromBox(false)),
   boxed('shift+c', 'Shift C', 'Copy the box to the next frame', () => copyToFrame(1)),
+  boxed('shift+t', 'Shift T', 'Turn the box round: its front is at the other end', turnRound),
   boxed('shift+l', 'Shift L', 'Interpolate between two drawn boxes', interpolate),
   key('[', '[', 'Tools', 'Smaller brush', () => actions.nudgeRadius(-1), HELD),
   {

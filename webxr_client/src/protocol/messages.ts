@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'd1aa85d2006a';
+export const SCHEMA_HASH = '76c534f696af';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -273,6 +273,7 @@ export interface Box {
   poses: Record<string, BoxPose>;
   attributes: Record<string, string | number | boolean>;
   provenance: 'fitted' | 'drawn' | 'imported';
+  heading_known: boolean;
 }
 
 /** Pose of a box in one frame; its attributes take precedence over the box's attributes. */

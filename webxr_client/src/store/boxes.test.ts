@@ -23,7 +23,15 @@ const POSE: BoxPose = {
 
 function box(id: number, label: number, length = 4): ObjectBox {
   const poses = { [id]: POSE };
-  return { id, label, size: [length, 2, 1.5], poses, attributes: {}, provenance: 'fitted' };
+  return {
+    id,
+    label,
+    size: [length, 2, 1.5],
+    poses,
+    attributes: {},
+    provenance: 'fitted',
+    heading_known: true,
+  };
 }
 
 function tell(revision: number, some: ObjectBox[], removed: number[] = [], whole = false): void {

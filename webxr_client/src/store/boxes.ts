@@ -26,6 +26,7 @@ export interface BoxPatch {
   readonly size?: Triple;
   readonly poses?: Readonly<Record<string, PosePatch | null>>;
   readonly attributes?: Merged;
+  readonly heading_known?: boolean;
 }
 
 /** Boxes that changed, and ids of those that are gone; `whole`: these are all. */

@@ -41,7 +41,8 @@ export interface Finding {
     | 'box_overlap'
     | 'box_ground'
     | 'box_empty'
-    | 'box_outside';
+    | 'box_outside'
+    | 'box_heading';
   readonly text: string;
   readonly labels: readonly number[];
   readonly first: number | null;

@@ -24,6 +24,8 @@ DIGITS = 8
 """Hexadecimal digits of a token that are the number of a label or a frame."""
 SAME_SIZE = 1e-3
 """Metres by which sizes of one box may differ in its frames without a word."""
+HEADING = "heading_known"
+"""Attribute of a box in files; they have it, and it is False, where the heading is unknown."""
 File = tuple[str, bytes]
 """Name and content of a file of an export."""
 
@@ -100,10 +102,14 @@ def by_frame(
                     box.size,
                     rotation_of(pose.quaternion),
                     box.label,
-                    _known({**box.attributes, **pose.attributes}),
+                    _known({**box.attributes, **pose.attributes, **_heading(box)}),
                 )
             )
     return {frame: tuple(each) for frame, each in sorted(found.items())}
+
+
+def _heading(box: OrientedBox) -> Attributes:
+    return {} if box.heading_known else {HEADING: False}
 
 
 def _known(attributes: Attributes) -> Attributes:
@@ -115,7 +121,7 @@ def _known(attributes: Attributes) -> Attributes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxTrack:
-    """An object of boxes of frames: ``name``, ``key`` and ``label`` as theirs.
+    """An object of boxes of frames: ``name``, ``key``, ``label`` and ``heading_known`` as theirs.
 
     ``resized``: its boxes have other sizes in other frames; ``size`` is the median.  ``first`` is
     one of them.
@@ -129,10 +135,13 @@ class BoxTrack:
     attributes: Attributes
     resized: bool
     first: FrameBox
+    heading_known: bool = True
 
     def box(self, label: int) -> OrientedBox:
         """Make the box of a label, imported."""
-        return OrientedBox(0, label, self.size, self.poses, self.attributes, "imported")
+        return OrientedBox(
+            0, label, self.size, self.poses, self.attributes, "imported", self.heading_known
+        )
 
 
 def tracked(frames: Iterable[tuple[int, Sequence[FrameBox]]]) -> list[BoxTrack]:
@@ -158,6 +167,7 @@ def tracked(frames: Iterable[tuple[int, Sequence[FrameBox]]]) -> list[BoxTrack]:
 
 def _track(boxes: Mapping[int, FrameBox]) -> BoxTrack:
     first = next(iter(boxes.values()))
+    known = all(box.attributes.get(HEADING, True) for box in boxes.values())
     sizes = np.stack([box.size for box in boxes.values()])
     shared = _shared([box.attributes for box in boxes.values()])
     poses = {
@@ -165,13 +175,16 @@ def _track(boxes: Mapping[int, FrameBox]) -> BoxTrack:
             box.center,
             quaternion_of(box.rotation),
             "imported",
-            attributes={k: v for k, v in box.attributes.items() if k not in shared},
+            attributes={
+                k: v for k, v in box.attributes.items() if k not in shared and k != HEADING
+            },
         )
         for frame, box in boxes.items()
     }
     resized = bool((np.ptp(sizes, axis=0) > SAME_SIZE).any())
     size = np.median(sizes, axis=0)
-    return BoxTrack(first.name, first.key, first.label, size, poses, shared, resized, first)
+    shared.pop(HEADING, None)
+    return BoxTrack(first.name, first.key, first.label, size, poses, shared, resized, first, known)
 
 
 def _shared(attributes: Sequence[Attributes]) -> dict[str, AttributeValue]:

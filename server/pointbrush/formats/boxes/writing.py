@@ -22,6 +22,7 @@ OBJECTS = "object identity across frames"
 ATTRIBUTES = "box attributes"
 NAMES = "spaces in class names"
 PRECISE = "provenance and confidence of boxes"
+HEADING = "unknown headings (boxes get the likelier one)"
 TILT = "roll and pitch of boxes"
 
 
@@ -53,12 +54,12 @@ BOX_WRITERS: Mapping[str, BoxWriting] = MappingProxyType({
     "kitti-object": BoxWriting(
         "KITTI object", "label_2 and calib", write_kitti_object, "kitti",
         ("kitti-object", "label_2/*.txt"),
-        (OBJECTS, "attributes other than truncated and occluded", NAMES),
+        (OBJECTS, "attributes other than truncated and occluded", HEADING, NAMES),
     ),
     "kitti-tracking": BoxWriting(
         "KITTI tracking", "label_02 and calib", write_kitti_tracking, "kitti",
         ("kitti-tracking", "label_02/*.txt"),
-        ("attributes other than levels of truncated and occluded", NAMES),
+        ("attributes other than levels of truncated and occluded", HEADING, NAMES),
     ),
     "nuscenes-boxes": BoxWriting(
         "nuScenes", "tables of boxes", write_nuscenes, "nuscenes",
@@ -66,12 +67,13 @@ BOX_WRITERS: Mapping[str, BoxWriting] = MappingProxyType({
     ),
     "argoverse2": BoxWriting(
         "Argoverse 2", "annotations.feather", write_argoverse, "argoverse",
-        ("argoverse", "annotations.feather"), (ATTRIBUTES,), level=True,
+        ("argoverse", "annotations.feather"), (ATTRIBUTES, HEADING), level=True,
     ),
     "waymo-boxes": BoxWriting(
         "Waymo 2", "lidar_box.parquet", write_waymo, "waymo",
         ("waymo", "lidar_box/*.parquet"),
-        (ATTRIBUTES, "classes other than vehicle, pedestrian, sign and cyclist"), level=True,
+        (ATTRIBUTES, HEADING, "classes other than vehicle, pedestrian, sign and cyclist"),
+        level=True,
     ),
     "sustechpoints": BoxWriting(
         "SUSTechPOINTS", "one label file per frame", write_sustechpoints, "sustechpoints",
@@ -84,7 +86,7 @@ BOX_WRITERS: Mapping[str, BoxWriting] = MappingProxyType({
     ),
     "labelcloud": BoxWriting(
         "labelCloud", "one file per frame", write_labelcloud, "labelcloud",
-        ("labelcloud", "labels/*.json"), (OBJECTS, ATTRIBUTES),
+        ("labelcloud", "labels/*.json"), (OBJECTS, ATTRIBUTES, HEADING),
     ),
     "supervisely": BoxWriting(
         "Supervisely", "an episode with its annotation", write_supervisely, "supervisely",

@@ -113,6 +113,8 @@ class Box(Message):
     """By frame."""
     attributes: dict[AttributeName, AttributeValue]
     provenance: BoxProvenance
+    heading_known: bool
+    """False: the front of the object may also be at the opposite end of the box."""
 
 
 class Lattice(Message):

@@ -52,6 +52,7 @@ class BoxBody(Body):
     poses: Annotated[dict[FrameKey, PoseBody], Field(min_length=1)]
     attributes: Attributes = Field(default_factory=dict)
     provenance: BoxProvenance = "drawn"
+    heading_known: bool = True
     edit: Uuid | None = None
 
 
@@ -73,6 +74,7 @@ class BoxChange(Body):
     poses: dict[FrameKey, PoseChange | None] = Field(default_factory=dict)
     attributes: Merged = Field(default_factory=dict)
     provenance: BoxProvenance | None = None
+    heading_known: bool | None = None
     edit: Uuid | None = None
 
     def asked(self) -> dict[str, Any]:

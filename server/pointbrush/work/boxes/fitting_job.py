@@ -264,13 +264,19 @@ def _first_boxes(boxes: Iterable[OrientedBox]) -> dict[int, OrientedBox]:
 
 def merged(old: OrientedBox | None, label: int, new: FittedBox, request: FitRequest) -> OrientedBox:
     """Make a label's box of a fit and of the box it had: poses of other frames stay, and, unless
-    they are to be redrawn, those that somebody drew, with the size drawn."""
+    they are to be redrawn, those that somebody drew, with the size drawn.  A known heading of the
+    box that it had decides which end of the new one is the front, unless the fit knows it."""
     poses = {
         frame: BoxPose(each.centre, each.quaternion, "fitted", each.confidence)
         for frame, each in new.poses.items()
     }
     if old is None:
-        return OrientedBox(0, label, np.asarray(new.size), poses, provenance="fitted")
+        return OrientedBox(
+            0, label, np.asarray(new.size), poses,
+            provenance="fitted", heading_known=new.front_known,
+        )  # fmt: skip
+    if old.heading_known and not new.front_known and _opposed(old.poses, poses):
+        poses = {frame: _turned_round(pose) for frame, pose in poses.items()}
     fitted_anew = set(request.frames)
     for frame, pose in old.poses.items():
         stays = frame not in fitted_anew or (pose.provenance == "drawn" and not request.redraw)
@@ -284,4 +290,20 @@ def merged(old: OrientedBox | None, label: int, new: FittedBox, request: FitRequ
         size=old.size if keeps else np.asarray(new.size),
         poses=poses,
         provenance=old.provenance if keeps else "fitted",
+        heading_known=old.heading_known or new.front_known,
     )
+
+
+def _opposed(old: Mapping[int, BoxPose], new: Mapping[int, BoxPose]) -> bool:
+    """Tell whether new poses head against the old ones of the nearest frames."""
+    agreement = 0.0
+    for frame, pose in new.items():
+        nearest = old[min(old, key=lambda other: abs(other - frame))]
+        agreement += float(pose.transform[:3, 0] @ nearest.transform[:3, 0])
+    return agreement < 0
+
+
+def _turned_round(pose: BoxPose) -> BoxPose:
+    """Turn a box by 180 degrees about its vertical axis."""
+    x, y, z, w = pose.quaternion
+    return replace(pose, quaternion=np.array([y, -x, w, -z]))

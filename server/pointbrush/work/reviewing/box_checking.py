@@ -45,6 +45,7 @@ class BoxChecker:
         world = _poses(recording, near)
         yield from checks.jumps(names, boxes, world, self._options)
         yield from checks.sizes(names, boxes, self._options)
+        yield from checks.headings(names, boxes)
         yield from checks.overlaps(names, boxes, frames, self._options)
         if not recording.manifest.large:  # said already
             sketches = self._sketches(recording, frames, boxes, unchecked)

@@ -150,6 +150,14 @@ def sizes(names: Names, boxes: Sequence[OrientedBox], options: CheckOptions) -> 
             yield _finding("box_size", text, box, min(box.poses))
 
 
+def headings(names: Names, boxes: Sequence[OrientedBox]) -> Iterator[Finding]:
+    """Yield boxes whose front may also be at the opposite end."""
+    for box in boxes:
+        if not box.heading_known:
+            text = f"the front of the box of “{names[box.label]}” is unknown"
+            yield _finding("box_heading", text, box, min(box.poses))
+
+
 def overlaps(
     names: Names, boxes: Sequence[OrientedBox], frames: range, options: CheckOptions
 ) -> Iterator[Finding]:

@@ -9,12 +9,13 @@ from typing import Literal, get_args
 Kind = Literal[
     "name", "category", "few", "stray", "jump", "unlike", "predicted",
     "box_jump", "box_size", "box_overlap", "box_ground", "box_empty", "box_outside",
+    "box_heading",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 """Two labels of one name; labels without a category; a label of few points; points far from their
 object; a track that jumps; a frame unlike its neighbours; points that a classifier labelled without
 being sure.  A box that jumps or turns about; boxes of one label and two sizes; that share volume;
-off the ground; without points; points of a label outside its box."""
+off the ground; without points; points of a label outside its box; a box whose front is unknown."""
 
 
 @dataclass(frozen=True, slots=True)
