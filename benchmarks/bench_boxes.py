@@ -7,7 +7,9 @@ Every point of an object is its label's ("perfect paint").  Counted is each fram
 which it has ``--least`` points or more.  Printed a source and class: the mean IoU and the share of
 at least .7, of the fit, of today's visible box, and of the visible box that is completed to the
 class's mean size away from the sensor; of what moves, the share whose direction is within 5
-degrees, and how many are turned about; of what stays, how far its box moves from frame to frame.
+degrees; and how many headings count as known, how many of these are reversed, and how many are known
+of those that move over 2 m, or are passed by a moving sensor with poses and have 100 points in a
+frame.
 """
 
 from __future__ import annotations
@@ -26,6 +28,8 @@ from pointbrush.fitting import BUILT_IN, FittedBox, Observation, fit_box, priors
 from pointbrush.formats.exports.boxes import upright_box
 from pointbrush.quaternions import rotation_of
 
+FAR, MANY = 2.0, 100
+"""Metres of motion, and points in a frame, that show the front of a vehicle."""
 VEHICLES = ("car", "van", "truck", "bus")
 
 
@@ -44,6 +48,8 @@ class Row:
     fixed: float
     turned: float
     points: int
+    known: bool
+    passes: bool
 
 
 def visible(each: Observation) -> tuple[Floats, Floats]:
@@ -69,6 +75,7 @@ def completed(each: Observation, category: str) -> tuple[Floats, Floats]:
 
 def measured(case: Case, least: int, made: FittedBox) -> Iterator[Row]:
     """Compare the boxes of an object's frames with the truth."""
+    passes = goes_past(case)
     for each in case.observations:
         truth, pose = case.truths.get(each.frame), made.poses.get(each.frame)
         if truth is None or len(each.xyz) < least:
@@ -84,7 +91,22 @@ def measured(case: Case, least: int, made: FittedBox) -> Iterator[Row]:
             case.source, case.label, each.frame, case.category, case.moves, fit,
             iou_3d(*visible(each), truth.size, truth.T),
             iou_3d(*completed(each, case.category), truth.size, truth.T), turned, len(each.xyz),
+            made.front_known, passes,
         )  # fmt: skip
+
+
+def goes_past(case: Case) -> bool:
+    """Tell whether motion shows the front: the object or the sensor moves ``FAR`` metres."""
+    poses = {each.frame: each.T_world_frame for each in case.observations}
+    placed = [(pose, pose @ case.truths[k].T) for k, pose in poses.items()
+              if pose is not None and k in case.truths]  # fmt: skip
+    if len(placed) < len(case.observations):
+        return False
+    sensor, own = (
+        float(np.linalg.norm(placed[-1][k][:3, 3] - placed[0][k][:3, 3])) for k in range(2)
+    )
+    seen = max(len(each.xyz) for each in case.observations) >= MANY
+    return own > FAR or (sensor > FAR and seen)
 
 
 def summary(name: str, rows: list[Row]) -> None:
@@ -97,10 +119,11 @@ def summary(name: str, rows: list[Row]) -> None:
         line += f"{values.mean():>8.3f}{100 * (values >= 0.7).mean():>5.0f} %"
     moved = np.array([row.turned for row in rows if row.moves])
     if len(moved):
-        line += f"   {100 * (moved < 5).mean():.1f} % within 5°, {int((moved > 120).sum())} about"
-    still = [row.turned for row in rows if row.moves is False]
-    if still:
-        line += f"   still: {int((np.array(still) > 120).sum())} about"
+        line += f"   {100 * (moved < 5).mean():.1f} % within 5°"
+    known = [row for row in rows if row.known]
+    past = [row.known for row in rows if row.passes]
+    line += f"   known {len(known)}, {sum(row.turned > 120 for row in known)} reversed"
+    line += f"; of {len(past)} passed {sum(past)}"
     print(line)
 
 

@@ -65,6 +65,31 @@ def test_what_moves_has_its_front_ahead() -> None:
             assert heading(made, frame) @ ahead > np.cos(np.radians(5))
 
 
+def passing(direction: int, step: float) -> Iterator[Observation]:
+    """A car with a bonnet at one end that a sensor passes, ``step`` metres a frame."""
+    for frame in range(4):
+        seen_now = seen("rfb", 0.0, (9 - step * frame, 4.0), frame)
+        along, height = (seen_now.xyz[:, 0] - (9 - step * frame)) * direction, seen_now.xyz[:, 2]
+        bonnet = (along > 1.0) & (height > 0.9)
+        pose = np.eye(4)
+        pose[0, 3] = step * frame
+        yield replace(seen_now, xyz=seen_now.xyz[~bonnet], T_world_frame=pose)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_car_that_is_passed_heads_to_its_bonnet(direction: int) -> None:
+    made = fit_box(list(passing(direction, 1.0)), priors_of("car"))
+    assert (made.moves, made.front_known) == (False, True)
+    assert heading(made)[0] * direction > 0.99
+
+
+def test_the_front_is_unknown_without_motion_or_shape() -> None:
+    assert not fit_box(list(passing(1, 0.0)), priors_of("car")).front_known
+    unposed = [replace(each, T_world_frame=None) for each in passing(1, 1.0)]
+    assert not fit_box(unposed, priors_of("car")).front_known
+    assert not fit_box(list(drive(0.0)), priors_of("car")).front_known
+
+
 def turning(
     rate: float, start: tuple[float, float], sides: tuple[str, str], points: int
 ) -> Iterator[Observation]:

@@ -7,17 +7,19 @@ What moves is found frame by frame: sides, the path through them, the direction 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.fitting.front import front_of, passed
 from pointbrush.fitting.moving import fit_moving, start_of
 from pointbrush.fitting.observation import Observation, View, views_of
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.parked import Level, fit_still
 from pointbrush.fitting.priors import SizePrior
+from pointbrush.fitting.yaw import upright
 from pointbrush.quaternions import quaternion_of
 
 Floats = NDArray[np.float64]
@@ -64,23 +66,39 @@ def fit_box(
     if not views:
         raise BadInputError(f"points: expected {chosen.least_points} or more in a frame, got fewer")
     if len(views) == 1:
-        return _result(views, fit_still(views, priors, chosen), moves=False)
+        return _still(views, fit_still(views, priors, chosen), posed=False)
     start = start_of(views, posed, priors, chosen)
     if not start.moves and posed:
-        return _result(views, fit_still(views, priors, chosen), moves=False)
-    return _result(views, fit_moving(views, start, priors, chosen), moves=start.moves)
+        return _still(views, fit_still(views, priors, chosen), posed)
+    level = fit_moving(views, start, priors, chosen)
+    if not start.moves:
+        return _still(views, level)
+    gone = float(np.linalg.norm(level.centres[-1] - level.centres[0]))
+    return _result(views, level, moves=True, known=gone > chosen.headed)
 
 
-def _result(views: list[View], level: Level, moves: bool) -> FittedBox:
+def _still(views: list[View], level: Level, posed: bool = False) -> FittedBox:
+    """Turn what does not move to its front; it is known if a sensor with poses passed it."""
+    if level.prior.person:
+        return _result(views, level, moves=False, known=False)
+    seen = [
+        (view.xyz - centre) @ upright(yaw)
+        for view, centre, yaw in zip(views, level.centres, level.yaws, strict=True)
+    ]
+    front = front_of(np.concatenate(seen), level.size)
+    headed = replace(level, yaws=level.yaws + (np.pi if front.direction < 0 else 0.0))
+    return _result(views, headed, moves=False, known=posed and front.sure and passed(views))
+
+
+def _result(views: list[View], level: Level, moves: bool, known: bool) -> FittedBox:
     poses = {}
     for view, centre, yaw, sure in zip(
         views, level.centres, level.yaws, level.confidence, strict=True
     ):
         T = np.eye(4)
-        c, s = np.cos(yaw), np.sin(yaw)
-        T[:2, :2], T[:3, 3] = [[c, -s], [s, c]], centre
+        T[:3, :3], T[:3, 3] = upright(yaw), centre
         T_frame_box = np.linalg.inv(view.T_level_frame) @ T
         poses[view.frame] = FittedPose(
             T_frame_box[:3, 3], quaternion_of(T_frame_box[:3, :3]), float(sure)
         )
-    return FittedBox(level.size, poses, level.prior.name, moves, level.front_known)
+    return FittedBox(level.size, poses, level.prior.name, moves, known)

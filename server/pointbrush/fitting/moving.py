@@ -14,7 +14,6 @@ from pointbrush.fitting.parked import (
     Level,
     best_sides,
     confidence_of,
-    front,
     rays_of,
     shell,
     world_centre,
@@ -108,23 +107,10 @@ def fit_moving(
         path = smooth_path(places, noise, yaws, times, options.acceleration)
     heights = np.array([each.low[2] for each in sides]) + size[2] / 2
     centres = np.column_stack([path, heights])
-    known = start.moves
-    if not known:
-        turns = [
-            front(v.xyz, each, size, prior, options) for v, each in zip(views, sides, strict=True)
-        ]
-        known = any(each[1] for each in turns)
-        votes = sum(
-            1 if abs(float(wrapped(yaw - each[0]))) < 1 else -1
-            for each, yaw in zip(turns, yaws, strict=True)
-            if each[1]
-        )
-        if votes < 0:
-            yaws = yaws + np.pi
     sure = np.array(
         [confidence_of(each, size, len(v.xyz)) for each, v in zip(sides, views, strict=True)]
     )
-    return Level(size, centres, np.asarray(wrapped(yaws)), sure, prior, known)
+    return Level(size, centres, np.asarray(wrapped(yaws)), sure, prior)
 
 
 def _class(start: Start, priors: Sequence[SizePrior]) -> SizePrior:

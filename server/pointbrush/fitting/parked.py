@@ -16,12 +16,6 @@ from pointbrush.fitting.sides import Sides, find_sides, likely_size
 from pointbrush.fitting.yaw import outline_yaws, turn
 
 Floats = NDArray[np.float64]
-CABIN = 0.87
-"""Share of the height above which a vehicle is its cabin or its load, behind its middle."""
-CABIN_POINTS = 10
-"""Points there from which on they tell the front."""
-CABIN_OFF = 0.02
-"""Share of the length by which their middle must be off that of the vehicle."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +28,6 @@ class Level:
     yaws: Floats
     confidence: Floats
     prior: SizePrior
-    front_known: bool
 
 
 def rays_of(views: Sequence[View]) -> tuple[Floats, Floats]:
@@ -52,11 +45,10 @@ def fit_still(views: Sequence[View], priors: Sequence[SizePrior], options: FitOp
     ground = ground_height(xyz, np.concatenate([view.others for view in views]), options)
     eyes, ends = rays_of(views)
     sides, size, prior = best_sides(xyz, eyes, ends, ground, priors, options)
-    yaw, known = front(xyz, sides, size, prior, options)
     centre = world_centre(sides, size, options)
     k = len(views)
     sure = np.full(k, confidence_of(sides, size, len(xyz)))
-    return Level(size, np.tile(centre, (k, 1)), np.full(k, yaw), sure, prior, known)
+    return Level(size, np.tile(centre, (k, 1)), np.full(k, sides.yaw), sure, prior)
 
 
 def best_sides(
@@ -92,26 +84,6 @@ def world_centre(sides: Sides, size: Floats, options: FitOptions) -> Floats:
     middle = sides.middle(size, options.bin_size)
     middle[:2] = turn(sides.yaw) @ middle[:2]
     return np.asarray(middle)
-
-
-def front(
-    xyz: Floats, sides: Sides, size: Floats, prior: SizePrior, options: FitOptions
-) -> tuple[float, bool]:
-    """Decide between a direction and its opposite: a vehicle's cabin is behind its bonnet.
-
-    Yaw, and whether the points say so.
-    """
-    if prior.person:
-        return sides.yaw, False
-    middle = sides.middle(size, options.bin_size)
-    along = (xyz[:, :2] @ turn(sides.yaw))[:, 0] - middle[0]
-    high = along[xyz[:, 2] > sides.low[2] + CABIN * size[2]]
-    if len(high) < CABIN_POINTS:
-        return sides.yaw, False
-    back = float(np.quantile(high, [0.02, 0.98]).mean())
-    if abs(back) < CABIN_OFF * size[0]:
-        return sides.yaw, False
-    return sides.yaw + (np.pi if back > 0 else 0.0), True
 
 
 def confidence_of(sides: Sides, size: Floats, points: int) -> float:

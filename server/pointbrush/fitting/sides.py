@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.priors import SizePrior
 from pointbrush.fitting.rays import count_passing
-from pointbrush.fitting.yaw import turn
+from pointbrush.fitting.yaw import upright
 
 Floats = NDArray[np.float64]
 CERTAIN = 1e3
@@ -125,8 +125,7 @@ def find_sides(
 
     ``eyes`` and ``ends`` (m, 3) are rays; without any each side ends where points do.
     """
-    R = np.eye(3)
-    R[:2, :2] = turn(yaw)
+    R = upright(yaw)
     points = xyz @ R
     mean, spread = np.array(prior.mean), np.array(prior.spread)
     floor = float(points[:, 2].min()) if ground is None else min(ground, points[:, 2].min() + 0.1)

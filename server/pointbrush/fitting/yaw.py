@@ -22,6 +22,13 @@ def turn(yaw: float) -> Floats:
     return np.array([[c, -s], [s, c]])
 
 
+def upright(yaw: float) -> Floats:
+    """Make the rotation (3, 3) by ``yaw`` radians about the vertical."""
+    R = np.eye(3)
+    R[:2, :2] = turn(yaw)
+    return R
+
+
 def wrapped(angle: float | Floats, period: float = 2 * np.pi) -> Floats:
     """Bring angles to half a period round 0."""
     return np.asarray((np.asarray(angle) + period / 2) % period - period / 2)
