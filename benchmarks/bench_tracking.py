@@ -7,7 +7,6 @@
     python benchmarks/bench_tracking.py --kinds street,street-no-poses --frames 15 --methods auto
     python benchmarks/bench_tracking.py --kinds crowd-5hz,crowd-15hz --frames 60 --methods auto
     python benchmarks/bench_tracking.py --real         # lidar scenes in ../shared
-    python benchmarks/bench_tracking.py --ablation     # auto with one idea taken out
 
 Prints for each kind and method: mean IoU over visible object-frames (40 points or more in the
 truth); frames until an object's IoU is first under 0.5, the share of objects where that never
@@ -15,9 +14,9 @@ happens and the share at 0.5 or more in their last visible frame; CPU millisecon
 (one thread), median and p95.  Then calibration: of the frames with confidence over 0.9 the share
 with IoU over 0.8, and how many those are; of the frames with IoU under 0.5 the share that is
 flagged (lost, occluded or confidence under 0.5), and of those over 0.8 the share flagged for
-nothing.  The ablation ends with one table in place of that: what changes without each idea.
-``--draws N`` tracks each recording N times, but for the first with a micrometre of noise: what
-changes then is chance, and so is a change of that size.
+nothing.  ``--draws N`` tracks each recording N times, but for the first with a micrometre of noise:
+what changes then is chance, and so is a change of that size.  ``track_guards.py`` compares two
+commits.
 Open3D and small_gicp are installed for this benchmark only (tracking_peers.py).
 """
 
@@ -33,30 +32,13 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 from collections.abc import Callable, Iterator
-from functools import partial
 
-import numpy as np
-from tracking_ablation import IDEAS, without
 from tracking_peers import PEERS, Peer, peer, stay
-from tracking_recordings import (
-    CROWDS,
-    KINDS,
-    REAL,
-    SCENES,
-    SEEN,
-    STREETS,
-    Frame,
-    crowd,
-    drawn,
-    generated,
-    real,
-    street,
-)
+from tracking_recordings import KINDS, REAL, SCENES, SEEN, Frame, drawn, recorded
 from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS
 from pointbrush.tracking.interface import Method
-from pointbrush.tracking.registry import with_options
 
 OURS = ("icp", "color-icp", "auto")
 ALL = ("nn-copy", *OURS, *PEERS)
@@ -74,28 +56,16 @@ def method_named(name: str) -> Callable[[], Method]:
 
 def recordings(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
     """One at a time: a recording of 120 frames takes two gigabytes."""
-    for frames in _recorded(kind, given):
+    for seed in [0] if kind in SCENES else map(int, given.seeds.split(",")):
+        frames = recorded(kind, seed, given.frames, given.every, given.seen)
         for number in range(given.draws):
             yield drawn(frames, number)
-
-
-def _recorded(kind: str, given: argparse.Namespace) -> Iterator[list[Frame]]:
-    if kind in SCENES:
-        yield real(kind)
-        return
-    for seed in given.seeds.split(","):
-        if kind in STREETS:
-            yield street(kind, int(seed), given.frames)
-        elif kind in CROWDS:
-            yield crowd(kind, int(seed), given.frames)
-        else:
-            yield generated(kind, int(seed), given.frames, given.every, given.seen)
 
 
 def measure(
     kind: str, given: argparse.Namespace, makers: dict[str, Callable[[], Method]]
 ) -> dict[str, Score]:
-    """The score of each method, or of ``auto`` without each idea, over all seeds."""
+    """The score of each method over all seeds."""
     scores = {name: Score() for name in makers}
     for frames in recordings(kind, given):
         for name, make in makers.items():
@@ -125,16 +95,11 @@ def main() -> None:
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--seen", default="camera", choices=SEEN)
     parser.add_argument("--real", action="store_true")
-    parser.add_argument("--ablation", action="store_true")
     given = parser.parse_args()
     kinds = given.kinds.split(",")
     if given.real:
         kinds = [scene for scene in SCENES if (REAL / scene).is_dir()]
-    if given.ablation:
-        makers = {f"without {idea}": partial(with_options, without(idea)) for idea in IDEAS}
-        makers, absent = {"auto": METHODS["auto"], **makers}, {}
-    else:
-        makers, absent = ready(given.methods.split(","))
+    makers, absent = ready(given.methods.split(","))
     print("| kind | method | IoU | frames until < 0.5 | never | at the end | ms | p95 |")
     print("|---|---|---|---|---|---|---|---|", flush=True)
     scores: dict[str, dict[str, Score]] = {}
@@ -144,22 +109,9 @@ def main() -> None:
             print(f"| {kind} | {name} | {score.quality()} |", flush=True)
         for name, why in absent.items():
             print(f"| {kind} | {name} | not measured: {why} |", flush=True)
-    if given.ablation:
-        ablation(scores)
-        return
     if len(kinds) > 1:
         scores["all"] = {name: together(s[name] for s in scores.values()) for name in makers}
     calibration(scores)
-
-
-def ablation(scores: dict[str, dict[str, Score]]) -> None:
-    """Print what changes without each idea, kind by kind; nothing where no label does."""
-    print("\n| | " + " | ".join(scores) + " |\n|---" + "|---" * len(scores) + "|")
-    whole = {kind: of["auto"] for kind, of in scores.items()}
-    print("| `auto` | " + " | ".join(f"{np.mean(s.iou):.3f}" for s in whole.values()) + " |")
-    for idea in IDEAS:
-        cells = [of[f"without {idea}"].change(whole[kind]) for kind, of in scores.items()]
-        print(f"| {idea} | " + " | ".join(cells) + " |")
 
 
 def calibration(scores: dict[str, dict[str, Score]]) -> None:

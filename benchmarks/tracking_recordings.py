@@ -35,9 +35,10 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
 MORE: dict[str, tuple[str, dict[str, Any]]] = {"boxes": ("walking", {"people": 2, "boxes": 2})}
 """Kinds that are measured when they are named: two people who pass two turning boxes."""
 
-STREETS = ("street", "street-no-poses", "drive")
-"""A 48-beam lidar on a car, from the ray-caster of the tests, with its poses and without; a 64-beam
-one of the samples, among parked vehicles, with its poses."""
+STREETS = ("street", "street-no-poses", "street-16-beams", "drive")
+"""A 48-beam lidar on a car, from the ray-caster of the tests, with its poses and without; one of 16
+beams; a 64-beam one of the samples, among parked vehicles, with its poses."""
+FEW_BEAMS = 16
 
 CROWDS = {"crowd-5hz": 5.0, "crowd-15hz": 15.0}
 """Kind of crowded room -> frames a second; three, four or five people, by the seed."""
@@ -82,6 +83,26 @@ def _seen(frame: Frame, how: str, rng: np.random.Generator) -> Frame:
     return frame
 
 
+def recorded(kind: str, seed: int, count: int, every: int = 1, seen: str = "camera") -> list[Frame]:
+    """``count`` frames of any kind, or of a recording whose path is the ``kind``."""
+    if kind.endswith(".npz"):
+        return stored(Path(kind), count)
+    if kind in SCENES:
+        return real(kind)
+    if kind in STREETS:
+        return street(kind, seed, count)
+    if kind in CROWDS:
+        return crowd(kind, seed, count)
+    return generated(kind, seed, count, every, seen)
+
+
+def stored(path: Path, count: int) -> list[Frame]:
+    """The first ``count`` frames of a recording in one file, as in shared/recordings."""
+    d = np.load(path)
+    parts = ("xyz", "rgb", "truth", "viewpoint")
+    return _with_trees([Frame(*(d[f"{i}_{part}"] for part in parts)) for i in range(count)])
+
+
 def generated(
     kind: str, seed: int, count: int, every: int = 1, seen: str = "camera"
 ) -> list[Frame]:
@@ -118,11 +139,12 @@ def street(kind: str, seed: int, count: int) -> list[Frame]:
     sys.path.append(str(Path(__file__).parent.parent / "tests" / "tracking"))
     import scenes
 
-    told = kind == "street"
+    beams = {"beams": FEW_BEAMS} if kind == "street-16-beams" else {}
+    posed = kind != "street-no-poses"
     return _with_trees(
         [
-            Frame(f.xyz, None, f.truth, f.viewpoint, f.pose if told else None)
-            for f in scenes.street(seed, count)
+            Frame(f.xyz, None, f.truth, f.viewpoint, f.pose if posed else None)
+            for f in scenes.street(seed, count, **beams)
         ]
     )
 

@@ -16,8 +16,6 @@ LEAST = 40
 """Points in the truth from which an object counts as visible."""
 SURVIVING, GOOD = 0.5, 0.8
 """IoU under which an object is lost, and over which it is good."""
-SOME = 0.02
-"""Share of the good ones by which those flagged for nothing change notably."""
 
 
 @dataclass
@@ -93,28 +91,6 @@ class Score:
             f"{_share(iou[sure] > GOOD)} | {np.mean(sure):.2f} "
             f"| {_share(flagged[bad])} | {_share(flagged[iou > GOOD])}"
         )
-
-    def change(self, before: Score) -> str:
-        """A cell: how the IoU differs from that of ``before``, and what else does notably."""
-        if self.iou == before.iou and self.confidence == before.confidence:
-            return ""
-        cell = f"{np.mean(self.iou) - np.mean(before.iou):+.3f}"
-        was, now = np.mean(before.survived), np.mean(self.survived)
-        if was != now:
-            cell += f"; never lost {was:.2f} → {now:.2f}"
-        had, have = before._flagged(0.0, SURVIVING), self._flagged(0.0, SURVIVING)
-        if had != have:
-            cell += f"; bad {had[1]} → {have[1]}, flagged {had[0]} → {have[0]}"
-        had, have = before._flagged(GOOD, np.inf), self._flagged(GOOD, np.inf)
-        if abs(have[0] - had[0]) > SOME * had[1]:
-            cell += f"; good flagged {had[0]} → {have[0]}"
-        return cell
-
-    def _flagged(self, least: float, most: float) -> tuple[int, int]:
-        """How many are flagged of those with an IoU in between, and how many those are."""
-        iou = np.array(self.iou)
-        some = (iou >= least) & (iou < most)
-        return int(np.array(self.flagged)[some].sum()), int(some.sum())
 
 
 class _StepClock:

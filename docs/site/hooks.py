@@ -23,7 +23,6 @@ WIDE = (
     "headset-devices.md",
     "options.md",
     "roles.md",
-    "tracking-ablation.md",
 )
 """Pages of tables that take the room of the contents beside them."""
 ABOVE = {

@@ -1,25 +1,26 @@
-"""Small recordings that need a rule of the tracker: without it their labels get worse.
-
-``benchmarks/tracking_ablation.py`` names the rules, and how each is taken out.
-"""
+"""Small recordings that need a rule of the tracker: without it their labels get worse."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 import scenes
 from guards import recordings
 
-from benchmarks.tracking_ablation import without
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.interface import Method
+from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.registry import with_options
 
 LEAST = 40
 """Points in the truth from which an object counts as visible."""
+NEVER = 1e9
+"""More than any share or ratio that occurs."""
 
 
 def overlap(frames: list[scenes.Frame], method: Method) -> float:
@@ -46,17 +47,28 @@ def shot(recording: Callable[[], list[scenes.Frame]]) -> tuple[list[scenes.Frame
 
 
 @pytest.mark.parametrize(
-    ("idea", "recording", "loss"),
+    ("rule", "without", "recording", "loss"),
     [
-        ("hardly before the scene", recordings.pushed_aside, 0.05),
-        ("whole frame searched", recordings.pushed_aside, 0.05),
-        ("motion", recordings.pushed_aside, 0.03),
-        ("surface beside", recordings.thrown, 0.1),
-        ("people together", scenes.passing, 0.02),
+        (
+            "points hardly before the scene",
+            {"background": {"faint_sigmas": 3.0}},
+            recordings.pushed_aside,
+            0.05,
+        ),
+        ("whole frame searched", {"relocate": {"doubt": NEVER}}, recordings.pushed_aside, 0.05),
+        ("motion", {"search": {"remembered_poses": 1}}, recordings.pushed_aside, 0.03),
+        ("surface beside", {"register": {"excess_cost": 0.0}}, recordings.thrown, 0.1),
+        ("people together", {"body": {"limb_m": 0.0}}, scenes.passing, 0.02),
     ],
 )
 def test_labels_get_worse_without_a_rule(
-    idea: str, recording: Callable[[], list[scenes.Frame]], loss: float
+    rule: str,
+    without: dict[str, dict[str, Any]],
+    recording: Callable[[], list[scenes.Frame]],
+    loss: float,
 ) -> None:
     frames, whole = shot(recording)
-    assert overlap(frames, with_options(without(idea))) < whole - loss
+    options = TrackerOptions()
+    changed = {group: replace(getattr(options, group), **v) for group, v in without.items()}
+    method = with_options(replace(options, **changed))
+    assert overlap(frames, method) < whole - loss, rule

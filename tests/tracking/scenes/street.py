@@ -15,8 +15,8 @@ CARS, WALKERS = 7, 4
 LEVEL = np.eye(3)
 
 
-def street(seed=0, frames=20, ego=True, rate=10.0) -> list[Frame]:
-    """Cars 1 to 7 and walkers 20 to 23 before 48 beams, in the sensor's coordinates with poses."""
+def street(seed=0, frames=20, ego=True, rate=10.0, beams=48) -> list[Frame]:
+    """Cars 1 to 7 and walkers 20 to 23 before a lidar, in its coordinates with poses."""
     rng = np.random.default_rng(seed)
     scenery = _houses_and_posts(rng)
     cars = _cars(rng, frames / rate)
@@ -32,7 +32,7 @@ def street(seed=0, frames=20, ego=True, rate=10.0) -> list[Frame]:
             at, heading = np.array([x + speed * time, 0, z]), np.pi / 2 * np.sign(speed)
             parts += person(label, at, heading, 8 * time, (90, 90, 200))
         origin = np.array([0, 1.9, SPEED * time if ego else 0.0])
-        seen = Camera(Sensor(900, 48, spherical=True, origin=origin), scenery).shoot(parts, rng)
+        seen = Camera(Sensor(900, beams, spherical=True, origin=origin), scenery).shoot(parts, rng)
         pose = np.eye(4)
         pose[:3, 3] = origin
         out.append(
