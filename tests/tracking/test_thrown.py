@@ -172,6 +172,30 @@ def test_an_arm_that_goes_on_beyond_where_it_was_looked_for_is_no_part_of_what_h
     assert flight.given.isolated == isolated
 
 
+@pytest.mark.parametrize(
+    ("held", "frames_alone", "whole"),
+    [
+        (False, 0, True),
+        (True, 0, False),  # a hand hardly turns: it was there in the last frame too
+        (False, OPTIONS.growth.known_frames, False),  # its length is known
+    ],
+)
+def test_a_thing_painted_end_on_gets_its_length_once_that_shows(
+    held: bool, frames_alone: int, whole: bool
+) -> None:
+    flight = Flight(upper=True)
+    track, view, own = flight.track, flight.view, flight.core.indices
+    truth = np.flatnonzero(view.frame.truth == 1)
+    flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.3))
+    track.size, track.frames_alone = 0.3 * len(truth), frames_alone
+    if held:
+        missed = np.setdiff1d(truth, flight.core.indices)
+        track.other_movers = rivals_of(flight, view, missed, beside=False)
+    grown = flight.grown()
+    assert flight.given.end_on == flight.given.isolated == whole
+    assert (len(grown) + len(flight.core.indices) > 0.9 * len(truth)) == whole
+
+
 def test_a_hand_that_catches_a_thing_is_not_its_though_its_arm_is_hidden() -> None:
     at = np.array([0.3, 1.2, 1.87])
     beside, wrist = at + [0.05, 0, 0], at + [0.07, 0, -0.2]

@@ -139,6 +139,8 @@ class Track:
     """The most points that it had."""
     usual_cost: float
     """Mean distance of its points to the model where it was alone in the air, in reaches."""
+    frames_alone: int = 0
+    """Frames in which it was alone in the air."""
     extent: float = 0.0
     """Metres, the greatest radius that it had."""
     frames_unseen: int = 0

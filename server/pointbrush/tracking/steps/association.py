@@ -71,6 +71,8 @@ class LabelledPoints:
     """See ``Association``; also what may be another's."""
     isolated: bool = False
     """The moving points that hang together there are the object and nothing else."""
+    end_on: bool = False
+    """An end of it was painted, and now all of its length shows."""
     rim: I64 = field(default_factory=no_points)
     """Its points in this frame of which it learns nothing."""
     beside: I64 | None = None

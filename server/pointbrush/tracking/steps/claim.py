@@ -236,11 +236,11 @@ def without(free: Mask, claims: Iterable[Claim]) -> Mask:
     return left
 
 
-def cut_off(view: View, rest: I64, unit: float) -> bool:
+def cut_off(view: View, rest: I64, unit: float, by: Mask | None = None) -> bool:
     """Whether something nearer to the sensor hides how the points ``rest`` go on.
 
     What ends where the outline of something before it begins may go on behind that.  ``unit``
-    metres of tolerance.
+    metres of tolerance; ``by`` (cells + 1,) pixels that may hide them, by default all.
     """
     options = view.options.claim
     if view.lens is None or not len(rest):
@@ -251,4 +251,6 @@ def cut_off(view: View, rest: I64, unit: float) -> bool:
     around = np.clip(cell[rest][:, None] + steps, 0, len(view.depth) - 1)
     with np.errstate(invalid="ignore"):
         nearer = view.depth[around] < depth[rest][:, None] - options.hiding_units * unit
+    if by is not None:
+        nearer &= by[around]
     return float(nearer.any(axis=1).mean()) > options.hiding_share

@@ -113,6 +113,7 @@ def _with_new(
             found,
             neutral=np.concatenate([found.neutral, component.neutral]),
             isolated=component.isolated,
+            end_on=component.end_on,
         )
         if component.points is not None:
             return replace(found, grown=component.points)
@@ -207,6 +208,7 @@ class ClosedComponent:
 
     points: I64 | None
     isolated: bool = False
+    end_on: bool = False
     neutral: I64 = field(default_factory=no_points)
 
 
@@ -236,13 +238,38 @@ def closed_component(
     along = len(new) <= most or (
         was_there(track, view, new, step_of(track, fit)).mean() >= options.along_share
     )
-    if not along:
-        return ClosedComponent(None)
+    neutral = new[~before] if along else new[:0]
     if taken[new].any():
-        return ClosedComponent(None, neutral=new[~before])
-    if not _may_be_a_hand(track, view, fit, core, new, before):
+        return ClosedComponent(None, neutral=neutral)
+    if along and not _may_be_a_hand(track, view, fit, core, new, before):
         return ClosedComponent(new, isolated=True)
-    return ClosedComponent(None, neutral=new[~before])
+    if _painted_end_on(track, view, core, new, before):
+        return ClosedComponent(new, isolated=True, end_on=True)
+    return ClosedComponent(None, neutral=neutral)
+
+
+def _painted_end_on(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
+    """Test whether ``new`` surface (M,) is the length of an object of which an end was painted.
+
+    It makes a moving object, not yet seen alone often enough, much longer, and ends all round.  A
+    hand goes on behind something else than the object, or most of it was there in the last frame,
+    unlabelled, as ``before`` (M,) of the new surface was.
+    """
+    options = track.options.growth
+    known = track.frames_alone >= options.known_frames or track.motion.slow(track.unit)
+    if view.lens is None or known:
+        return False
+    whole = np.concatenate([core, new])
+    if cut_off(view, new, track.unit, ~view.marked(whole)):
+        return False
+    if _share_there(track, view, new, before) >= options.was_there_share_open:
+        return False
+    return _length(view, whole) > options.end_on_ratio * _length(view, core)
+
+
+def _length(view: View, points: I64) -> float:
+    """Standard deviation (m) of ``points`` (M,) along the direction in which they are longest."""
+    return float(np.sqrt(np.linalg.norm(np.cov(view.xyz[points].T), 2)))
 
 
 def _searched(
@@ -264,7 +291,9 @@ def _searched(
     flies = view.lens is not None and not (track.motion.fresh or slow)
     reach = options.step_units * track.unit
     most = len(near) if flies else most
-    return near, Limits(reach, options.max_steps, most, lo + reach, hi - reach)
+    known = track.frames_alone >= options.known_frames
+    steps = options.max_steps if known else options.max_steps_unknown
+    return near, Limits(reach, steps, most, lo + reach, hi - reach)
 
 
 def _may_be_a_hand(

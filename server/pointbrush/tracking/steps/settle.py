@@ -157,6 +157,7 @@ def _trust(
     if isolated and observation.fit.cost < options.update.teach_cost:
         more = features.cost - track.usual_cost
         track.usual_cost += options.update.usual_cost_rate * more
+        track.frames_alone += 1
     regain = options.confidence.regain_scanned if track.scanned else options.confidence.regain
     track.astray = (track.astray and not isolated) or (
         strays and (not isolated or bool(observation.view.people))

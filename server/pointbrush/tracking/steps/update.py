@@ -134,6 +134,8 @@ def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim
     reach = (
         options.new_surface_units if given.isolated or track.scanned else options.teach_units
     ) * track.unit
+    if given.end_on:
+        reach = track.options.track.tall_m
     now = number[found.nearest]
     kept = (now >= 0) & (found.gap < reach)
     rest = np.concatenate([found.indices[~kept], given.grown])
