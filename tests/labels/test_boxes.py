@@ -252,7 +252,7 @@ def test_headings_that_an_earlier_version_fitted_become_unknown(
     removed = labelled.boxes.add(SEQUENCE, "ann", fitted).box.id
     labelled.boxes.remove(SEQUENCE, "ann", removed)
     labelled.close()
-    downgrade(url, "0021")
+    downgrade(url, "0022")
     with closing(LabelStore(url)) as opened:
         assert {n: box["heading_known"] for n, box in boxes(opened).items()} == {
             drawn: True, kept: False,

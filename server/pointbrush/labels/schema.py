@@ -35,7 +35,7 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
-HEAD = "0022"
+HEAD = "0023"
 """The migration that these tables are at."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
