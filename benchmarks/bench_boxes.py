@@ -7,9 +7,9 @@ Every point of an object is its label's ("perfect paint").  Counted is each fram
 which it has ``--least`` points or more.  Printed a source and class: the mean IoU and the share of
 at least .7, of the fit, of today's visible box, and of the visible box that is completed to the
 class's mean size away from the sensor; of what moves, the share whose direction is within 5
-degrees; and how many headings count as known, how many of these are reversed, and how many are known
-of those that move over 2 m, or are passed by a moving sensor with poses and have 100 points in a
-frame.
+degrees; and how many headings count as known, how many of these are reversed, and how many are
+known of those that move over 2 m, or are passed by a moving sensor with poses and have 100 points
+in a frame.
 """
 
 from __future__ import annotations
