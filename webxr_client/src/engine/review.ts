@@ -25,6 +25,9 @@ const unsureText = computed(() => {
   return doubtful.map(([label]) => label).join(' ');
 });
 
+/** The words before the names of doubtful labels. */
+export const DOUBTFUL_HERE = 'Doubtful here';
+
 /** Labels that are doubtful or lost in the frame at which time stands. */
 export const unsure: ReadonlySignal<readonly number[]> = computed(() =>
   unsureText.value ? unsureText.value.split(' ').map(Number) : [],
@@ -108,7 +111,7 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   actions.goToObject(label, frame);
   notify(
     'info',
-    `Doubtful here: ${namesOf([label])}`,
+    `${DOUBTFUL_HERE}: ${namesOf([label])}`,
     'Correct it with a stroke or confirm it, then continue.',
   );
 }

@@ -1,6 +1,6 @@
 /** A doubtful frame and the stretch round it, or a run that stopped for doubt: what can be done. */
 import { actions } from '../../store/actions';
-import { halted, namesOf, stretch, type Stretch, unsure } from '../../engine/review';
+import { DOUBTFUL_HERE, halted, namesOf, stretch, type Stretch, unsure } from '../../engine/review';
 import { canEdit, canReview, state, trackingJob } from '../../store/state';
 import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
@@ -46,7 +46,7 @@ function Continue({ doubtful }: { doubtful: boolean }) {
 }
 
 function textOf(labels: readonly number[], found: Stretch | null): string {
-  if (labels.length > 0) return `Doubtful here: ${namesOf(labels)}`;
+  if (labels.length > 0) return `${DOUBTFUL_HERE}: ${namesOf(labels)}`;
   return found ? `Doubtful nearby: ${namesOf(found.labels)}` : 'Not doubtful here';
 }
 

@@ -1,6 +1,7 @@
 /** Urgent notices before the eyes: connection, controllers, messages, refusals. */
 import { Group, Vector3 } from 'three';
 import { plural } from '../../common/format';
+import { DOUBTFUL_HERE } from '../../engine/review';
 import { state } from '../../store/state';
 import { faceEyes } from '../drawing/facing';
 import type { Rig } from '../moving/rig';
@@ -35,7 +36,8 @@ export class Hud {
       follow(() => void (this.text = standing())),
       follow(() => {
         const notice = state.notices.value.at(-1);
-        if (notice) this.say(noticeText(notice));
+        // The question beside the object says it.
+        if (notice && !notice.title.startsWith(DOUBTFUL_HERE)) this.say(noticeText(notice));
       }),
     ];
     this.unfollow = () => {
