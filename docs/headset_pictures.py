@@ -69,7 +69,7 @@ def hold(headset: Headset) -> None:
 def pages(headset: Headset) -> Image.Image:
     """Return the pages of the palette side by side, as they are drawn."""
     shown = []
-    for name in ("Labels", "Tools", "View", "Comfort"):
+    for name in ("Labels", "Tools", "View", "Fit boxes", "Work"):
         headset.click("palette", name)
         shown.append(panel(headset))
     headset.click("palette", "Labels")

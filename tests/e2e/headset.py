@@ -113,6 +113,31 @@ class Headset(Desk):
         seen = self.ask("hs.frames()")
         self.until(f"hs.frames() >= {seen + count}")
 
+    def hides_model(self, panel: str) -> bool:
+        """Whether a panel is before the recording's box, or behind it, for the eyes."""
+        value: bool = self.ask(
+            f"""(() => {{
+              const {{ viewer }} = pb.engine, {{ rig }} = hs.headset.cockpit;
+              const seen = (places) => {{
+                const to = places.map(([x, y, z]) => rig.headInRig.clone().set(x, y, z));
+                for (const way of to) way.sub(rig.headInRig);
+                const across = to.map(({{ x, z }}) => Math.atan2(x, -z));
+                const up = to.map(({{ x, y, z }}) => Math.atan2(y, Math.hypot(x, z)));
+                return [across, up].map((angles) => [Math.min(...angles), Math.max(...angles)]);
+              }};
+              const ends = viewer.bounds(pb.state.sequence.value), pick = [0, 1];
+              const corners = pick.flatMap((i) => pick.flatMap((j) => pick.map((k) => {{
+                const at = viewer.world.localToWorld(
+                  ends[0].clone().set(ends[i].x, ends[j].y, ends[k].z));
+                return rig.group.worldToLocal(at).toArray();
+              }})));
+              const edges = pick.flatMap((u) => pick.map((v) => hs.onPanel('{panel}', u, v).at));
+              const [model, board] = [seen(corners), seen(edges)];
+              return pick.every((k) => model[k][0] < board[k][1] && board[k][0] < model[k][1]);
+            }})()"""
+        )
+        return value
+
     # ── hands ────────────────────────────────────────────────────────────────────────────
 
     def move(self, hand: str, at: list[float], to: list[float] | None = None) -> None:

@@ -39,7 +39,7 @@ def test_a_face_and_the_whole_box_follow_the_hand(
     headset: Headset, server: LiveServer, bare: bool
 ) -> None:
     headset.until("pb.state.activeLabel.value === 1")
-    headset.click("palette", "Boxes")
+    headset.click("palette", "Fit boxes")
     headset.click("palette", "Grab boxes")
     if bare:
         headset.lay_down_controllers()

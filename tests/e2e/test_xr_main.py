@@ -244,7 +244,7 @@ def test_makes_chooses_locks_and_picks_labels(
     headset.settled()
     assert painted(server, 0, 1) == count
     # A locked label refuses, says so, and bumps.
-    headset.click("palette", "unlock")
+    headset.click("palette", "Lock")
     headset.until("pb.state.palette.value[0].locked")
     before = painted(server, 0, 1)
     headset.pulses()

@@ -17,7 +17,7 @@ from playwright.sync_api import Browser
 from tests.e2e.conftest import DATA
 from tests.e2e.headset import QUEST, VIVE, Headset, wear
 from tests.e2e.inputs import Input, inject
-from tests.e2e.recording import PERSON, SEQUENCE
+from tests.e2e.recording import PERSON, SEQUENCE, put_dust
 from tests.e2e.server import LiveServer
 from tests.waiting import eventually
 
@@ -25,7 +25,10 @@ from tests.waiting import eventually
 PHONE = "new IWER.XRDevice({ ...IWER.metaQuest3, name: 'Phone' }, { fovy: Math.PI / 3 })"
 LEFT, RIGHT = [-0.2, 1.25, -0.5], [0.26, 1.35, -0.45]
 OTHER_PERSON = 8
-MOST, LEAST_CAPITAL, LEAST_TARGET = 0.15, 1.0, 2.5
+MOST_WITH_HINTS, MOST_AT_REST, MOST_IN_DOUBT = 0.15, 0.03, 0.12
+LEAST_CAPITAL, LEAST_TARGET = 1.0, 2.5
+# Devices on which a run is made to stop.
+DOUBTING = ("quest", "one wand", "hands")
 
 # Panels, signs and hints alone are drawn, on a colour that nothing has.
 BARE = """(() => {
@@ -51,7 +54,13 @@ SEEN = """((eye, places) => {
 
 def hold(headset: Headset) -> None:
     headset.move("left", LEFT)
-    headset.move("right", RIGHT, [0.5, 1.75, -1.5])
+    headset.move("right", RIGHT, [0.5, 1.9, -1.5])
+
+
+def with_one_wand(headset: Headset) -> None:
+    hold(headset)
+    headset.ask("(device.controllers.left.connected = false)")
+    headset.until("hs.headset.cockpit.panels.hangs")
 
 
 def with_hands(headset: Headset) -> None:
@@ -95,7 +104,7 @@ def by_gaze(headset: Headset, panel: str) -> None:
 
 DEVICES = {
     "quest": (QUEST, (960, 480), hold, by_ray),
-    "vive": (VIVE, (960, 480), hold, by_ray),
+    "one wand": (VIVE, (960, 480), with_one_wand, by_ray),
     "hands": (QUEST, (960, 480), with_hands, by_ray),
     "look and pinch": (QUEST, (960, 480), with_nothing, by_press("transient-pointer")),
     "gaze": (QUEST, (960, 480), with_nothing, by_gaze),
@@ -184,6 +193,36 @@ def check_handle(headset: Headset, panel: str) -> None:
         eventually(lambda eye=eye: in_sight(eye))
 
 
+def check_words(headset: Headset, panel: str) -> None:
+    """Words in every corner of a panel, and all that answers on it, are large enough."""
+    eyes = headset.ask("hs.headset.cockpit.rig.headInRig.toArray()")
+    for u, v in ((0.03, 0.04), (0.97, 0.04), (0.03, 0.96), (0.97, 0.96)):
+        assert headset.ask(f"hs.capital('{panel}', {u}, {v})") >= LEAST_CAPITAL
+    for area in headset.ask(f"hs.areas('{panel}')"):
+        for ends in (((0.5, 0), (0.5, 1)), ((0, 0.5), (1, 0.5))):
+            one, other = (place(headset, panel, area, *end) for end in ends)
+            assert angle(one, other, eyes) >= LEAST_TARGET, area["name"]
+
+
+def check_doubt(headset: Headset, server: LiveServer, begin: Callable[[Headset], None]) -> None:
+    """A run that stops asks in little of the picture, in words and with answers of a good size."""
+    put_dust(server)
+    headset.until("pb.state.timeline.value.rows.get(1)?.points[0] === 60")
+    headset.click("timeline", "To end")
+    headset.until("hs.doubt().halted !== null && hs.open('question')")
+    begin(headset)
+    folded = "!hs.open('palette') && !hs.open('timeline') && hs.areas('question').length > 2"
+    headset.until(folded)
+    check_words(headset, "question")
+    headset.ask(BARE)
+    headset.ask(WITHOUT_HINTS)
+    headset.ask("pb.setDrawing(true)")
+    headset.frames(3)
+    for hidden in covered(headset):
+        assert 0.01 < hidden.mean() <= MOST_IN_DOUBT
+    headset.ask("pb.setDrawing(false)")
+
+
 @pytest.mark.parametrize("name", DEVICES)
 def test_panels_take_little_room_until_they_are_called(
     browser: Browser, server: LiveServer, name: str
@@ -202,11 +241,12 @@ def test_panels_take_little_room_until_they_are_called(
         check_handle(headset, panel)
     check_hints(headset)
     for hidden in covered(headset):
-        assert 0.001 < hidden.mean() <= MOST
+        assert 0.001 < hidden.mean() <= MOST_WITH_HINTS
     # Hints go once they are learnt: panels alone never hide what is to be painted.
     headset.ask(WITHOUT_HINTS)
     headset.frames(2)
     for eye, hidden in enumerate(covered(headset)):
+        assert 0.001 < hidden.mean() <= MOST_AT_REST
         x, y = (seen(headset, eye, low) * hidden.shape[::-1]).astype(int).T
         inside = (x >= 0) & (x < hidden.shape[1]) & (y >= 0) & (y < hidden.shape[0])
         assert hidden[y[inside], x[inside]].sum() <= 0.02 * len(low)
@@ -215,5 +255,8 @@ def test_panels_take_little_room_until_they_are_called(
     # Nothing points at it any more, and one looks ahead.
     check_handle(headset, "timeline")
     call(headset, "palette")
+    check_words(headset, "palette")
+    if name in DOUBTING:
+        check_doubt(headset, server, begin)
     headset.context.close()
     assert headset.complaints == []

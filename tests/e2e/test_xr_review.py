@@ -81,7 +81,7 @@ def test_boxes_trails_and_ghost_are_drawn_and_switched_in_the_palette(
     headset.click("palette", "Label boxes")
     headset.until("hs.overlays().boxes === 1")
     headset.click("palette", "Labels")
-    headset.click("palette", "eye")
+    headset.click("palette", "Hide")
     headset.until("hs.overlays().boxes === 0")
 
 
@@ -274,7 +274,12 @@ def test_a_run_stops_where_it_is_unsure_is_mended_by_a_stroke_and_goes_on(
 def test_a_doubtful_frame_is_accepted_and_the_run_goes_on_when_asked(
     headset: Headset, server: LiveServer
 ) -> None:
+    headset.click("palette", "View")
+    headset.click("palette", "Doll")
     stop_unsure(headset, server)
+    # The question is beside the whole model.
+    headset.until("hs.open('question')")
+    assert not headset.hides_model("question")
     found = painted(server, 1)
     headset.click("question", "Confirm")
     headset.until("hs.doubt().unsure.length === 0")
@@ -336,7 +341,7 @@ def test_only_what_changes_is_felt_and_a_lock_is_a_bump(
     headset.settled()
     headset.frames()
     assert felt(headset) == []
-    headset.click("palette", "unlock")
+    headset.click("palette", "Lock")
     headset.until("pb.state.palette.value[0].locked")
     headset.until("window.pulses.some((pulse) => pulse.strength === 1)")
 

@@ -130,9 +130,9 @@ def test_a_ray_goes_through_when_told_to(
 
 def test_how_the_recording_is_shown_and_where_one_stands(headset: Headset) -> None:
     rig = "hs.headset.cockpit.rig"
-    headset.click("palette", "solo")
+    headset.click("palette", "Solo")
     headset.until("pb.state.solo.value === 1")
-    headset.click("palette", "solo")
+    headset.click("palette", "Solo")
     headset.until("pb.state.solo.value === null")
     headset.click("palette", "View")
     headset.click("palette", "Labels over colour")
@@ -178,12 +178,22 @@ def test_how_the_recording_is_shown_and_where_one_stands(headset: Headset) -> No
     headset.click("palette", "Timeline")
     headset.until("hs.open('timeline')")
     assert abs(headset.ask(f"{panels}.timeline.mesh.matrix.elements[12]")) < 0.1
-    # The palette is put away and called, and hangs in the timeline's place once its hand is gone.
+    # The palette is put away and called, and hangs before the timeline once its hand is gone.
     headset.click("palette", "Put away")
     headset.until(f"{panels}.palette.folded")
     headset.ask("(device.controllers.left.connected = false)")
+    headset.call("timeline")
+    headset.until(f"{panels}.hangs && {panels}.palette.mesh.visible && hs.open('timeline')")
+    # Its handle is seen below the timeline, both at hand.
+    down = f"""(([x, y, z], eyes = {rig}.headInRig) =>
+      Math.atan2(eyes.y - y, Math.hypot(x - eyes.x, z - eyes.z)))"""
+    handle = "hs.areas('palette')[0].y"
+    headset.until(
+        f"{down}(hs.onPanel('palette', 0.5, {handle}).at)"
+        f" > {down}(hs.onPanel('timeline', 0.3, 1).at)"
+    )
     headset.click("timeline", "Palette")
-    headset.until(f"hs.open('palette') && {panels}.hangs && {panels}.palette.mesh.visible")
+    headset.until(f"hs.open('palette') && {panels}.hangs && hs.open('timeline')")
     headset.click("palette", "Tools")
     headset.click("palette", "Erase")
     headset.until("pb.state.tool.value === 'erase'")

@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
-import { contrast, LABEL_COLORS } from '../../common/colors';
+import { contrast, inkOn, LABEL_COLORS } from '../../common/colors';
 import { DARK_INK, HIDDEN, LIGHT_INK } from '../../panels/timeline/draw';
 import { degrees, LEAST_DEGREES, SIZES } from './sizes';
-import { INK, LIGHT } from './ui';
+import { GLASS, INK, LIGHT } from './ui';
 
 type Color = `#${string}`;
 
@@ -22,24 +22,39 @@ const WORDS = {
   raised: ['text', 'quiet', 'off', 'warn'],
   on: ['onText', 'warn'],
 } as const;
-const LINES = ['line', 'edge'];
+const LINES = ['line'];
+
+/** Backs of words, as they are seen before the brightest and the darkest room. */
+const BACKS: Readonly<Record<keyof typeof WORDS, readonly Color[]>> = {
+  back: seen(INK.back),
+  raised: seen(INK.back).map((back) => over('#ffffff', back, GLASS.raised)),
+  on: [INK.on],
+};
+
+function seen(back: Color): Color[] {
+  // The veil is drawn as well.
+  const veil = (room: Color): Color => over(back, room, GLASS.veil * GLASS.back);
+  return (['#000000', '#ffffff'] as const).map((room) => over(back, veil(room), GLASS.back));
+}
 
 describe('panels in the room', () => {
   it.each(Object.entries(SIZES))('have capitals of a degree or more: %s', (_name, size) => {
     expect(degrees(size)).toBeGreaterThanOrEqual(LEAST_DEGREES);
   });
 
-  it.each(Object.entries(WORDS))('have words that contrast with %s, lit or not', (back, words) => {
-    const below = INK[back as keyof typeof WORDS];
-    for (const word of words) {
-      expect(contrast(INK[word], below), word).toBeGreaterThan(4.5);
-      // A disabled control does not light up.
-      if (word === 'off') continue;
-      const light = (color: Color): Color => over(LIGHT.color, color, LIGHT.opacity);
-      expect(contrast(light(INK[word]), light(below)), `${word}, lit`).toBeGreaterThan(4.5);
+  it.each(Object.entries(WORDS))('have words that contrast with %s in any room, lit or not', (back, words) => {
+    const light = (color: Color): Color => over(LIGHT.color, color, LIGHT.opacity);
+    for (const below of BACKS[back as keyof typeof WORDS]) {
+      for (const word of words) {
+        // A disabled control need not be read, and does not light up.
+        const least = word === 'off' ? 3 : 4.5;
+        expect(contrast(INK[word], below), word).toBeGreaterThan(least);
+        if (word === 'off') continue;
+        expect(contrast(light(INK[word]), light(below)), `${word}, lit`).toBeGreaterThan(least);
+      }
     }
-    expect(contrast(INK.text, INK.back)).toBeGreaterThan(7);
-  });
+    for (const below of BACKS.back) expect(contrast(INK.text, below)).toBeGreaterThan(7);
+  }); // prettier-ignore
 
   it('know all their colours', () => {
     const known = new Set<string>([...Object.entries(WORDS).flat(2), ...LINES]);
@@ -56,7 +71,10 @@ describe('panels in the room', () => {
     expect(contrast(hidden, ink.back)).toBeGreaterThan(4.5);
   });
 
-  it('have colours of labels that stand out', () => {
-    for (const color of LABEL_COLORS) expect(contrast(color, INK.raised)).toBeGreaterThan(3);
+  it('have chips of labels that stand out, with names that contrast with them', () => {
+    for (const color of LABEL_COLORS) {
+      for (const back of BACKS.back) expect(contrast(color, back)).toBeGreaterThan(2);
+      expect(contrast(inkOn(color), color)).toBeGreaterThan(4.5);
+    }
   });
 });

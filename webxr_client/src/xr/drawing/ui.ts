@@ -2,6 +2,7 @@
  * Drawing of panels in the room: a canvas, and the places on it that answer to a ray.
  * Everything is drawn anew when something changed; places are noted while drawing.
  */
+import { inkOn } from '../../common/colors';
 import { type IconName, ICONS } from '../../common/icons';
 import { ellipsis } from '../../panels/timeline/draw';
 
@@ -9,15 +10,13 @@ export const FONT = '"Inter Variable", system-ui, sans-serif';
 
 /** Contrast on `back` is above 7 for text, above 4.5 for quiet text. */
 export const INK = {
-  back: '#12161b',
-  raised: '#1e242c',
+  back: '#0c1014',
   on: '#1c416d',
   /** Text on what is on. */
   onText: '#bcd7ff',
   line: '#38424e',
-  edge: '#56636f',
   text: '#f2f5f9',
-  quiet: '#aeb8c4',
+  quiet: '#b4bec9',
   accent: '#8bbcff',
   bad: '#ff7b72',
   good: '#4cc38a',
@@ -25,6 +24,31 @@ export const INK = {
   off: '#8d97a5',
   warn: '#ffc966',
 } as const;
+
+/**
+ * A panel is dark glass: the room shines through its back and gives it its tone.  Opacities of the
+ * back, of the white that lies on what is raised and on the rim, and of all of it where nearer points
+ * hide it or while one paints.
+ */
+export const GLASS = { back: 0.9, raised: 0.08, rim: 0.34, veil: 0.3 } as const;
+
+/** A colour with an opacity, as the canvas takes it. */
+function veiled(color: string, opacity: number): string {
+  return (
+    color +
+    Math.round(255 * opacity)
+      .toString(16)
+      .padStart(2, '0')
+  );
+}
+
+export const RAISED = veiled('#ffffff', GLASS.raised);
+const BACK = veiled(INK.back, GLASS.back);
+const RIM = veiled('#ffffff', GLASS.rim);
+/** Ems: radius of a panel's corners and of what lies on it, and the width of the rim. */
+const [CORNER, ROUND, EDGE] = [1, 0.5, 0.07];
+/** Opacity of the colour of what is not seen in the room. */
+const FADED = 0.3;
 
 export interface Area {
   readonly name: string;
@@ -50,12 +74,30 @@ export interface ButtonLook {
   icon?: IconName;
   text?: string;
   swatch?: string;
+  /** All of it has this colour: a chip. */
+  fill?: string;
+  faded?: boolean;
+  /** The icon is above the text. */
+  tile?: boolean;
   /** Quiet words at the right end. */
   note?: string;
   on?: boolean;
   disabled?: boolean;
   strong?: boolean;
   align?: 'left' | 'center';
+}
+
+/** A button of a strip. */
+export type Entry = readonly [look: ButtonLook, act: () => void];
+
+/** Colours of a button's back, if it has one, and of the words on it. */
+function buttonColors({ on, strong, disabled }: ButtonLook): [back: string | null, words: string] {
+  const words = disabled ? INK.off : on ? INK.onText : INK.text;
+  return [on ? INK.on : strong ? RAISED : null, words];
+}
+
+function chipColors(fill: string, { faded }: ButtonLook): [back: string, words: string] {
+  return faded ? [veiled(fill, FADED), INK.text] : [fill, inkOn(fill)];
 }
 
 const paths = new Map<IconName, Path2D>();
@@ -74,19 +116,10 @@ export class Ui {
   /** Wipe it all, and lay a plate where something is to be drawn. */
   begin(x = 0, y = 0, w = this.width, h = this.height): void {
     this.areas.length = 0;
-    const { pen, em } = this;
-    pen.clearRect(0, 0, this.width, this.height);
-    pen.fillStyle = INK.back;
-    pen.beginPath();
-    pen.roundRect(x, y, w, h, em * 0.7);
-    pen.fill();
-    // An edge: where one panel is seen before another, each must end somewhere.
-    const edge = em * 0.08;
-    pen.beginPath();
-    pen.roundRect(x + edge / 2, y + edge / 2, w - edge, h - edge, em * 0.7 - edge / 2);
-    pen.lineWidth = edge;
-    pen.strokeStyle = INK.edge;
-    pen.stroke();
+    this.pen.clearRect(0, 0, this.width, this.height);
+    this.box(x, y, w, h, BACK, CORNER);
+    // A rim: where one panel is seen before another, each must end somewhere.
+    this.rim(x, y, w, h, RIM, EDGE, CORNER);
   }
 
   /** Note a place that answers. */
@@ -142,11 +175,47 @@ export class Ui {
     pen.restore();
   }
 
-  box(x: number, y: number, w: number, h: number, color: string): void {
+  box(x: number, y: number, w: number, h: number, color: string, round = ROUND): void {
     this.pen.fillStyle = color;
     this.pen.beginPath();
-    this.pen.roundRect(x, y, w, h, this.em * 0.35);
+    this.pen.roundRect(x, y, w, h, this.em * round);
     this.pen.fill();
+  }
+
+  /** Draw a line of so many ems just inside an outline. */
+  rim(
+    x: number,
+    y: number,
+    w: number,
+    h: number,
+    color: string,
+    wide: number,
+    round = ROUND,
+  ): void {
+    const { pen, em } = this;
+    const line = em * wide;
+    pen.beginPath();
+    pen.roundRect(x + line / 2, y + line / 2, w - line, h - line, em * round - line / 2);
+    pen.lineWidth = line;
+    pen.strokeStyle = color;
+    pen.stroke();
+  }
+
+  /** Lay buttons side by side on one plate, in so many columns of rows of height `h`, as tiles. */
+  strip(
+    x: number,
+    y: number,
+    w: number,
+    h: number,
+    entries: readonly Entry[],
+    columns = entries.length,
+  ): void {
+    const wide = w / columns;
+    this.box(x, y, w, h * Math.ceil(entries.length / columns), RAISED, ROUND);
+    entries.forEach(([look, act], i) => {
+      const [column, line] = [i % columns, Math.floor(i / columns)];
+      this.button(x + column * wide, y + line * h, wide, h, { tile: true, ...look }, act);
+    });
   }
 
   button(
@@ -159,9 +228,33 @@ export class Ui {
   ): void {
     const usable = act && !look.disabled;
     if (usable) this.area({ name: look.text ?? look.icon ?? look.swatch ?? '', x, y, w, h, act });
-    const fill = look.on ? INK.on : look.strong ? INK.raised : null;
+    const [fill, color] = look.fill ? chipColors(look.fill, look) : buttonColors(look);
     if (fill) this.box(x, y, w, h, fill);
-    const color = look.disabled ? INK.off : look.on ? INK.onText : INK.text;
+    if (look.fill && look.on) this.rim(x, y, w, h, INK.text, 0.2);
+    if (look.tile) this.tile(x, y, w, h, look, color);
+    else this.row(x, y, w, h, look, color);
+  }
+
+  /** Draw an icon and the word below it. */
+  private tile(
+    x: number,
+    y: number,
+    w: number,
+    h: number,
+    { icon, text }: ButtonLook,
+    color: string,
+  ): void {
+    const { em } = this;
+    const size = em * 1.3;
+    const middle = x + w / 2;
+    const top = y + (h - size - (text ? em * 1.05 : 0)) / 2;
+    if (icon) this.icon(icon, middle - size / 2, top, size, color);
+    const at = icon ? top + size + em * 0.65 : y + h / 2;
+    if (text) this.text(text, middle, at, { color, align: 'center', width: w - em * 0.3 });
+  }
+
+  /** Draw swatch, icon and text side by side. */
+  private row(x: number, y: number, w: number, h: number, look: ButtonLook, color: string): void {
     const { em, pen } = this;
     const size = em * 1.25;
     const gap = em * 0.45;
@@ -230,7 +323,7 @@ export class Ui {
     this.area({ name, x, y, w, h, act: () => set(!on) });
     const size = em * 1.1;
     const top = y + (h - size) / 2;
-    this.box(x + em * 0.4, top, size, size, on ? INK.accent : INK.line);
+    this.box(x + em * 0.4, top, size, size, on ? INK.accent : INK.line, ROUND / 2);
     if (on) this.icon('check', x + em * 0.45, top + em * 0.05, em, INK.back);
     this.text(name, x + em * 2, y + h / 2, { width: w - em * 2.2 });
   }

@@ -1,11 +1,11 @@
 /** The panel on the other hand: labels, tools, view. */
+import type { IconName } from '../../common/icons';
 import { actions } from '../../store/actions';
 import { unsure } from '../../engine/review';
 import { activeLabel, state } from '../../store/state';
 import { Glow } from '../drawing/glow';
 import { type AskName, LettersPage, SystemKeyboard } from './pages/writing';
-import { LabelsPage } from './pages/labels';
-import { ROWS } from './pages/rows';
+import { CHIPS, LabelsPage } from './pages/labels';
 import { floorPlaces } from '../../engine/floor';
 import { drawComfort } from './pages/comfort';
 import { drawNew, EditPage } from './pages/label';
@@ -17,9 +17,10 @@ import { drawTools, offered } from './pages/tools';
 import { drawWork, WORK } from './pages/work';
 import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
+import { roomWay } from '../../tools/ways';
 import { xrSettings } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
-import type { ButtonLook, Ui } from '../drawing/ui';
+import type { ButtonLook, Entry, Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
 import { openWork } from '../../work/store';
 
@@ -27,18 +28,22 @@ type Tab = 'labels' | 'tools' | 'boxes' | 'example' | 'work' | 'view' | 'comfort
 /** Pages that a tab leads on to. */
 type Page = Tab | 'new' | 'edit' | 'letters' | 'note' | 'recordings';
 
-const TABS = [
-  ['labels', 'Labels'],
-  ['tools', 'Tools'],
-  ['boxes', 'Boxes'],
-  ['example', 'Teach'],
-  ['work', 'Work'],
-  ['view', 'View'],
-  ['comfort', 'Comfort'],
-] as const;
-
-/** Tabs beside one another, so that their names are whole. */
-const TABS_A_LINE = 4;
+/** In groups: labels and points, objects and tasks, the person. */
+const TABS: readonly (readonly (readonly [Tab, IconName, string])[])[] = [
+  [
+    ['labels', 'layers', 'Labels'],
+    ['tools', 'brush', 'Tools'],
+    ['view', 'eye', 'View'],
+  ],
+  [
+    ['boxes', 'box', 'Fit boxes'],
+    ['example', 'example', 'Teach'],
+    ['work', 'check', 'Work'],
+  ],
+  [['comfort', 'headset', 'Comfort']],
+];
+/** Ems of the strip of tabs: its width, the height of a tab, and below a group. */
+const [RAIL, TAB, GAP] = [5.3, 2.9, 0.4];
 
 /** The tab that a page is reached from. */
 function tabOf(page: Page): Tab {
@@ -71,7 +76,7 @@ export class PalettePanel extends Panel {
   };
   private readonly edit = new EditPage(this.touch, this.ask, () => this.show('labels'));
   private readonly recordings = new RecordingsPage(this.touch, () => this.show('view'));
-  private readonly glow = new Glow(ROWS);
+  private readonly glow = new Glow(CHIPS);
   private readonly keyboard: SystemKeyboard;
   private readonly unfollow: () => void;
 
@@ -81,12 +86,12 @@ export class PalettePanel extends Panel {
   ) {
     super(
       {
-        width: 0.31,
-        height: 0.391,
-        pixelsPerMetre: 3135,
+        width: 0.345,
+        height: 0.362,
+        pixelsPerMetre: 3100,
         em: SIZES.palette.em,
         // To the right, where no hints of a left hand are.
-        handle: { at: 0.62, wide: 9 },
+        handle: { at: 0.77, wide: 10 },
       },
       100,
     );
@@ -132,20 +137,21 @@ export class PalettePanel extends Panel {
     this.glow.pulse(!this.folded && this.page === 'labels' ? strength : 0);
   }
 
-  /** The label that is painted, else what this is. */
+  /** The label that is painted and the shape that takes its points, else what this is. */
   protected override handleLook(): ButtonLook {
     const label = activeLabel.peek();
-    return label ? { swatch: label.color, text: label.name } : { text: 'Palette' };
+    const { icon } = roomWay();
+    return label ? { swatch: label.color, icon, text: label.name } : { text: 'Palette' };
   }
 
   protected override draw(ui: Ui): void {
     const { em, width } = ui;
     const pad = em * 0.6;
-    const inner = width - 2 * pad;
-    this.drawTabs(ui, pad, inner);
-    this.drawPage(ui, pad, em * 4.1, inner);
-    this.drawHistory(ui, pad, inner);
-    this.placeGlow(pad, inner);
+    const left = (RAIL + 0.5) * em + pad;
+    this.drawTabs(ui, pad, pad);
+    this.drawPage(ui, left, pad, width - pad - left);
+    this.drawHistory(ui, pad, width - 2 * pad);
+    this.placeGlow();
   }
 
   private drawPage(ui: Ui, x: number, top: number, inner: number): void {
@@ -184,14 +190,16 @@ export class PalettePanel extends Panel {
     this.show('recordings');
   }
 
-  private drawTabs(ui: Ui, x: number, inner: number): void {
-    const wide = inner / TABS_A_LINE;
-    TABS.forEach(([tab, text], i) => {
-      const [column, line] = [i % TABS_A_LINE, Math.floor(i / TABS_A_LINE)];
-      const on = tabOf(this.page) === tab;
-      const [left, top] = [x + column * wide, ui.em * (0.3 + 1.9 * line)];
-      ui.button(left, top, wide - ui.em * 0.2, ui.em * 1.85, { text, on }, () => this.show(tab));
-    });
+  private drawTabs(ui: Ui, x: number, top: number): void {
+    const { em } = ui;
+    let y = top;
+    for (const group of TABS) {
+      const entries = group.map(([tab, icon, text]): Entry => {
+        return [{ icon, text, on: tabOf(this.page) === tab }, () => this.show(tab)];
+      });
+      ui.strip(x, y, RAIL * em, TAB * em, entries, 1);
+      y += (TAB * group.length + GAP) * em;
+    }
   }
 
   private show(page: Page): void {
@@ -202,20 +210,16 @@ export class PalettePanel extends Panel {
     this.touch();
   }
 
-  /** A light over each row whose label is doubtful in this frame. */
-  private placeGlow(x: number, inner: number): void {
-    const { top, row } = this.labels;
+  /** A light over each chip whose label is doubtful in this frame. */
+  private placeGlow(): void {
     const { width, height, pixelsPerMetre } = this.size;
-    const rows = unsure.peek().flatMap((label) => {
-      const place = this.labels.rowOf(label);
-      return place < 0 ? [] : place;
-    });
+    const chips = unsure.peek().flatMap((label) => this.labels.chips.get(label) ?? []);
     this.glow.place(
-      rows.map((place) => ({
-        x: (x + inner / 2) / pixelsPerMetre - width / 2,
-        y: height / 2 - (top + (place + 0.47) * row) / pixelsPerMetre,
-        width: inner / pixelsPerMetre,
-        height: row / pixelsPerMetre,
+      chips.map(({ x, y, w, h }) => ({
+        x: (x + w / 2) / pixelsPerMetre - width / 2,
+        y: height / 2 - (y + h / 2) / pixelsPerMetre,
+        width: w / pixelsPerMetre,
+        height: h / pixelsPerMetre,
       })),
     );
   }

@@ -2,14 +2,12 @@
 import { CanvasTexture, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector2, Vector3 } from 'three'; // prettier-ignore
 import { Fold } from './fold';
 import { tint } from '../drawing/tint';
-import { LIGHT, Ui, type Area, type ButtonLook } from '../drawing/ui';
+import { GLASS, LIGHT, Ui, type Area, type ButtonLook } from '../drawing/ui';
 
 /** Metres behind the panel to which a fingertip still presses it. */
 const THROUGH = 0.04;
 /** A texture takes its time to reach the GPU. */
 const REDRAW_MS = 60;
-/** Opacity of a panel behind nearer points, and while one paints. */
-const VEILED = 0.3;
 /** Ems: height of a handle. */
 export const HANDLE_EMS = 2.1;
 
@@ -68,7 +66,7 @@ export abstract class Panel {
     this.mesh = new Mesh(new PlaneGeometry(width, height), material);
     this.mesh.renderOrder = order;
     this.mesh.frustumCulled = false;
-    const faint = { opacity: VEILED, depthTest: false, depthWrite: false };
+    const faint = { opacity: GLASS.veil, depthTest: false, depthWrite: false };
     this.veil = new Mesh(this.mesh.geometry, new MeshBasicMaterial({ ...face, ...faint }));
     this.veil.renderOrder = order - 0.5;
     this.veil.frustumCulled = false;

@@ -1,7 +1,7 @@
 import { Group, Matrix4, Object3D, PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { Panel } from './panel';
-import { PaletteSpot, Placement, PLACEMENT } from './placement';
+import { type Hung, PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Poses } from '../input/poses';
 import { Rig } from '../moving/rig';
 import { degrees, LEAST_DEGREES, SIZES } from '../drawing/sizes';
@@ -25,18 +25,21 @@ function eye(down: number): PerspectiveCamera {
   return new PerspectiveCamera(2 * down);
 }
 
-function placed(eyes: Vector3, down = 45): { middle: Vector3; edge: Vector3; corner: Vector3 } {
+type Placed = Record<'middle' | 'edge' | 'corner' | 'top', Vector3>;
+
+function placed(eyes: Vector3, down = 45, hung: Hung = 'low'): Placed {
   const rig = standing(eyes);
   rig.sight.take([eye(down), eye(48)]);
   const mesh = new Object3D();
   const placement = new Placement(rig);
   placement.face();
   const size = { width: 2 * HALF_WIDTH, height: 2 * HALF_HEIGHT };
-  placement.hangTimeline({ mesh, size } as unknown as Panel);
+  placement.hangTimeline({ mesh, size } as unknown as Panel, hung);
   return {
     middle: new Vector3().setFromMatrixPosition(mesh.matrix),
     edge: new Vector3(0, -HALF_HEIGHT, 0).applyMatrix4(mesh.matrix),
     corner: new Vector3(HALF_WIDTH, HALF_HEIGHT, 0).applyMatrix4(mesh.matrix),
+    top: new Vector3(0, HALF_HEIGHT, 0).applyMatrix4(mesh.matrix),
   };
 }
 
@@ -68,10 +71,10 @@ describe('the timeline', () => {
     }
   });
 
-  it('hides nothing of a model while it is folded', () => {
+  it('hides nothing of a model, folded or not', () => {
     const eyes = new Vector3(0, 1.6, 0);
-    // A handle is 4° high.
-    const top = PLACEMENT.edge / DEGREE - 4;
+    // A handle is 4° high, and may be between the model and the open timeline.
+    const top = Math.min(PLACEMENT.edge / DEGREE, below(eyes, placed(eyes, 45, 'under').top)) - 4;
     for (const size of [2, 8, 40]) {
       const world = new Group();
       const bounds = [new Vector3(-size / 2, 0, 1), new Vector3(size / 2, 2, 1 + size)] as const;
@@ -81,6 +84,12 @@ describe('the timeline', () => {
       near.z = Math.min(near.z, eyes.z - MODEL.nearest);
       expect(below(eyes, near), `a model of ${size} m`).toBeLessThan(top);
     }
+  });
+
+  it('leaves room for the handle of a palette that no hand holds', () => {
+    const eyes = new Vector3(0, 1.6, 0);
+    const { edge } = placed(eyes, 45, 'raised');
+    expect(below(eyes, edge)).toBeLessThan(PLACEMENT.edge / DEGREE - 4);
   });
 
   it('follows the ray that carries it, turned to the eyes, by the place that is held', () => {
@@ -137,16 +146,33 @@ describe('the palette', () => {
 });
 
 describe('a question', () => {
+  const asked = (eyes: Vector3): { mesh: Object3D; placement: Placement; panel: Panel } => {
+    const mesh = new Object3D();
+    const placement = new Placement(standing(eyes));
+    placement.face();
+    const panel = { mesh, size: { width: 0.445, height: 0.204 } } as unknown as Panel;
+    return { mesh, placement, panel };
+  };
+
+  it('hangs beside the whole of a model', () => {
+    const eyes = new Vector3(0, 1.6, 0);
+    const { mesh, placement, panel } = asked(eyes);
+    const [middle, radius] = [new Vector3(0, 1.2, -1.2), 0.3];
+    placement.layBeside(panel, middle, radius);
+    const left = new Vector3(-0.2225, 0, 0).applyMatrix4(mesh.matrix);
+    const right = new Vector3(0.2225, 0, 0).applyMatrix4(mesh.matrix);
+    const aside = [left, right].map((edge) => Math.abs(Math.atan2(edge.x, -edge.z)));
+    expect(Math.min(...aside)).toBeGreaterThan(Math.asin(radius / 1.2));
+  });
+
   it.each([
     ['to the right of the eyes', 0.6],
     ['to the left of them', -0.6],
   ])('hangs beside an object %s, nearer to straight ahead, and hides none of it', (_where, x) => {
     const eyes = new Vector3(0, 1.6, 0);
-    const mesh = new Object3D();
-    const placement = new Placement(standing(eyes));
-    placement.face();
+    const { mesh, placement, panel } = asked(eyes);
     const object = new Vector3(x, 1.4, -1.5);
-    placement.layBeside(mesh, object);
+    placement.layBeside(panel, object);
     const middle = new Vector3().setFromMatrixPosition(mesh.matrix);
     const apart = middle.clone().sub(eyes).angleTo(object.clone().sub(eyes)) / DEGREE;
     // Half the panel is 15° wide.

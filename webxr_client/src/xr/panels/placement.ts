@@ -3,14 +3,16 @@ import { MathUtils, type Object3D, Vector3 } from 'three';
 import { faceEyes, type Facing } from '../drawing/facing';
 import type { Panel } from './panel';
 import type { Rig } from '../moving/rig';
+import { MODEL } from '../moving/world';
 import { SIZES } from '../drawing/sizes';
 
 const DEGREE = Math.PI / 180;
 
 /** Angles in radians, lengths in metres. */
 export const PLACEMENT = {
-  /** From the eyes to a panel's middle: what is farther grows. */
+  /** From the eyes to a panel's middle: what is farther grows.  A palette without a hand is before the others. */
   away: 0.85,
+  nearer: 0.7,
   /** The lower edge of a panel that hangs, where its handle is, below the eyes' height … */
   edge: 43 * DEGREE,
   /** … and at least so far above the lower edge of the picture. */
@@ -21,7 +23,10 @@ export const PLACEMENT = {
   besideObject: 23 * DEGREE,
   farAside: 40 * DEGREE,
   /** To the left of straight ahead, where a palette without a hand hangs: its handle is beside the timeline's. */
-  beside: 13 * DEGREE,
+  beside: 20.5 * DEGREE,
+  /** Height of a handle and the gap over it, and from a model to what hangs beside it. */
+  handle: 4.5 * DEGREE,
+  apart: 1 * DEGREE,
   /** The middle of an added panel below the eyes' height: above, so that the points stay in sight. */
   added: -17 * DEGREE,
   /** As near to the eyes, and as far from them, as a carried panel comes. */
@@ -31,6 +36,12 @@ export const PLACEMENT = {
 
 const FACING: Facing = { right: 0, up: 0, away: PLACEMENT.away };
 const BESIDE: Facing = { right: 0, up: 0, away: SIZES.palette.away };
+
+/**
+ * Place of a panel's lower edge: low in the picture, over a handle that is there, a handle's height
+ * under a model, or all of the panel under that.
+ */
+export type Hung = 'low' | 'raised' | 'between' | 'under';
 
 /**
  * The place that is seen from `eyes` so far to the left and so far down, radians, of where `yaw`
@@ -72,43 +83,55 @@ export class Placement {
     this.hang(panel, 0, below, FACING);
   }
 
-  /** Lay a panel beside an object, on the side that is nearer to straight ahead; see `seenAt`. */
-  layBeside(panel: Object3D, object: Vector3): void {
+  /**
+   * Lay a panel beside an object or a model of so many metres' radius, on the side that is nearer to
+   * straight ahead; see `seenAt`.
+   */
+  layBeside({ mesh, size }: Panel, object: Vector3, radius = 0): void {
     const away = this.held.subVectors(object, this.rig.headInRig);
     const turn = Math.atan2(-away.x, -away.z) - this.yaw;
     const left = Math.atan2(Math.sin(turn), Math.cos(turn));
-    const aside = left + (left > 0 ? -1 : 1) * PLACEMENT.besideObject;
+    const { away: distance, apart, besideObject } = PLACEMENT;
+    const half = Math.asin(Math.min(1, radius / Math.max(1e-6, Math.hypot(away.x, away.z))));
+    const clear = half + Math.atan2(size.width / 2, distance) + apart;
+    const aside = left + (left > 0 ? -1 : 1) * Math.max(besideObject, radius && clear);
     if (Math.abs(aside) > PLACEMENT.farAside) return;
     const down = -Math.asin(away.y / Math.max(1e-6, away.length()));
     const { question } = PLACEMENT;
-    this.hang(panel, aside, MathUtils.clamp(down, question, -question), FACING);
+    this.hang(mesh, aside, MathUtils.clamp(down, question, -question), FACING);
   }
 
-  /** Hang the timeline straight ahead, its handle low in the picture. */
-  hangTimeline({ mesh, size }: Panel): void {
-    const half = Math.atan2(size.height / 2, FACING.away);
-    this.hang(mesh, 0, this.lowest() - half, FACING);
+  /** Hang the timeline straight ahead. */
+  hangTimeline({ mesh, size }: Panel, hung: Hung = 'low'): void {
+    this.hang(mesh, 0, this.middleOf(size.height / FACING.away, hung), FACING);
   }
 
   /** Hang the palette, its handle beside that of the timeline. */
-  hangPalette({ mesh, size }: Panel): void {
-    const half = Math.atan2(size.height / 2, BESIDE.away);
-    this.hang(mesh, PLACEMENT.beside, this.lowest() - half, BESIDE);
+  hangPalette({ mesh, size }: Panel, hung: Hung = 'low'): void {
+    const { beside, nearer } = PLACEMENT;
+    this.hang(mesh, beside, this.middleOf(size.height / BESIDE.away, hung), BESIDE, nearer);
   }
 
-  /** Return how far below the eyes' height a panel's lower edge hangs, in the picture of each eye. */
-  private lowest(): number {
-    return Math.min(PLACEMENT.edge, this.rig.sight.down - PLACEMENT.inside);
-  }
-
-  private hang(panel: Object3D, left: number, down: number, facing: Facing): void {
-    const { headInRig } = this.rig;
-    faceEyes(
-      panel,
-      seenAt(headInRig, this.yaw, left, down, PLACEMENT.away, this.at),
-      headInRig,
-      facing,
+  /** Return how far below the eyes' height the middle of a panel hangs; `height`: a share of its distance. */
+  private middleOf(height: number, hung: Hung): number {
+    const half = Math.atan(height / 2);
+    const { edge, inside, handle } = PLACEMENT;
+    const lowest = Math.min(edge, this.rig.sight.down - inside);
+    const under = MODEL.below + handle;
+    return (
+      { low: lowest, raised: lowest - handle, between: under, under: under + 2 * half }[hung] - half
     );
+  }
+
+  private hang(
+    panel: Object3D,
+    left: number,
+    down: number,
+    facing: Facing,
+    away: number = PLACEMENT.away,
+  ): void {
+    const { headInRig } = this.rig;
+    faceEyes(panel, seenAt(headInRig, this.yaw, left, down, away, this.at), headInRig, facing);
   }
 
   /** Let a panel whose bar is held hang from the ray, turned to the eyes. */

@@ -3,6 +3,7 @@ import { Vector3 } from 'three';
 import type { Engine } from '../../engine/engine';
 import { halted, unsure } from '../../engine/review';
 import { at, MIDDLE, Summaries } from '../../overlays/summary';
+import { state } from '../../store/state';
 import { peek } from '../../store/watch';
 import { Ribbon } from '../drawing/ribbon';
 import { INK } from '../drawing/ui';
@@ -33,13 +34,14 @@ export class QuestionPlace {
   }
 
   /** Once per picture: lay the panel once, and let the line follow the object. */
-  update({ mesh, size }: Panel, now: number): void {
+  update(panel: Panel, now: number): void {
+    const { mesh, size } = panel;
     if (!mesh.visible || !this.findObject(now)) {
       this.line.show(0);
       return;
     }
     const { line, object, edge } = this;
-    if (!this.beside) this.placement.layBeside(mesh, object);
+    if (!this.beside) this.lay(panel);
     this.beside = true;
     const right = edge.setFromMatrixColumn(mesh.matrix, 0);
     const { elements: m } = mesh.matrix;
@@ -48,6 +50,21 @@ export class QuestionPlace {
     line.put(0, edge.x, edge.y, edge.z);
     line.put(1, object.x, object.y, object.z);
     line.show(2);
+  }
+
+  /** Beside the object; beside a whole model, which would be hidden otherwise. */
+  private lay(panel: Panel): void {
+    const { placement, rig, object } = this;
+    const { world } = this.engine.viewer;
+    const info = peek(state.sequence);
+    if (world.scale.x >= 1 || !info) {
+      placement.layBeside(panel, object);
+      return;
+    }
+    const [low, high] = this.engine.viewer.bounds(info);
+    const middle = low.clone().add(high).multiplyScalar(0.5);
+    const radius = (world.scale.x * Math.hypot(high.x - low.x, high.z - low.z)) / 2;
+    placement.layBeside(panel, rig.group.worldToLocal(world.localToWorld(middle)), radius);
   }
 
   private findObject(now: number): boolean {

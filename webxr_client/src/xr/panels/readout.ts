@@ -49,8 +49,6 @@ export class Readout {
     const { canvas } = this.pen;
     canvas.width = Math.ceil(SIGNS.length * em);
     canvas.height = Math.ceil(2 * ROW * em);
-    this.pen.fillStyle = INK.back;
-    this.pen.fillRect(0, 0, canvas.width, canvas.height);
     this.strong = this.write(0, `600 ${STRONG * em}px ${FONT}`, INK.text);
     this.plain = this.write(1, `500 ${PLAIN * em}px ${FONT}`, INK.quiet);
     const map = new CanvasTexture(canvas);

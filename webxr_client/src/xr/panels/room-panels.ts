@@ -5,7 +5,7 @@ import { faceEyes } from '../drawing/facing';
 import type { WorldControls } from './pages/view';
 import { PalettePanel } from './palette-panel';
 import { palmFacing } from '../input/palm';
-import { PaletteSpot, Placement, PLACEMENT } from './placement';
+import { type Hung, PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Panel } from './panel';
 import type { Pointer } from '../input/pointer';
 import { QuestionPanel } from './question-panel';
@@ -16,10 +16,10 @@ import { SIZES } from '../drawing/sizes';
 import { TimelinePanel } from './timeline-panel';
 
 /** Offset of the palette's middle from the hand that holds it: above, and towards the other one. */
-const ABOVE = { up: 0.271, away: SIZES.palette.away } as const;
+const ABOVE = { up: 0.257, away: SIZES.palette.away } as const;
 const HELD = {
-  left: { ...ABOVE, right: 0.07 },
-  right: { ...ABOVE, right: -0.07 },
+  left: { ...ABOVE, right: 0.015 },
+  right: { ...ABOVE, right: -0.11 },
   none: { ...ABOVE, right: 0 },
 } as const;
 
@@ -45,7 +45,7 @@ export class RoomPanels {
   readonly palette: PalettePanel;
   readonly timeline = new TimelinePanel({
     hide: () => this.timeline.setFolded(true),
-    callPalette: () => this.callPalette(),
+    callPalette: () => this.palette.setFolded(false),
   });
   readonly question: QuestionPanel;
   readonly all: Panel[];
@@ -56,12 +56,14 @@ export class RoomPanels {
   private readonly placement: Placement;
   private readonly questionPlace: QuestionPlace;
   private readonly spot = new PaletteSpot();
-  /** The palette hangs beside the timeline's handle: it stays where it is. */
+  /** The palette hangs beside the timeline's handle: no hand holds it. */
   private hangs = false;
+  /** Heights of what hangs; nothing until it is hung anew. */
+  private readonly hung = new Map<Panel, Hung>();
   private readonly middle = new Vector3();
 
   constructor(
-    engine: Engine,
+    private readonly engine: Engine,
     private readonly rig: Rig,
     session: XRSession,
     controls: WorldControls,
@@ -92,9 +94,23 @@ export class RoomPanels {
   /** Hang what hangs before the person as they look now. */
   settle(): void {
     this.placement.face();
-    this.placement.hangTimeline(this.timeline);
+    this.hung.clear();
+    this.arrange();
     if (this.added) this.placement.layBefore(this.added.mesh, PLACEMENT.added);
-    this.hangs = false;
+  }
+
+  /** Hang timeline and palette where they hide neither a handle nor a model, if that is elsewhere now. */
+  private arrange(): void {
+    const { hung, palette, timeline, placement } = this;
+    const { handless } = this.spot;
+    const model = this.engine.viewer.world.scale.x < 1;
+    const forTimeline = timeline.folded ? 'low' : model ? 'under' : handless ? 'raised' : 'low';
+    if (hung.get(timeline) !== forTimeline) placement.hangTimeline(timeline, forTimeline);
+    hung.set(timeline, forTimeline);
+    if (!handless) return;
+    const forPalette = forTimeline === 'under' && palette.folded ? 'between' : 'low';
+    if (hung.get(palette) !== forPalette) placement.hangPalette(palette, forPalette);
+    hung.set(palette, forPalette);
   }
 
   /** Unfold the timeline where one looks, or fold it. */
@@ -102,13 +118,8 @@ export class RoomPanels {
     const { timeline, palette } = this;
     if (timeline.folded) this.settle();
     timeline.setFolded(!timeline.folded);
-    // One hangs where the other does.
+    // A palette without a hand hangs before it.
     if (this.spot.handless) palette.setFolded(true);
-  }
-
-  private callPalette(): void {
-    this.palette.setFolded(false);
-    if (this.spot.handless) this.timeline.setFolded(true);
   }
 
   /** Lay the question before the eyes, and fold the timeline, which would hide the object. */
@@ -129,14 +140,11 @@ export class RoomPanels {
     if (this.spot.asked) palette.setFolded(false);
     if (spot === 'hand') {
       faceEyes(palette.mesh, holder!.grip.position, rig.headInRig, HELD[holder!.side]);
-    } else if (spot === 'beside' && !this.hangs) {
-      this.placement.hangPalette(palette);
+      this.hung.delete(palette);
     }
-    if (spot === 'beside' && !this.hangs && !palette.folded) timeline.setFolded(true);
     this.hangs = spot === 'beside';
-    // One of them has the room if both hang.
-    palette.mesh.visible = spot === 'hand' || (this.hangs && timeline.folded);
-    timeline.mesh.visible = !this.hangs || palette.folded || !timeline.folded;
+    this.arrange();
+    palette.mesh.visible = spot !== 'away';
     if (palette.mesh.visible) palette.mesh.updateMatrixWorld();
     timeline.fade(painting);
     this.question.fade(painting);

@@ -14,6 +14,8 @@ import { asking, drawTracking } from './timeline-tracking';
 import { FONT, INK, type ButtonLook, type Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
 
+/** The panel is the back of the strips. */
+const ON_GLASS = { ...DARK_INK, back: '#0000' } as const;
 const SPEEDS = [0.25, 0.5, 1, 2];
 const LANES = 5;
 const GUTTER_EMS = 7.5;
@@ -164,7 +166,7 @@ export class TimelinePanel extends Panel {
     );
     const [x, w] = [side + em, width - 2 * (side + em)];
     ui.area({ name: 'Move', x, y, w, h, moves: true });
-    ui.box(x + w * 0.3, y + h * 0.4, w * 0.4, h * 0.2, INK.edge);
+    ui.box(x + w * 0.3, y + h * 0.4, w * 0.4, h * 0.2, INK.off);
   }
 
   private drawTransport(ui: Ui, frames: number): void {
@@ -221,7 +223,7 @@ export class TimelinePanel extends Panel {
     pen.translate(em * 0.5, top);
     drawTimeline(
       pen,
-      { width, height, gutter, ruler, row, font: FONT, fontSize: em, ink: DARK_INK },
+      { width, height, gutter, ruler, row, font: FONT, fontSize: em, ink: ON_GLASS },
       { span, frames, frame: null, loaded: state.loaded.peek(), range: frameRange.peek(), labels, rows, active, scroll },
     ); // prettier-ignore
     pen.restore();

@@ -116,6 +116,8 @@ describe('what answers on a panel', () => {
     [['Tools']],
     [['View']],
     [['Comfort']],
+    [['Fit boxes']],
+    [['Teach']],
     [['Work']],
     [['Work', 'Return…']],
     [['Labels', 'New']],

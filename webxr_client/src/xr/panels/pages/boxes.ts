@@ -11,13 +11,14 @@ import { metres, percent } from '../../../common/format';
 import { actions } from '../../../store/actions';
 import { chosenBox, type ObjectBox } from '../../../store/boxes';
 import { activeLabel, canEdit, state, trackingJob } from '../../../store/state';
-import { INK, type ButtonLook, type Ui } from '../../drawing/ui';
+import { INK, type Entry, type Ui } from '../../drawing/ui';
 import { VIEWER } from './rows';
 
 /** Signals that the page shows. */
 export const BOXES = [chosenBox, state.shown, state.jobs, canEdit] as const;
 
-const PITCH = 2.5;
+/** Ems of a tile's height. */
+const TILE = 3.2;
 
 export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   const { em } = ui;
@@ -30,12 +31,9 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   told(box, label?.name).forEach((text, i) => {
     ui.text(text, x + em * 0.4, top + em * (3.5 + 1.5 * i), { color: INK.quiet });
   });
-  buttons(box).forEach(([look, run], i) => {
-    const [column, line] = [i % 2, Math.floor(i / 2)];
-    const place = x + (column * inner) / 2;
-    ui.button(place, top + em * (6.2 + PITCH * line), inner / 2 - em * 0.2, em * 2.2,
-      { strong: true, align: 'left', ...look, disabled: look.disabled === true || !canEdit.peek() || !label }, run);
-  }); // prettier-ignore
+  const usable = canEdit.peek() && label !== null;
+  const entries = buttons(box).map(([look, run]): Entry => [{ ...look, disabled: look.disabled === true || !usable }, run]); // prettier-ignore
+  ui.strip(x, top + em * 6.2, inner, em * TILE, entries, 2);
 }
 
 function told(box: ObjectBox | null, name: string | undefined): string[] {
@@ -48,8 +46,6 @@ function told(box: ObjectBox | null, name: string | undefined): string[] {
   const how = pose.provenance === 'fitted' ? `fitted, ${percent(pose.confidence)} confidence` : pose.provenance; // prettier-ignore
   return [`${name}: ${how}`, size];
 }
-
-type Entry = readonly [look: ButtonLook, run: () => void];
 
 function buttons(box: ObjectBox | null): Entry[] {
   const label = state.activeLabel.peek();

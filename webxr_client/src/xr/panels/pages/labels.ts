@@ -1,19 +1,29 @@
-/** The palette's first page: every label, to choose, lock, hide or see alone. */
+/** The palette's first page: a chip of colour for every label, and what is done to the active one. */
 import { actions } from '../../../store/actions';
 import type { Label } from '../../../protocol/messages';
 import { unsure } from '../../../engine/review';
 import { shortCount } from '../../../common/format';
 import { activeLabel, state } from '../../../store/state';
-import { INK, type Ui } from '../../drawing/ui';
-import { ROWS, Rows } from './rows';
+import { INK, type Entry, type Ui } from '../../drawing/ui';
+import { Rows } from './rows';
 
-/** Ems: an icon that answers is as wide as a finger needs. */
-const ICON_EMS = 1.7;
+/** Chips beside one another, and in sight. */
+const COLUMNS = 3;
+export const CHIPS = 4 * COLUMNS;
+/** Ems: from one chip to the next below, between two, and the height of a strip. */
+const [PITCH, GAP, STRIP] = [3.2, 0.25, 3];
+
+/** A place on the panel, pixels. */
+interface Place {
+  readonly x: number;
+  readonly y: number;
+  readonly w: number;
+  readonly h: number;
+}
 
 export class LabelsPage {
-  /** Pixels from the top of the first row, and from one row to the next; for the glow. */
-  top = 0;
-  row = 0;
+  /** Places of the chips in sight, by label; for the glow. */
+  readonly chips = new Map<number, Place>();
   private readonly rows: Rows;
   /** The active label when this was drawn last: another one is brought into sight. */
   private active = 0;
@@ -24,31 +34,24 @@ export class LabelsPage {
     /** Change the active label. */
     private readonly edit: () => void,
   ) {
-    this.rows = new Rows(touch);
-  }
-
-  /** The row that a label is drawn in, or −1. */
-  rowOf(label: number): number {
-    const place = state.palette.peek().findIndex((entry) => entry.id === label) - this.rows.first;
-    return place >= 0 && place < ROWS ? place : -1;
+    this.rows = new Rows(touch, CHIPS);
   }
 
   draw(ui: Ui, x: number, top: number, inner: number): void {
     const { em } = ui;
     const palette = state.palette.peek();
     this.follow(palette);
-    const row = em * 2.35;
-    this.top = top;
-    this.row = row;
+    this.chips.clear();
+    const wide = inner / COLUMNS;
     this.rows.of(palette).forEach((label, i) => {
-      drawLabel(ui, label, x, top + i * row, inner, row - em * 0.15);
+      const [column, line] = [i % COLUMNS, Math.floor(i / COLUMNS)];
+      const [left, y] = [x + column * wide, top + line * PITCH * em];
+      this.drawChip(ui, label, { x: left, y, w: wide - GAP * em, h: (PITCH - GAP) * em });
     });
     if (palette.length === 0) {
-      ui.text('A label stands for one object.', x + em * 0.5, top + em * 1.5, {
-        color: INK.quiet,
-      });
+      ui.text('A label stands for one object.', x + em * 0.4, top + em * 1.5, { color: INK.quiet });
     }
-    this.drawBelow(ui, x, top + ROWS * row + em * 0.2, inner, palette.length > ROWS);
+    this.drawBelow(ui, x, top + (CHIPS / COLUMNS) * PITCH * em, inner - GAP * em);
   }
 
   private follow(palette: readonly Label[]): void {
@@ -56,59 +59,58 @@ export class LabelsPage {
     const place = palette.findIndex(({ id }) => id === active);
     if (active === this.active || place < 0) return;
     this.active = active;
-    this.rows.first = Math.min(place, Math.max(this.rows.first, place - ROWS + 1));
+    this.rows.show(place);
   }
 
-  private drawBelow(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
-    const w = inner / 4;
-    const h = ui.em * 2.2;
-    ui.button(x, y, w * 0.92, h, { icon: 'plus', text: 'New', strong: true }, this.makeNew);
-    const edit = { icon: 'pencil', text: 'Edit', strong: true } as const;
-    const disabled = !activeLabel.peek();
-    ui.button(x + w * 0.96, y, w * 0.92, h, { ...edit, disabled }, this.edit);
-    const picking = state.tool.peek() === 'pick';
-    ui.button(x + w * 1.92, y, w * 0.92, h, { icon: 'picker', text: 'Pick', on: picking }, () => {
-      actions.setTool(picking ? 'paint' : 'pick');
-    });
-    this.rows.drawTurning(ui, x, y, inner, more);
-  }
-}
-
-function drawLabel(ui: Ui, label: Label, x: number, y: number, w: number, h: number): void {
-  const { em } = ui;
-  const on = label.id === state.activeLabel.peek();
-  const tools = 3 * em * ICON_EMS + em * 0.15;
-  const doubtful = unsure.peek().includes(label.id);
-  // The sign takes the category's place.
-  const note = doubtful ? '' : on ? pointsIn(label) : label.category;
-  ui.button(
-    x,
-    y,
-    w - tools,
-    h,
-    { swatch: label.color, text: label.name, note, on, strong: true, align: 'left' },
-    () => {
+  private drawChip(ui: Ui, label: Label, place: Place): void {
+    const { em } = ui;
+    const { x, y, w, h } = place;
+    this.chips.set(label.id, place);
+    const on = label.id === state.activeLabel.peek();
+    const icon = label.locked ? 'lock' : label.visible ? null : 'hidden';
+    const look = { fill: label.color, faded: !label.visible, text: label.name, on } as const;
+    ui.button(x, y, w, h, { ...look, ...(icon && { icon }), align: 'left' }, () => {
       actions.selectLabel(label.id);
       if (state.tool.peek() === 'pick') actions.setTool('paint');
-    },
-  );
-  if (doubtful) {
-    ui.icon('warning', x + w - tools - em * 1.9, y + (h - em * 1.3) / 2, em * 1.3, INK.warn);
+    });
+    if (!unsure.peek().includes(label.id)) return;
+    ui.box(x + w - em * 1.9, y + em * 0.2, em * 1.7, em * 1.5, INK.back);
+    ui.icon('warning', x + w - em * 1.7, y + em * 0.3, em * 1.3, INK.warn);
   }
-  const left = x + w - tools + em * 0.15;
-  const size = em * ICON_EMS;
-  const lock = { icon: label.locked ? 'lock' : 'unlock', on: label.locked } as const;
-  const eye = { icon: label.visible ? 'eye' : 'hidden', on: !label.visible } as const;
-  ui.button(left, y, size, h, lock, () => void actions.toggleLock(label.id));
-  ui.button(left + size, y, size, h, eye, () => void actions.toggleVisible(label.id));
-  const solo = state.solo.peek() === label.id;
-  ui.button(left + 2 * size, y, size, h, { icon: 'solo', on: solo }, () =>
-    actions.solo(solo ? null : label.id),
-  );
+
+  private drawBelow(ui: Ui, x: number, y: number, inner: number): void {
+    const { em } = ui;
+    const label = activeLabel.peek();
+    if (label) drawHeading(ui, label, x, y, inner);
+    const below = y + em * 1.9;
+    ui.strip(x, below, inner, em * STRIP, choices(label));
+    ui.strip(x, below + em * (STRIP + GAP), inner, em * STRIP, [
+      [{ icon: 'plus', text: 'New' }, this.makeNew],
+      [{ icon: 'pencil', text: 'Edit', disabled: !label }, this.edit],
+      ...this.rows.turning(state.palette.peek().length),
+    ]);
+  }
 }
 
-/** Count of the active label's points in the whole recording, which no step through frames changes. */
-function pointsIn({ id, category }: Label): string {
+/** The active label: its name, and the count of its points in the whole recording, which no step changes. */
+function drawHeading(ui: Ui, { id, name, category }: Label, x: number, y: number, inner: number): void {
+  const { em } = ui;
   const count = state.counts.peek().get(id) ?? 0;
-  return count > 0 ? `${shortCount(count)} in all` : category;
-}
+  const note = count > 0 ? `${shortCount(count)} in all` : category;
+  ui.text(name, x + em * 0.4, y + em * 0.9, { weight: 600, width: inner * 0.6 });
+  ui.text(note, x + inner - em * 0.4, y + em * 0.9, { color: INK.quiet, align: 'right' });
+} // prettier-ignore
+
+/** What is done to the active label, and the taking of another one from the recording. */
+function choices(label: Label | null): Entry[] {
+  const { id = 0, locked = false, visible = true } = label ?? {};
+  const solo = state.solo.peek() === id;
+  const picking = state.tool.peek() === 'pick';
+  const disabled = !label;
+  return [
+    [{ icon: locked ? 'lock' : 'unlock', text: 'Lock', on: locked, disabled }, () => void actions.toggleLock(id)],
+    [{ icon: visible ? 'eye' : 'hidden', text: 'Hide', on: !visible, disabled }, () => void actions.toggleVisible(id)],
+    [{ icon: 'solo', text: 'Solo', on: solo && !disabled, disabled }, () => actions.solo(solo ? null : id)],
+    [{ icon: 'picker', text: 'Pick', on: picking }, () => actions.setTool(picking ? 'paint' : 'pick')],
+  ];
+} // prettier-ignore

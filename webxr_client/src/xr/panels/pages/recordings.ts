@@ -3,10 +3,10 @@ import { actions } from '../../../store/actions';
 import { plural } from '../../../common/format';
 import { state } from '../../../store/state';
 import { INK, type Ui } from '../../drawing/ui';
-import { ROWS, Rows } from './rows';
+import { Rows } from './rows';
 
-/** Ems from one row to the next. */
-const PITCH = 2.35;
+/** Rows in sight, and ems from one to the next. */
+const [ROWS, PITCH] = [7, 2.4];
 
 export class RecordingsPage {
   private readonly rows: Rows;
@@ -15,7 +15,7 @@ export class RecordingsPage {
     touch: () => void,
     private readonly back: () => void,
   ) {
-    this.rows = new Rows(touch);
+    this.rows = new Rows(touch, ROWS);
   }
 
   draw(ui: Ui, x: number, top: number, inner: number): void {
@@ -24,19 +24,15 @@ export class RecordingsPage {
     const open = state.sequence.peek()?.id;
     this.rows.of(sound).forEach(({ id, name, frames }, i) => {
       const look = { text: name, note: plural(frames, 'frame'), on: id === open } as const;
-      const place = [x, top + em * PITCH * i, inner - em * 0.2, em * 2.2] as const;
+      const place = [x, top + em * PITCH * i, inner, em * 2.2] as const;
       ui.button(...place, { ...look, strong: true, align: 'left' }, () => actions.openSequence(id));
     });
     if (sound.length === 0) {
       ui.text('No recordings yet.', x + em * 0.5, top + em * 1.5, { color: INK.quiet });
     }
-    this.drawBelow(ui, x, top + em * (PITCH * ROWS + 0.2), inner, sound.length > ROWS);
-  }
-
-  private drawBelow(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
-    const w = inner / 4;
-    const h = ui.em * 2.2;
-    ui.button(x, y, w * 1.4, h, { text: 'Back', icon: 'back' }, this.back);
-    this.rows.drawTurning(ui, x, y, inner, more);
+    ui.strip(x, top + em * (PITCH * ROWS + 0.3), inner, em * 3, [
+      [{ text: 'Back', icon: 'back' }, this.back],
+      ...this.rows.turning(sound.length),
+    ]);
   }
 }

@@ -1,33 +1,39 @@
-import type { Ui } from '../../drawing/ui';
+import type { Entry } from '../../drawing/ui';
 
 /** The reason why everything that changes labels is disabled. */
 export const VIEWER = 'Your role cannot change labels.';
 
-/** Rows of a list that are in sight. */
-export const ROWS = 7;
-
 /** The part of a list that is in sight, and the buttons that turn it. */
 export class Rows {
-  first = 0;
+  private first = 0;
 
-  constructor(private readonly touch: () => void) {}
+  constructor(
+    private readonly touch: () => void,
+    /** Entries that are in sight. */
+    private readonly most: number,
+  ) {}
 
   /** The part of a list that is in sight. */
-  of<Entry>(list: readonly Entry[]): Entry[] {
-    this.first = Math.min(this.first, Math.max(0, list.length - ROWS));
-    return list.slice(this.first, this.first + ROWS);
+  of<Item>(list: readonly Item[]): Item[] {
+    this.first = Math.min(this.first, Math.max(0, list.length - this.most));
+    return list.slice(this.first, this.first + this.most);
   }
 
-  /** At the right end of a line that is `inner` wide. */
-  drawTurning(ui: Ui, x: number, y: number, inner: number, more: boolean): void {
-    const w = inner / 4;
-    const place = [w * 0.52, ui.em * 2.2] as const;
-    const turn = { disabled: !more };
-    const scroll = (by: number) => () => {
+  /** Bring an entry into sight. */
+  show(place: number): void {
+    this.first = Math.min(place, Math.max(this.first, place - this.most + 1));
+  }
+
+  /** Buttons of a strip that turn a list of so many entries. */
+  turning(entries: number): Entry[] {
+    const disabled = entries <= this.most;
+    const turn = (by: number) => () => {
       this.first = Math.max(0, this.first + by);
       this.touch();
     };
-    ui.button(x + w * 2.9, y, ...place, { icon: 'previous', ...turn }, scroll(-ROWS));
-    ui.button(x + w * 3.45, y, ...place, { icon: 'next', ...turn }, scroll(ROWS));
+    return [
+      [{ icon: 'previous', disabled }, turn(-this.most)],
+      [{ icon: 'next', disabled }, turn(this.most)],
+    ];
   }
 }

@@ -6,7 +6,7 @@ import type { IconName } from '../../../common/icons';
 import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../../../store/state';
 import { roomWay, WAYS, type Way } from '../../../tools/ways';
 import { change, xrSettings } from '../../../store/xr-settings';
-import type { ButtonLook, Ui } from '../../drawing/ui';
+import { INK, type Entry, type Ui } from '../../drawing/ui';
 
 const TOOLS: readonly (readonly [Tool, IconName, string])[] = [
   ['paint', 'brush', 'Paint'],
@@ -15,23 +15,25 @@ const TOOLS: readonly (readonly [Tool, IconName, string])[] = [
   ['restore', 'restore', 'Restore'],
 ];
 
+/** Tiles beside one another; ems of a strip's name, of a tile's height, and below a strip. */
+const [COLUMNS, NAME, TILE, GAP] = [4, 1.4, 3, 0.3];
+/** Ems from the top to each strip's name, and to what belongs to the chosen shape. */
+const SHAPES = NAME + TILE + GAP;
+const BRUSH = SHAPES + NAME + 2 * TILE + GAP;
+
 export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
   const { em } = ui;
   const tool = state.tool.peek();
-  const half = inner / 2;
-  TOOLS.forEach(([id, icon, text], i) => {
-    const [column, line] = [i % 2, Math.floor(i / 2)];
-    ui.button(x + column * half, top + line * em * 2.3, half - em * 0.2, em * 2.1,
-      { icon, text, on: tool === id, strong: true, align: 'left' }, () => actions.setTool(id));
-  }); // prettier-ignore
   const way = roomWay();
-  const third = inner / 3;
-  WAYS.forEach((one, i) => {
-    const [column, line] = [i % 3, Math.floor(i / 3)];
-    ui.button(x + column * third, top + em * (4.8 + 2.1 * line), third - em * 0.2, em * 2,
-      { icon: one.icon, text: one.label, on: way === one, strong: true, align: 'left' }, () => chooseWay(one));
-  }); // prettier-ignore
-  drawBrush(ui, x, top, inner, way);
+  const strip = (name: string, at: number, entries: readonly Entry[]): void => {
+    ui.text(name, x + em * 0.4, top + em * (at + 0.6), { color: INK.quiet });
+    ui.strip(x, top + em * (at + NAME), inner, em * TILE, entries, COLUMNS);
+  };
+  strip('Selection', 0, TOOLS.map(([id, icon, text]) =>
+    [{ icon, text, on: tool === id }, () => actions.setTool(id)])); // prettier-ignore
+  strip('Shape', SHAPES, WAYS.map((one) =>
+    [{ icon: one.icon, text: one.label, on: way === one }, () => chooseWay(one)])); // prettier-ignore
+  drawBrush(ui, x, top + em * BRUSH, inner, way);
 }
 
 /** Text of the palette about an object: drawn anew when it changes. */
@@ -43,44 +45,28 @@ export const offered = computed(() => {
 function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): void {
   const { em } = ui;
   const completes = state.object.peek()?.completes === true;
-  if (completes || way.samples === 'clicks') drawObject(ui, x, top + em * 11.4, inner, completes);
-  else drawSize(ui, x, top, inner, way);
+  if (completes || way.samples === 'clicks') drawObject(ui, x, top, inner, completes);
+  else drawSize(ui, x + em * 0.4, top, inner - em * 0.8, way);
   checksOf(way).forEach(([text, on, set], i) => {
-    ui.check(x, top + em * (14 + 1.9 * i), inner, em * 1.8, text, on, set);
+    ui.check(x, top + em * (3 + 1.95 * i), inner, em * 1.85, text, on, set);
   });
 }
 
 /** The levels of an object, from part to group; or to take what a stroke lies on. */
 function drawObject(ui: Ui, x: number, y: number, inner: number, completes: boolean): void {
-  const { em } = ui;
   const { levels = 0, level = 0 } = state.object.peek() ?? {};
-  const buttons: readonly [ButtonLook, () => void][] = [
+  ui.strip(x, y, inner, ui.em * 2.6, [
     [{ text: 'Smaller', disabled: level <= 0 }, () => actions.stepObject(-1)],
     [{ text: 'Larger', disabled: level >= levels - 1 }, () => actions.stepObject(1)],
     [{ text: 'Complete', disabled: !completes }, () => actions.completeObject()],
-  ];
-  const w = inner / buttons.length;
-  buttons.forEach(([look, act], i) => {
-    ui.button(x + i * w, y, w - em * 0.2, em * 2.2, { ...look, strong: true }, act);
-  });
+  ]);
 }
 
-function drawSize(ui: Ui, x: number, top: number, inner: number, way: Way): void {
-  const { em } = ui;
+function drawSize(ui: Ui, x: number, y: number, wide: number, way: Way): void {
   const { radius } = state.brush.peek();
   const share = Math.log(radius / RADIUS_MIN) / Math.log(RADIUS_MAX / RADIUS_MIN);
-  const name = way.size ?? 'Radius';
-  ui.slider(
-    x + em * 0.4,
-    top + em * 11.1,
-    inner - em * 0.8,
-    em * 2.8,
-    name,
-    metres(radius),
-    share,
-    (to) => {
-      actions.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to);
-    },
+  ui.slider(x, y, wide, ui.em * 2.7, way.size ?? 'Radius', metres(radius), share, (to) =>
+    actions.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to),
   );
 }
 

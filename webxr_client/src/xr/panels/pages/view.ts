@@ -1,7 +1,7 @@
 /** Page of the palette for the view of the recording, and the standpoint in it. */
 import { actions } from '../../../store/actions';
 import { state } from '../../../store/state';
-import type { ButtonLook, Ui } from '../../drawing/ui';
+import type { Entry, Ui } from '../../drawing/ui';
 
 export interface WorldControls {
   /** 1, 0.1 (doll's house) or 5 (giant's eye). */
@@ -36,48 +36,20 @@ export function drawView(
 ): void {
   const { em } = ui;
   drawSliders(ui, x + em * 0.4, top, inner - em * 0.8);
-  const w = inner / 4;
-  const y = top + em * 7.7;
-  SCALES.forEach(([text, scale], i) => {
-    ui.button(x + i * w, y, w - em * 0.2, em * 2, { text, strong: true }, () =>
-      world.scaleTo(scale),
-    );
-  });
-  ui.button(x + 3 * w, y, w - em * 0.2, em * 2, { text: 'Reset', strong: true }, () =>
-    world.reset(),
-  );
-  drawChecks(ui, x, top + em * 9.9, inner / 2);
-  drawEnd(ui, x, top + em * 14.4, inner, world, list);
-}
-
-/** Rows for the standpoint, in a line of three, and below it for the others. */
-function drawEnd(
-  ui: Ui,
-  x: number,
-  y: number,
-  inner: number,
-  world: WorldControls,
-  list: () => void,
-): void {
-  const { em } = ui;
-  const lines: readonly (readonly [ButtonLook, () => void])[][] = [
-    [
-      [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
-      [{ icon: 'view', text: 'Go there' }, () => world.go()],
-      [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
-    ],
-    [
-      [{ icon: 'folder', text: 'Recordings' }, list],
-      [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
-    ],
-  ];
-  lines.forEach((line, row) => {
-    const w = inner / line.length;
-    line.forEach(([look, act], i) => {
-      const shape = { ...look, strong: true, align: 'left' } as const;
-      ui.button(x + i * w, y + row * em * 2.4, w - em * 0.2, em * 2.2, shape, act);
-    });
-  });
+  ui.strip(x, top + em * 7.8, inner, em * 2.2, [
+    ...SCALES.map(([text, scale]): Entry => [{ text }, () => world.scaleTo(scale)]),
+    [{ text: 'Reset' }, () => world.reset()],
+  ]);
+  drawChecks(ui, x, top + em * 10.3, inner / 2);
+  ui.strip(x, top + em * 14.9, inner, em * 3, [
+    [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
+    [{ icon: 'pin', text: 'Go there' }, () => world.go()],
+    [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
+  ]);
+  ui.strip(x, top + em * 18.2, inner, em * 3, [
+    [{ icon: 'folder', text: 'Recordings' }, list],
+    [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
+  ]);
 }
 
 function drawSliders(ui: Ui, x: number, top: number, wide: number): void {
@@ -106,6 +78,6 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
   if (!state.sequence.peek()?.lattice) return;
   const i = SURFACES.findIndex(([mode]) => mode === surface);
   const next = SURFACES[(i + 1) % SURFACES.length]![0];
-  ui.button(x + half, top + em * 2.1, half - em * 0.2, em * 1.9, { text: SURFACES[i]![1], strong: true },
+  ui.button(x + half, top + em * 2.1, half, em * 1.9, { text: SURFACES[i]![1], strong: true },
     () => actions.setView({ surface: next })); // prettier-ignore
 }

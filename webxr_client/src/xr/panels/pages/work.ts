@@ -20,18 +20,16 @@ import {
 } from '../../../work/queue';
 import { project } from '../../../work/store';
 import { lines } from '../../drawing/lines';
-import { type ButtonLook, INK, type Ui } from '../../drawing/ui';
+import { type Entry, INK, type Ui } from '../../drawing/ui';
 import type { AskName } from './writing';
 
 /** Signals that the page shows. */
 export const WORK = [tasks, mine, judged, question, project] as const;
 
 /** Ems from one row to the next, from one line of text to the next, and letters of a line. */
-const [PITCH, LINE, LETTERS] = [2.5, 1.5, 38];
+const [PITCH, LINE, LETTERS] = [2.5, 1.5, 33];
 /** Lines of a reviewer's note. */
 const NOTE_LINES = 2;
-
-type Entry = readonly [look: ButtonLook, run: () => void];
 
 export function drawWork(ui: Ui, x: number, top: number, inner: number, ask: AskName): void {
   const column = new Column(ui, x, top, inner);

@@ -1,5 +1,5 @@
 /** Writing in the headset: on its own keyboard, or with letters to point at where a browser opens none. */
-import { INK, type Ui } from '../../drawing/ui';
+import { INK, RAISED, type Ui } from '../../drawing/ui';
 
 const ROWS = ['1234567890', 'qwertyuiop', 'asdfghjkl', 'zxcvbnm-_'] as const;
 const KEYS = 10;
@@ -32,7 +32,7 @@ export class LettersPage {
   draw(ui: Ui, x: number, top: number, inner: number): void {
     const { em } = ui;
     ui.text(this.question, x + em * 0.4, top + em * 0.8, { color: INK.quiet, width: inner });
-    ui.box(x, top + em * 1.8, inner - em * 0.2, em * 2.2, INK.raised);
+    ui.box(x, top + em * 1.8, inner - em * 0.2, em * 2.2, RAISED);
     ui.text(`${this.text}_`, x + em * 0.6, top + em * 2.9, { width: inner - em * 1.4 });
     ROWS.forEach((row, i) => this.drawRow(ui, x, top + em * (4.6 + PITCH * i), inner, row));
     this.drawEnd(ui, x, top + em * (4.6 + PITCH * ROWS.length), inner);
