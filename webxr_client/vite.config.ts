@@ -100,8 +100,9 @@ export default defineConfig({
         // What others wrote changes rarely: it stays in browsers' caches, and profiles tell it apart.
         codeSplitting: {
           groups: [
-            { name: 'three', test: /node_modules[\\/]three/ },
-            { name: 'libraries', test: /node_modules/ },
+            // The reader of models is apart: only some controllers need it.
+            { name: 'three', test: /node_modules[\\/]three(?!.*(GLTFLoader|SkeletonUtils))/ },
+            { name: 'libraries', test: /node_modules(?!.*(GLTFLoader|SkeletonUtils))/ },
           ],
         },
       },

@@ -130,15 +130,15 @@ def test_eraser_undo_and_redo_are_buttons(
     headset.paint([truth(0, PERSON)])
     headset.settled()
     assert painted(server, 0, 1) == 0
-    # What was used three times is learnt: its explanation has faded, the others have not.
+    # The hints at the controls: what was used is learnt, the next ones come in its place.
     for hand, side in (("left", -0.15), ("right", 0.15)):  # where hints show: in the picture
         headset.move(hand, [side, 1.4, -0.5])
-    headset.until("hs.tips('right').includes('A: eraser')")
-    headset.button("a-button")
-    headset.button("a-button")
-    headset.until("!hs.tips('right').includes('A: eraser')")
-    headset.until("hs.tips('right').includes('Stick pressed: play')")
-    headset.until("hs.tips('left').includes('Stick ↑: go there')")
+    shown = {"Stick ← →: frames", "Stick pressed: play"}
+    eventually(lambda: set(headset.ask("hs.tips('right')")) == shown)
+    headset.flick(1, 0)
+    shown ^= {"Stick ← →: frames", "Grip: move the room"}
+    eventually(lambda: set(headset.ask("hs.tips('right')")) == shown)
+    headset.until("hs.tips('left').join() === 'X: timeline'")
 
 
 # ── time ─────────────────────────────────────────────────────────────────────────────────────

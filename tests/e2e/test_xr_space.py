@@ -185,7 +185,7 @@ def test_a_touchpad_has_four_quadrants(put_on: Wear, server: LiveServer, truth: 
     assert abs(headset.ask(f"{RIG}.head.z") - place) > 0.5
     # A hand that points at a panel needs no words; past it, they are there.
     headset.move("left", [-0.2, 1.2, -0.3], [-0.2, 2.2, -0.3])
-    headset.until("hs.tips('left').includes('Pad pressed: doubtful')")
+    headset.until("hs.tips('left').join() === 'Grip + Pad ↑: timeline'")
     headset.flick_to_frame(0)
     headset.paint([truth(0, PERSON)])
     headset.settled()

@@ -50,6 +50,13 @@ def test_scripts_come_in_the_shortest_form(
     assert "immutable" in answer.headers["cache-control"]
 
 
+def test_models_of_controllers_have_their_type(anyone: httpx.Client, built: Path) -> None:
+    (built.parent / "left-1a2b.glb").write_bytes(b"glTF")
+    answer = anyone.get("/assets/left-1a2b.glb")
+    assert answer.headers["content-type"] == "model/gltf-binary"
+    assert "immutable" in answer.headers["cache-control"]
+
+
 def test_the_document_is_asked_for_again_each_time(anyone: httpx.Client, built: Path) -> None:
     answer = anyone.get("/")
     assert answer.text == "<!doctype html>"

@@ -28,6 +28,7 @@ ENCODINGS = {"br": ".br", "gzip": ".gz"}
 """Forms of a text file that the build lays beside it, best first."""
 mimetypes.add_type("text/javascript", ".js")
 mimetypes.add_type("application/wasm", ".wasm")
+mimetypes.add_type("model/gltf-binary", ".glb")
 
 
 @router.get("/")

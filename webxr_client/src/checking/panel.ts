@@ -3,7 +3,6 @@ import { actions } from '../store/actions';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
 import type { Cockpit } from '../xr/cockpit';
-import { tipsFor } from '../xr/input/lessons';
 import { Panel } from '../xr/panels/panel';
 import { SIZES } from '../xr/drawing/sizes';
 import { INK, type Ui } from '../xr/drawing/ui';
@@ -103,14 +102,7 @@ export class CheckPanel extends Panel {
 
   /** Say how what is held does it, else where a panel does. */
   private hint({ lesson, otherwise }: Task): string {
-    const { pointers } = this.cockpit;
-    const { brush, other } = pointers;
-    for (const hand of [brush, other]) {
-      if (!hand) continue;
-      const tips = tipsFor(hand.device, pointers.partOf(hand), hand.side === 'left');
-      const tip = tips.find((each) => each.lesson === lesson);
-      if (tip && lesson !== 'paint') return hand === other ? `Other hand, ${tip.text}` : tip.text;
-    }
-    return otherwise;
+    const own = lesson && lesson !== 'paint' ? this.cockpit.pointers.hint(lesson) : null;
+    return own ?? otherwise;
   }
 }

@@ -104,7 +104,7 @@ export class Cockpit {
     this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline());
     this.upDown = new UpDown({
       marked: () => feelPulse(LEVEL_TICK),
-      taken: () => this.lessons.done('label'),
+      taken: ({ device }) => this.lessons.done('label', device),
       level: (step) => this.painter.stepLevel(step),
     });
     this.ring = new LabelRing(this.upDown);
@@ -120,11 +120,11 @@ export class Cockpit {
     return this.pointers.brush;
   }
 
-  /** Hang a panel of somebody else's beside those of the room. */
-  hang(panel: Panel): void {
-    this.panels.add(panel);
+  /** Hang another panel beside those of the room; the result takes it away. */
+  hang(panel: Panel): () => void {
     this.rig.group.add(panel.mesh);
-    this.parts.add((now) => panel.update(now));
+    const stops = [this.parts.add((now) => panel.update(now)), this.panels.add(panel)];
+    return () => stops.forEach((stop) => stop());
   }
 
   private assemble(): void {
@@ -210,9 +210,9 @@ export class Cockpit {
     parts.add(() => this.engine.viewer.backdrop.follow(this.rig.head));
     for (const panel of this.panels.all) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
-    parts.add(() => pointers.teach(seconds, this.painter.painting));
+    parts.add(() => this.teach());
     parts.add((now) => this.tipSign.update(this.rig, this.brush, this.painter, now));
-    parts.add(() => this.ring.update(pointers.brush, this.rig));
+    parts.add(() => this.ring.update(pointers.brushBody, this.rig));
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
@@ -221,6 +221,11 @@ export class Cockpit {
     const lifted = seated || !this.floor;
     this.rig.liftTo(lifted ? EYES - this.rig.headInRig.y : 0);
     this.panels.settle();
+  }
+
+  private teach(): void {
+    const busy = this.painter.painting || this.upDown.shown;
+    this.pointers.teach(this.seconds, busy, this.panels.palette);
   }
 
   /** Before the recording, as large as it is now and wherever it was moved, the timeline at hand. */
@@ -255,7 +260,7 @@ export class Cockpit {
       this.pointers.holds(other, busy, was) ? other!.place : null,
       this.pointers.holds(brush, busy, was) ? brush!.place : null,
     );
-    if (this.grab.active && !was) this.lessons.done('grab');
+    if (this.grab.active && !was) this.lessons.done('grab', (other ?? brush)!.device);
     // The sphere keeps its size in the hand.
     if (grown !== 1) actions.setRadius(peek(state.brush).radius / grown);
   }
@@ -279,7 +284,7 @@ export class Cockpit {
     this.jumps = this.rig.jumps;
     this.painter.update(brush, other, this.rig.head, blocked, now);
     this.painter.completion.update(this.pointing(brush) || !this.panels.palette.folded, now);
-    if (this.painter.painting && !before) this.lessons.done('paint');
+    if (brush && this.painter.painting && !before) this.lessons.done('paint', brush.device);
   }
 
   /** End the stroke and wait for presses to be let go: what was at hand is elsewhere. */

@@ -1,8 +1,8 @@
 /** Visible parts of a pointer: its model, its ray, its tips; and the panel that it is on. */
 import type { Matrix4, Object3D } from 'three';
 import { BUTTON_TICK } from '../input/haptics';
-import type { Model } from '../input/kind';
-import { Ray } from '../input/model';
+import type { Model, Spots } from '../input/kind';
+import { drawnSpots, Ray } from '../input/model';
 import { Switch } from '../input/pad';
 import type { Painter } from '../painting/painter';
 import type { Panel } from '../panels/panel';
@@ -17,6 +17,7 @@ const LET_GO = 0.008;
 
 export class Body {
   readonly tips: Tips;
+  readonly spots: Spots;
   /** The panel that its ray or its fingertip is on. */
   on: Panel | null = null;
   private readonly model: Model | null;
@@ -36,10 +37,11 @@ export class Body {
     scene: Object3D,
     rig: Object3D,
   ) {
-    this.tips = new Tips(lessons, pointer);
     rig.add(pointer.grip);
     scene.add(this.ray.line.mesh);
     this.model = pointer.kind.model(pointer.source, pointer.device);
+    this.spots = this.model?.spots ?? drawnSpots();
+    this.tips = new Tips(lessons, pointer, this.spots);
     if (this.model) (this.model.gripped ? pointer.grip : rig).add(this.model.object);
   }
 

@@ -1,4 +1,7 @@
-/** The ring of colours round the pad of the hand that paints: the labels that a push would take. */
+/**
+ * The ring of colours round the pad of the hand that paints: the labels that a push would take.  While
+ * no thumb is there, a small one marks the pad.
+ */
 import { CircleGeometry, Group, Mesh, MeshBasicMaterial, RingGeometry, Vector3, type BufferGeometry } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { free } from '../../common/free';
@@ -9,10 +12,11 @@ import { faceEyes } from '../drawing/facing';
 import { Sign } from '../drawing/sign';
 import { SIZES } from '../drawing/sizes';
 import { tint } from '../drawing/tint';
-import { ORDER, PAD } from '../input/model';
-import type { Pointer } from '../input/pointer';
+import type { Spots } from '../input/kind';
+import { ORDER } from '../input/model';
 import { labelBeside, type UpDown } from '../input/up-down';
 import type { Rig } from '../moving/rig';
+import type { Body } from './body';
 
 /** Metres from the pad's middle: the disc of the active label, the ring, and the arc that is marked. */
 const [DISC, INNER, OUTER, MARKED] = [0.01, 0.024, 0.037, 0.044];
@@ -27,6 +31,9 @@ const GAP = 4;
 const DEGREE = Math.PI / 180;
 /** Turn of the ring from lying on the pad towards the eyes. */
 const TILT = 35 * DEGREE;
+/** Size of the ring on the pad while no thumb is there, and its height and the large one's over it, metres. */
+const [SMALL, ON, OVER] = [0.45, 0.0015, 0.02];
+const UP = new Vector3(0, 1, 0);
 /** The name is where no hints of the hand are. */
 const NAME = { up: 0.03, away: SIZES.tips.away };
 const BESIDE = { left: { ...NAME, right: 0.09 }, right: { ...NAME, right: -0.09 } };
@@ -41,6 +48,7 @@ export class LabelRing {
   private palette: readonly Label[] | null = null;
   private active = -1;
   private marked = NaN;
+  private shown = false;
 
   constructor(private readonly upDown: UpDown) {
     const look = { vertexColors: true, transparent: true, toneMapped: false };
@@ -51,30 +59,43 @@ export class LabelRing {
   }
 
   /** Once per picture. */
-  update(hand: Pointer | null, rig: Rig): void {
+  update(body: Body | null, rig: Rig): void {
     const { mesh, upDown, at } = this;
     const palette = peek(state.palette);
-    mesh.visible = hand !== null && upDown.shown && palette.length > 1;
+    mesh.visible = body !== null && body.pointer.device.pad !== 'none' && palette.length > 1;
     this.sign.mesh.visible = mesh.visible && upDown.marked !== 0;
-    if (!hand || !mesh.visible) return;
-    if (mesh.parent !== hand.grip) hand.grip.add(mesh);
+    if (!body || !mesh.visible) return;
+    const { grip, side } = body.pointer;
+    if (mesh.parent !== grip) grip.add(mesh);
+    this.lay(body.spots);
     const active = peek(state.activeLabel);
     const changed = palette !== this.palette || active !== this.active;
-    if (changed || upDown.marked !== this.marked) this.draw(palette, active, upDown.marked);
+    const { marked, shown } = upDown;
+    if (changed || marked !== this.marked || shown !== this.shown)
+      this.draw(palette, active, marked, shown);
     if (!this.sign.mesh.visible) return;
-    at.copy(mesh.position).applyMatrix4(hand.grip.matrix);
-    faceEyes(this.group, at, rig.headInRig, BESIDE[hand.side === 'left' ? 'left' : 'right']);
+    at.copy(mesh.position).applyMatrix4(grip.matrix);
+    faceEyes(this.group, at, rig.headInRig, BESIDE[side === 'left' ? 'left' : 'right']);
   }
 
-  private draw(palette: readonly Label[], active: number, marked: number): void {
-    Object.assign(this, { palette, active, marked });
+  /** On the pad, or over it and leant towards the eyes. */
+  private lay({ pad, up }: Spots): void {
+    const { mesh, upDown } = this;
+    mesh.position.copy(pad).addScaledVector(up, upDown.shown ? OVER : ON);
+    mesh.quaternion.setFromUnitVectors(UP, up);
+    if (upDown.shown) mesh.rotateX(TILT);
+    mesh.scale.setScalar(upDown.shown ? 1 : SMALL);
+  }
+
+  private draw(palette: readonly Label[], active: number, marked: number, thumb: boolean): void {
+    Object.assign(this, { palette, active, marked, shown: thumb });
     const { mesh } = this;
     const direction = Math.sign(marked);
     // Held on, the ring turns: the marked label stays where the thumb is.
     const middle = labelBeside(palette, active, marked - direction);
     const labelAt = (steps: number): Label =>
       palette.find(({ id }) => id === labelBeside(palette, middle, steps))!;
-    const shown = ARCS.slice(0, Math.max(2, palette.length - 1));
+    const shown = ARCS.slice(0, thumb ? Math.max(2, palette.length - 1) : 2);
     const arcs = shown.map(([steps, from, degrees]) => {
       const on = steps === direction;
       const outer = on ? MARKED : OUTER;
@@ -84,9 +105,8 @@ export class LabelRing {
     });
     const parts = [tint(new CircleGeometry(DISC, 24), labelAt(0).color), ...arcs];
     mesh.geometry.dispose();
-    mesh.geometry = mergeGeometries(parts).rotateX(TILT - Math.PI / 2);
+    mesh.geometry = mergeGeometries(parts).rotateX(-Math.PI / 2);
     for (const part of parts) part.dispose();
-    mesh.position.set(PAD.x, PAD.y, PAD.z);
     if (direction !== 0) {
       this.sign.write(`${direction < 0 ? '↑' : '↓'} ${labelAt(direction).name}`);
     }

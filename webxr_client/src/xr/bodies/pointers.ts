@@ -10,7 +10,7 @@ import { Poses } from '../input/poses';
 import type { Rig } from '../moving/rig';
 import { rolesOf, type Roles } from '../input/roles';
 import { xrSettings, type Side } from '../../store/xr-settings';
-import type { Lessons, Part } from '../input/lessons';
+import { tipsFor, type Lesson, type Lessons, type Part } from '../input/lessons';
 import type { Object3D } from 'three';
 
 /** Seconds after which a controller out of the headset's sight, or gone, is missed. */
@@ -67,6 +67,10 @@ export class Pointers {
   /** Paints. */
   get brush(): Pointer | null {
     return this.roles.brush;
+  }
+
+  get brushBody(): Body | null {
+    return this.brush && this.bodyOf(this.brush);
   }
 
   /** Goes and turns, takes hold of the room, presses the other buttons. */
@@ -216,6 +220,17 @@ export class Pointers {
     return pointer === this.brush ? 'brush' : 'other';
   }
 
+  /** The control that does something, and the hand that has it; null: none does. */
+  hint(lesson: Lesson): string | null {
+    for (const hand of [this.brush, this.other]) {
+      if (!hand?.holds) continue;
+      const tips = tipsFor(hand.device, this.partOf(hand), hand.side === 'left');
+      const tip = tips.find((each) => each.lesson === lesson);
+      if (tip) return hand === this.other ? `Other hand, ${tip.text}` : tip.text;
+    }
+    return null;
+  }
+
   /** Nothing is pressed until it was seen released: one jumped, or the system was in between. */
   disarm(): void {
     for (let i = 0; i < this.bodies.length; i++) this.bodies[i]!.pointer.disarm();
@@ -301,14 +316,14 @@ export class Pointers {
   }
 
   /**
-   * Show what the buttons do, as far as it is not learnt; what points at a panel needs none, and
-   * none stands in the picture while one paints.
+   * Show what the buttons do, as far as it is not learnt; what points at a panel needs none, none
+   * stands in the picture while one paints, and none before the palette.
    */
-  teach(seconds: Float64Array, painting: boolean): void {
+  teach(seconds: Float64Array, painting: boolean, palette: Panel): void {
     const { tips } = peek(xrSettings);
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
-      body.tips.update(seconds, tips && !painting && body.on === null, this.rig);
+      body.tips.update(seconds, tips && !painting && body.on === null, this.rig, palette);
     }
   }
 

@@ -1,69 +1,156 @@
-/** Hints beside the controller for each button, until it has been used a few times. */
-import { free } from '../../common/free';
-import { BufferAttribute, CanvasTexture, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, Vector3, type BufferGeometry } from 'three'; // prettier-ignore
-import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+/** Hints at the controls of a hand: a few words each with a line to its control, until it has been used. */
+import { Box3, Group, Matrix4, Vector3 } from 'three';
 import { faceEyes } from '../drawing/facing';
+import { Ribbon } from '../drawing/ribbon';
+import { Sign } from '../drawing/sign';
+import { SIZES } from '../drawing/sizes';
+import { INK } from '../drawing/ui';
+import type { Spots } from '../input/kind';
 import { tipsFor, type Lessons, type Part, type Tip } from '../input/lessons';
 import type { Pointer } from '../input/pointer';
 import type { Rig } from '../moving/rig';
-import { SIZES } from '../drawing/sizes';
-import { tint } from '../drawing/tint';
-import { FONT, INK } from '../drawing/ui';
+import type { Panel } from '../panels/panel';
 
 const FADE_PER_SECOND = 2;
-const PIXELS = 48;
-/** Ems: from one line to the next, a line's own height, and the room beside its text. */
-const [PITCH, HEIGHT, PAD] = [1.95, 1.75, 0.6];
-/** Metres from the middle of the hand to the words. */
-const BESIDE = 0.035;
-const VERTICES = 4;
+/** Most hints at once: a person reads no more. */
+const MOST: Record<Part, number> = { brush: 2, other: 1 };
+/** Metres from the middle of the hand to the words, and from one line of words to the next. */
+const [BESIDE, PITCH] = [0.06, 1.95 * SIZES.tips.em];
+/** Metres: end of a line before its control, and from a pad's middle, where colours are. */
+const [BEFORE, EDGE] = [0.004, 0.014];
+/** Share of the way to the eyes by which the words lie before the hand: it hides none of them. */
+const NEARER = 0.12;
 /** Metres outside the picture at which a hand has no words. */
 const ASTRAY = 0.25;
 /** Moves that bring words inside, each by a share of what they lack: moved words are turned as well. */
 const [PASSES, GAIN] = [6, 0.5];
+const CORNERS = 4;
 
-/** All words of a hand on one plate: each line fades by its own vertices' opacity. */
+/** A hint that is shown, or fades. */
+interface Row {
+  readonly sign: Sign;
+  readonly line: Ribbon;
+  tip: Tip | null;
+  opacity: number;
+}
+
 export class Tips {
+  readonly group = new Group();
+  /** Sides of all words, in the group's own space. */
+  readonly box = new Box3();
   private tips: readonly Tip[] = [];
-  private opacity = new Float64Array(0);
-  private mesh: Mesh<BufferGeometry, MeshBasicMaterial> | null = null;
+  private rows: Row[] = [];
   private readonly facing = { right: 0, up: 0, away: SIZES.tips.away };
   private readonly shift = new Float64Array(2);
   private readonly corner = new Vector3();
+  private readonly toGroup = new Matrix4();
+  /** Sides of the words and of a panel as the eyes see them. */
+  private readonly own = new Float64Array(4);
+  private readonly others = new Float64Array(4);
 
   constructor(
     private readonly lessons: Lessons,
     private readonly hand: Pointer,
+    private readonly spots: Spots,
   ) {}
 
-  /** Write anew what the hand's buttons do. */
+  /** Write anew what the hand's controls do. */
   set(part: Part): void {
     this.clear();
-    const { hand } = this;
+    const { hand, group } = this;
     this.tips = tipsFor(hand.device, part, hand.side === 'left');
-    this.opacity = new Float64Array(this.tips.length).fill(1);
-    this.mesh = plate(this.tips, hand.side === 'left' ? -1 : 1);
-    hand.grip.parent?.add(this.mesh);
+    this.rows = Array.from({ length: MOST[part] }, () => {
+      const sign = new Sign({ em: SIZES.tips.em, back: INK.back, order: 115, depth: true });
+      const line = new Ribbon(2, { order: 114, depth: true });
+      group.add(sign.mesh, line.mesh);
+      return { sign, line, tip: null, opacity: 0 };
+    });
+    hand.grip.parent?.add(group);
   }
 
-  /** Once per picture. */
-  update(seconds: Float64Array, shown: boolean, rig: Rig): void {
-    const { mesh, hand, opacity } = this;
-    if (!mesh) return;
-    const near = shown && this.nearPicture(rig);
+  /** Once per picture; words hide no part of `panel`. */
+  update(seconds: Float64Array, shown: boolean, rig: Rig, panel: Panel): void {
+    const { hand, rows } = this;
+    if (rows.length === 0) return;
+    this.choose(rig);
+    const near = shown && hand.tracked && !this.box.isEmpty() && this.nearPicture(rig);
+    if (near) this.keepInside(rig);
+    const bright = near && !this.covers(panel, rig);
     const step = Math.min(1, FADE_PER_SECOND * seconds[0]!);
-    let brightest = 0;
-    for (let i = 0; i < this.tips.length; i++) {
-      const goal = near && !this.lessons.learnt(this.tips[i]!.lesson) ? 1 : 0;
-      const before = opacity[i]!;
-      const now = goal > before ? Math.min(goal, before + step) : Math.max(goal, before - step);
-      brightest = Math.max(brightest, now);
-      if (now === before) continue;
-      opacity[i] = now;
-      this.fade(i);
+    this.group.visible = hand.grip.visible;
+    this.toGroup.copy(this.group.matrix).invert();
+    for (let i = 0; i < rows.length; i++) {
+      const row = rows[i]!;
+      const { opacity } = row;
+      const goal = bright && this.wants(row.tip);
+      row.opacity = goal ? Math.min(1, opacity + step) : Math.max(0, opacity - step);
+      this.draw(row, rig);
     }
-    mesh.visible = hand.grip.visible && brightest > 0.01;
-    if (mesh.visible) this.keepInside(mesh, rig);
+  }
+
+  private wants(tip: Tip | null): boolean {
+    return tip !== null && this.lessons.wants(tip.lesson, this.hand.device);
+  }
+
+  private draw({ sign, line, tip, opacity }: Row, rig: Rig): void {
+    sign.mesh.visible = opacity > 0;
+    sign.mesh.material.opacity = line.opacity = opacity;
+    line.show(opacity > 0 ? 2 : 0);
+    if (!tip || opacity === 0) return;
+    const { x, y } = sign.mesh.position;
+    const { x: width } = sign.mesh.scale;
+    line.put(0, x > 0 ? x - width / 2 : x + width / 2, y, 0);
+    const to = this.control(tip, rig);
+    line.put(1, to.x, to.y, to.z + BEFORE);
+  }
+
+  /** Let go of hints that have faded, and take the next ones in their place. */
+  private choose(rig: Rig): void {
+    const { rows, tips } = this;
+    let changed = false;
+    for (let i = 0; i < rows.length; i++) {
+      const row = rows[i]!;
+      if (row.opacity > 0 || this.wants(row.tip)) continue;
+      changed ||= row.tip !== null;
+      row.tip = null;
+      for (let k = 0; k < tips.length && row.tip === null; k++)
+        if (!this.has(tips[k]!) && this.wants(tips[k]!)) row.tip = tips[k]!;
+      changed ||= row.tip !== null;
+    }
+    if (changed) this.arrange(rig);
+  }
+
+  private has(tip: Tip): boolean {
+    for (let i = 0; i < this.rows.length; i++) if (this.rows[i]!.tip === tip) return true;
+    return false;
+  }
+
+  /** Lay the words one below the other, in the order of their controls so that no lines cross. */
+  private arrange(rig: Rig): void {
+    const { hand, tips, rows, box, corner } = this;
+    this.face(rig);
+    this.toGroup.copy(this.group.matrix).invert();
+    const used = rows.filter(({ tip }) => tip !== null);
+    const heights = new Map(used.map((row) => [row, this.control(row.tip!, rig).y]));
+    used.sort((a, b) => heights.get(b)! - heights.get(a)! || tips.indexOf(a.tip!) - tips.indexOf(b.tip!)); // prettier-ignore
+    const side = hand.side === 'left' ? -1 : 1;
+    box.makeEmpty();
+    used.forEach(({ sign: { mesh }, sign, tip }, k) => {
+      sign.write(tip!.short);
+      const y = ((used.length - 1) / 2 - k) * PITCH;
+      mesh.position.set(side * (BESIDE + mesh.scale.x / 2), y, 0);
+      for (const end of [-0.5, 0.5])
+        box.expandByPoint(corner.copy(mesh.scale).multiplyScalar(end).setZ(0).add(mesh.position));
+    });
+  }
+
+  /** The place of a hint's control, in the group's space: of a bare hand where it pinches. */
+  private control({ spot }: Tip, rig: Rig): Vector3 {
+    const { hand, corner, spots, toGroup } = this;
+    if (hand.hasPinch) return rig.group.worldToLocal(corner.copy(hand.pinch)).applyMatrix4(toGroup);
+    corner.copy(spots[spot]);
+    if (spot === 'pad') corner.x += hand.side === 'left' ? -EDGE : EDGE;
+    return corner.applyMatrix4(hand.grip.matrix).applyMatrix4(toGroup);
   }
 
   /** Whether the hand is in the picture, or near to it. */
@@ -76,100 +163,69 @@ export class Tips {
   }
 
   /** Place the words beside the hand, moved as far as keeps them in both eyes' pictures. */
-  private keepInside(mesh: Mesh, { headInRig, inHead, sight }: Rig): void {
-    const { facing, shift, corner } = this;
-    const { min, max } = mesh.geometry.boundingBox!;
+  private keepInside(rig: Rig): void {
+    const { facing, shift } = this;
+    const { inHead, sight } = rig;
     facing.right = facing.up = 0;
     for (let pass = 0; pass <= PASSES; pass++) {
-      faceEyes(mesh, this.hand.grip.position, headInRig, facing);
+      this.face(rig);
       shift.fill(0);
-      for (let k = 0; k < VERTICES; k++) {
-        corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, 0);
-        sight.lacks(corner.applyMatrix4(mesh.matrix).applyMatrix4(inHead), shift);
-      }
-      const e = mesh.matrix.elements;
+      for (let k = 0; k < CORNERS; k++) sight.lacks(this.wordsCorner(k).applyMatrix4(inHead), shift);
+      const e = this.group.matrix.elements;
       const grown = Math.sqrt(e[0] * e[0] + e[2] * e[2]);
       facing.right += (GAIN * shift[0]!) / grown;
       facing.up += (GAIN * shift[1]!) / grown;
     }
+  } // prettier-ignore
+
+  /** Turn the words to the eyes, at the pad and as far aside as `facing` tells. */
+  private face({ headInRig }: Rig): void {
+    const at = this.corner.copy(this.spots.pad).applyMatrix4(this.hand.grip.matrix);
+    faceEyes(this.group, at.lerp(headInRig, NEARER), headInRig, this.facing);
   }
 
-  private fade(line: number): void {
-    const colors = this.mesh!.geometry.getAttribute('color');
-    for (let k = 0; k < VERTICES; k++) {
-      colors.array[4 * (VERTICES * line + k) + 3] = this.opacity[line]!;
+  /** A corner of all words, in the headset's own space. */
+  private wordsCorner(k: number): Vector3 {
+    const { min, max } = this.box;
+    const place = this.corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, 0);
+    return place.applyMatrix4(this.group.matrix);
+  }
+
+  /** Whether the eyes see the words before a panel. */
+  private covers(panel: Panel, { inHead }: Rig): boolean {
+    if (!panel.mesh.visible) return false;
+    const { own, others, corner } = this;
+    own.fill(-Infinity);
+    others.fill(-Infinity);
+    for (let k = 0; k < CORNERS; k++) {
+      widen(own, this.wordsCorner(k).applyMatrix4(inHead));
+      widen(others, panel.middle(corner, k & 1 ? 1 : -1, k & 2 ? 1 : -1).applyMatrix4(inHead));
     }
-    colors.needsUpdate = true;
+    for (let k = 0; k < CORNERS; k++) if (own[k]! <= -others[k ^ 1]!) return false;
+    return true;
   }
 
   /** Legible hints, for tests. */
   get shown(): string[] {
-    if (!this.mesh?.visible) return [];
-    return this.tips.flatMap(({ text }, i) => (this.opacity[i]! > 0.01 ? text : []));
+    if (!this.group.visible) return [];
+    return this.rows.flatMap(({ tip, opacity }) => (tip && opacity > 0 ? tip.text : []));
   }
 
   clear(): void {
-    const { mesh } = this;
-    this.mesh = null;
-    this.tips = [];
-    if (!mesh) return;
-    mesh.material.map!.dispose();
-    free(mesh);
+    for (const { sign, line } of this.rows) {
+      sign.dispose();
+      line.dispose();
+    }
+    this.group.removeFromParent();
+    this.rows = [];
   }
 }
 
-/** Lines one below the other, to the right of the hand (`side` 1) or to its left (−1). */
-function plate(tips: readonly Tip[], side: number): Mesh<BufferGeometry, MeshBasicMaterial> {
-  const pen = document.createElement('canvas').getContext('2d')!;
-  const { canvas } = pen;
-  const font = `600 ${PIXELS}px ${FONT}`;
-  pen.font = font;
-  const widths = tips.map(({ text }) => pen.measureText(text).width + 2 * PAD * PIXELS);
-  canvas.width = Math.ceil(Math.max(1, ...widths));
-  canvas.height = Math.ceil(PITCH * PIXELS * Math.max(1, tips.length));
-  pen.font = font;
-  pen.textBaseline = 'middle';
-  const lines = tips.map(({ text }, i) => {
-    const top = i * PITCH * PIXELS;
-    pen.fillStyle = INK.back;
-    pen.beginPath();
-    pen.roundRect(0, top, widths[i]!, HEIGHT * PIXELS, 0.4 * PIXELS);
-    pen.fill();
-    pen.fillStyle = INK.text;
-    pen.fillText(text, PAD * PIXELS, top + (HEIGHT / 2 + 0.04) * PIXELS);
-    return line(i, tips.length, widths[i]!, canvas, side);
-  });
-  const geometry = mergeGeometries(lines);
-  for (const part of lines) part.dispose();
-  geometry.computeBoundingBox();
-  const map = new CanvasTexture(canvas);
-  map.colorSpace = SRGBColorSpace;
-  const material = new MeshBasicMaterial({
-    map, vertexColors: true, transparent: true, depthTest: false, depthWrite: false, toneMapped: false,
-  }); // prettier-ignore
-  const mesh = new Mesh(geometry, material);
-  mesh.renderOrder = 115;
-  mesh.frustumCulled = false;
-  return mesh;
-}
-
-/** A quad for one line, and where it is on the canvas. */
-function line(
-  number: number,
-  lines: number,
-  width: number,
-  canvas: HTMLCanvasElement,
-  side: number,
-): BufferGeometry {
-  const metres = SIZES.tips.em / PIXELS;
-  const [w, h] = [width * metres, HEIGHT * SIZES.tips.em];
-  const y = ((lines - 1) / 2 - number) * PITCH * SIZES.tips.em;
-  const geometry = tint(new PlaneGeometry(w, h), 0xffffff).translate(side * (BESIDE + w / 2), y, 0);
-  const right = width / canvas.width;
-  const [top, bottom] = [number * PITCH, number * PITCH + HEIGHT].map(
-    (ems) => 1 - (ems * PIXELS) / canvas.height,
-  ) as [number, number];
-  const places = Float32Array.of(0, top, right, top, 0, bottom, right, bottom);
-  geometry.setAttribute('uv', new BufferAttribute(places, 2));
-  return geometry;
+/** Widen the sides of what the eyes see by a place: tangents to the right, left, up and down. */
+function widen(sides: Float64Array, { x, y, z }: Vector3): void {
+  const away = Math.max(1e-3, -z);
+  sides[0] = Math.max(sides[0]!, x / away);
+  sides[1] = Math.max(sides[1]!, -x / away);
+  sides[2] = Math.max(sides[2]!, y / away);
+  sides[3] = Math.max(sides[3]!, -y / away);
 }

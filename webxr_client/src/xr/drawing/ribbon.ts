@@ -55,6 +55,8 @@ export interface RibbonLook {
   /** 0 to 1. */
   readonly opacity?: number;
   readonly order: number;
+  /** What is nearer hides it. */
+  readonly depth?: boolean;
 }
 
 /** A line through places of the scene, drawn over everything before it. */
@@ -65,7 +67,10 @@ export class Ribbon {
   private readonly scratch = new Color();
 
   /** For at most so many places. */
-  constructor(capacity: number, { color = 0xffffff, opacity = 1, order }: RibbonLook) {
+  constructor(
+    capacity: number,
+    { color = 0xffffff, opacity = 1, order, depth = false }: RibbonLook,
+  ) {
     this.places = new Float32Array(3 * capacity);
     // Each piece reads a place and the next one from the same numbers.
     this.buffer = new InstancedInterleavedBuffer(this.places, 3, 1);
@@ -84,7 +89,7 @@ export class Ribbon {
       uniforms: { height: { value: 1 }, color: { value: [1, 1, 1, opacity] } },
       transparent: true,
       side: DoubleSide,
-      depthTest: false,
+      depthTest: depth,
       depthWrite: false,
     });
     this.mesh = new Mesh(geometry, material);
@@ -103,6 +108,10 @@ export class Ribbon {
     now[0] = r;
     now[1] = g;
     now[2] = b;
+  }
+
+  set opacity(share: number) {
+    (this.mesh.material.uniforms['color']!.value as number[])[3] = share;
   }
 
   /** Write a place; `show` draws it. */

@@ -9,6 +9,8 @@ export interface SignLook {
   readonly color?: string;
   readonly back?: string;
   readonly order?: number;
+  /** What is nearer hides it. */
+  readonly depth?: boolean;
 }
 
 const PIXELS = 48;
@@ -22,7 +24,7 @@ export class Sign {
   constructor(private readonly look: SignLook) {
     const material = new MeshBasicMaterial({
       transparent: true,
-      depthTest: false,
+      depthTest: look.depth ?? false,
       depthWrite: false,
       toneMapped: false,
     });

@@ -26,29 +26,29 @@ export class Buttons {
     this.size(brush, seconds, now);
     if (brush.edge.primary === 1) {
       actions.toggleEraser();
-      this.lessons.done('erase');
+      this.lessons.done('erase', brush.device);
     }
     if (brush.edge.secondary === 1) {
       actions.undo();
-      this.lessons.done('undo');
+      this.lessons.done('undo', brush.device);
     }
   }
 
   private ofOther(other: Pointer): void {
     if (other.edge.primary === 1) {
       this.togglePanel();
-      this.lessons.done('panel');
+      this.lessons.done('panel', other.device);
     }
     if (other.edge.press === 1) {
       actions.nextDoubtful(1);
-      this.lessons.done('doubt');
+      this.lessons.done('doubt', other.device);
     }
     if (other.edge.secondary === 1) {
       actions.redo();
-      this.lessons.done('redo');
+      this.lessons.done('redo', other.device);
     }
-    if (other.pad.x !== 0) this.lessons.done('turn');
-    if (other.pad.y > 0) this.lessons.done('teleport');
+    if (other.pad.x !== 0) this.lessons.done('turn', other.device);
+    if (other.pad.y > 0) this.lessons.done('teleport', other.device);
   }
 
   /** Left and right are frames; held, they run; the middle plays. */
@@ -56,11 +56,11 @@ export class Buttons {
     const step = hand.repeatX.update(hand.pad.x, now);
     if (step !== 0) {
       actions.step(step);
-      this.lessons.done('step');
+      this.lessons.done('step', hand.device);
     }
     if (hand.edge.press === 1) {
       actions.togglePlay();
-      this.lessons.done('play');
+      this.lessons.done('play', hand.device);
     }
   }
 
@@ -71,10 +71,10 @@ export class Buttons {
       const notch = hand.repeatSize.update(lean, now);
       if (notch === 0) return;
       actions.nudgeRadius(notch * NOTCHES);
-      this.lessons.done('size');
+      this.lessons.done('size', hand.device);
     } else if (lean !== 0) {
       actions.setRadius(peek(state.brush).radius * GROWTH ** (lean * seconds[0]!));
-      this.lessons.done('size');
+      this.lessons.done('size', hand.device);
     }
   }
 }

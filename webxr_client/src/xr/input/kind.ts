@@ -5,9 +5,18 @@ import { type Device, deviceFor } from './devices';
 /** `near`: it paints at its place; `far`: where its ray first hits, and drags at that depth. */
 export type Reach = 'near' | 'far';
 
+/** A control of a controller. */
+export type Spot = 'trigger' | 'squeeze' | 'pad' | 'primary' | 'secondary';
+/** Places of the controls, in the grip's space. */
+export type Spots = Readonly<Record<Spot, Vector3>> & {
+  /** The way out of the pad. */
+  readonly up: Vector3;
+};
+
 /** The visible model of an input. */
 export interface Model {
   readonly object: Object3D;
+  readonly spots?: Spots;
   /** It follows the grip; else it places itself in the headset's space. */
   readonly gripped: boolean;
   update?(frame: XRFrame, space: XRReferenceSpace): void;

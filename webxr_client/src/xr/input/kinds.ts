@@ -1,8 +1,10 @@
 /** The kinds of WebXR input that are known, and the table in which an input source finds its own. */
+import { Group } from 'three';
 import { deviceFor, isHandProfile } from './devices';
 import { HandModel } from './hand-model';
 import { buttonValue, type Kind, SELECTS } from './kind';
-import { controllerModel, disposeModel } from './model';
+import { controllerModel, disposeModel, drawnSpots } from './model';
+import { dress } from './registry-model';
 
 /** Buttons that only controllers have: a hand's gamepad holds at most its pinch. */
 const CONTROLLER_BUTTONS = 2;
@@ -34,9 +36,15 @@ export const controller: Kind = {
     const analog = device.trigger === 0 && gamepad?.buttons[0];
     return Math.max(buttonValue(gamepad, device.trigger), selecting && !analog ? 1 : 0);
   },
-  model: (_source, device) => {
-    const object = controllerModel(device);
-    return { object, gripped: true, dispose: () => disposeModel(object) };
+  model: (source, device) => {
+    const object = new Group().add(controllerModel());
+    const spots = drawnSpots();
+    const giveUp = dress(object, spots, source, device);
+    const dispose = (): void => {
+      giveUp();
+      disposeModel(object);
+    };
+    return { object, spots, gripped: true, dispose };
   },
 };
 

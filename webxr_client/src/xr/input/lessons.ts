@@ -1,56 +1,75 @@
-/** Lessons: each button's action in words, and its uses, since what is learnt needs no words. */
+/** Lessons: each button's action in words, where it is, and its uses, since what is learnt needs no words. */
+import { computed, signal } from '@preact/signals';
+import { doubtfulFrames } from '../../store/cells';
+import { canEdit, isStroke, state } from '../../store/state';
 import { Listeners } from '../../store/listeners';
+import { peek } from '../../store/watch';
 import { chords, type Device } from './devices';
+import type { Spot } from './kind';
 
-export type Lesson = 'paint' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
+export type Lesson = 'paint' | 'object' | 'step' | 'play' | 'size' | 'grab' | 'erase' | 'undo' | 'teleport' | 'turn' | 'panel' | 'redo' | 'doubt' | 'label'; // prettier-ignore
 
 /** Task of a controller: it paints, or it helps. */
 export type Part = 'brush' | 'other';
 
-const LEARNT = 3;
-const KEY = 'pointbrush.learnt';
+const KEY = 'pointbrush.lessons';
+
+/** The only lesson that hints teach now; null: all that are possible. */
+export const taught = signal<Lesson | null>(null);
 
 export interface Tip {
+  /** The control and its action: `Grip + Pad ↑: eraser`. */
   readonly text: string;
+  /** The same beside the control itself: `Grip + ↑ eraser`. */
+  readonly short: string;
   readonly lesson: Lesson;
+  readonly spot: Spot;
 }
 
-/**
- * The words for a device with a part, in the left or the right hand.  Short lines: what is beside a
- * hand must not reach out of the picture.
- */
+/** The words for a device with a part, in the left or the right hand, the most needed ones first. */
 export function tipsFor(device: Device, part: Part, left: boolean): Tip[] {
   const paints = part === 'brush';
   if (device.pad === 'none') return [onlyTip(device.id === 'hand' ? 'Pinch' : 'Trigger', paints)];
-  const tips = paints ? paintingTips(padName(device)) : otherTips(padName(device));
+  const pad = padName(device);
+  const buttons = buttonTips(device, part, left);
   const moves = device.squeeze >= 0 ? 'Grip' : paints ? '' : 'Trigger';
-  if (moves) tips.push(tip(`${moves}: move the room`, 'grab'));
-  tips.push(...buttonTips(device, left, paints));
-  if (paints && chords(device)) {
-    tips.push(tip(`Grip + ${padName(device)} → ↓: size`, 'size'));
-  }
-  return tips;
+  const grab = moves ? [tip(moves === 'Grip' ? 'squeeze' : 'trigger', moves, '', 'move the room', 'grab')] : []; // prettier-ignore
+  if (!paints) return [...buttons, ...otherTips(pad), ...grab];
+  const size = chords(device) ? [tip('pad', `Grip + ${pad}`, '→ ↓', 'size', 'size')] : [];
+  return [...paintingTips(pad), ...buttons, ...grab, ...size];
+} // prettier-ignore
+
+/** `how`: what the thumb does; else the control is pressed. */
+function tip(spot: Spot, control: string, how: string, act: string, lesson: Lesson): Tip {
+  const grip = control.startsWith('Grip +') ? 'Grip + ' : '';
+  const short = how === 'pressed' ? `press: ${act}` : `${grip}${how} ${act}`.trim();
+  return { text: `${control} ${how}`.trim() + `: ${act}`, short, lesson, spot };
 }
 
-const BUTTONS = {
-  paints: [tip('eraser', 'erase'), tip('undo', 'undo')],
-  other: [tip('timeline', 'panel'), tip('redo', 'redo')],
-} as const;
+/** Actions of the two buttons, by the hand's part. */
+const ACTS = {
+  brush: [['eraser', 'erase'], ['undo', 'undo']],
+  other: [['timeline', 'panel'], ['redo', 'redo']],
+} as const; // prettier-ignore
 
-function tip(text: string, lesson: Lesson): Tip {
-  return { text, lesson };
+/** The words of the buttons, or of the chords that stand in for them. */
+function buttonTips(device: Device, part: Part, left: boolean): Tip[] {
+  const side = left ? 1 : 0;
+  const buttons = [
+    ['primary', device.primary, device.primaryName[side], '↑'],
+    ['secondary', device.secondary, device.secondaryName[side], '←'],
+  ] as const;
+  return buttons.flatMap(([spot, button, name, arrow], i) => {
+    const [act, lesson] = ACTS[part][i]!;
+    if (button >= 0) return tip(spot, name, '', act, lesson);
+    return chords(device) ? tip('pad', `Grip + ${padName(device)}`, arrow, act, lesson) : [];
+  });
 }
 
-function buttonTips(device: Device, left: boolean, paints: boolean): Tip[] {
-  const names = buttonNames(device, left ? 1 : 0);
-  return (paints ? BUTTONS.paints : BUTTONS.other).flatMap(({ text, lesson }, i) =>
-    names[i] ? [tip(`${names[i]}: ${text}`, lesson)] : [],
-  );
-}
-
-function onlyTip(act: string, paints: boolean): Tip {
-  return paints ? tip(`${act}: paint`, 'paint') : tip(`${act}: move the room`, 'grab');
-}
+function onlyTip(control: string, paints: boolean): Tip {
+  const [act, lesson] = paints ? (['paint', 'paint'] as const) : (['move the room', 'grab'] as const);
+  return tip('trigger', control, '', act, lesson);
+} // prettier-ignore
 
 /** The name of a controller's pad in words for a person. */
 export function padName({ pad }: Device): string {
@@ -59,59 +78,81 @@ export function padName({ pad }: Device): string {
 
 function paintingTips(pad: string): Tip[] {
   return [
-    tip('Trigger: paint', 'paint'),
-    tip('Half pressed: smaller', 'paint'),
-    tip(`${pad} ← →: frames`, 'step'),
-    tip(`${pad} ↑ ↓: labels`, 'label'),
-    tip(`${pad} pressed: play`, 'play'),
+    tip('trigger', 'Trigger', '', 'paint', 'paint'),
+    tip('pad', pad, '↑ ↓', 'labels', 'label'),
+    tip('pad', pad, '← →', 'frames', 'step'),
+    tip('pad', pad, 'pressed', 'play', 'play'),
+    tip('pad', `Trigger + ${pad}`, '↑', 'object', 'object'),
   ];
 }
 
 function otherTips(pad: string): Tip[] {
   return [
-    tip(`${pad} ↑: go there`, 'teleport'),
-    tip(`${pad} ← →: turn`, 'turn'),
-    tip(`${pad} pressed: doubtful`, 'doubt'),
+    tip('pad', pad, '↑', 'go there', 'teleport'),
+    tip('pad', pad, '← →', 'turn', 'turn'),
+    tip('pad', pad, 'pressed', 'doubtful', 'doubt'),
   ];
 }
 
-/** Names of the two buttons, or the chords that stand in for them; empty where there is neither. */
-function buttonNames(device: Device, side: 0 | 1): readonly [string, string] {
-  const standIn = (arrow: string): string =>
-    chords(device) ? `Grip + ${padName(device)} ${arrow}` : '';
-  return [
-    device.primary >= 0 ? device.primaryName[side] : standIn('↑'),
-    device.secondary >= 0 ? device.secondaryName[side] : standIn('←'),
-  ];
+const doubtful = computed(() => {
+  const { rows } = state.timeline.value;
+  return doubtfulFrames(rows.values(), state.sequence.value?.frames ?? 0).length > 0;
+});
+const strokes = (): boolean => peek(canEdit) && isStroke(peek(state.tool));
+const moves = (): boolean => (peek(state.sequence)?.frames ?? 0) > 1;
+const painted = (): boolean => peek(state.undo) !== null;
+
+/** Conditions of actions that do nothing at times. */
+const CONDITIONS: Partial<Record<Lesson, () => boolean>> = {
+  paint: strokes,
+  size: strokes,
+  // The sign at the brush tells of it.
+  object: () => false,
+  label: () => peek(state.palette).length > 1,
+  step: moves,
+  play: moves,
+  erase: painted,
+  undo: painted,
+  redo: () => peek(state.redo) !== null,
+  doubt: () => peek(doubtful),
+};
+
+/** Whether an action would do anything now. */
+export function possible(lesson: Lesson): boolean {
+  return CONDITIONS[lesson]?.() ?? true;
 }
 
-/** Uses of each lesson; kept in the browser. */
+/** Actions that were done by a button, on each device; kept in the browser. */
 export class Lessons {
   /** Told every use of a button. */
   readonly uses = new Listeners<Lesson>();
-  private readonly used = new Map<string, number>(load());
+  private readonly learnt = new Map(load());
 
-  done(lesson: Lesson): void {
+  done(lesson: Lesson, { id }: Device): void {
     this.uses.run(lesson);
-    const times = (this.used.get(lesson) ?? 0) + 1;
-    this.used.set(lesson, times);
-    if (times > LEARNT) return;
+    const learnt = this.learnt.get(id) ?? new Set();
+    if (learnt.has(lesson)) return;
+    this.learnt.set(id, learnt.add(lesson));
     try {
-      localStorage.setItem(KEY, JSON.stringify([...this.used]));
+      const kept = [...this.learnt].map(([device, lessons]) => [device, [...lessons]]);
+      localStorage.setItem(KEY, JSON.stringify(kept));
     } catch {
       // Not kept: then it is explained again another day.
     }
   }
 
-  learnt(lesson: Lesson): boolean {
-    return (this.used.get(lesson) ?? 0) >= LEARNT;
+  /** Whether a hint helps now: its action is possible and was never done, or is the one that is taught. */
+  wants(lesson: Lesson, { id }: Device): boolean {
+    const only = peek(taught);
+    if (only !== null) return lesson === only;
+    return this.learnt.get(id)?.has(lesson) !== true && possible(lesson);
   }
 }
 
-function load(): [string, number][] {
+function load(): [string, Set<string>][] {
   try {
-    const kept: unknown = JSON.parse(localStorage.getItem(KEY) ?? '[]');
-    return Array.isArray(kept) ? (kept as [string, number][]) : [];
+    const kept = JSON.parse(localStorage.getItem(KEY) ?? '[]') as [string, string[]][];
+    return kept.map(([device, lessons]) => [device, new Set(lessons)]);
   } catch {
     return [];
   }

@@ -1,7 +1,7 @@
 /** Simple bodies for controllers and hands: own geometry, nothing is fetched. */
-import { type BufferGeometry, CapsuleGeometry, CylinderGeometry, Mesh, MeshBasicMaterial, TorusGeometry, type Object3D, type Vector3 } from 'three'; // prettier-ignore
+import { type BufferGeometry, CapsuleGeometry, CylinderGeometry, Mesh, MeshBasicMaterial, Vector3, type Object3D } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import type { Device } from './devices';
+import type { Spots } from './kind';
 import { Ribbon } from '../drawing/ribbon';
 import { tint } from '../drawing/tint';
 
@@ -9,8 +9,18 @@ const BODY = 0x2b3440;
 const LIGHT = 0x8b98a8;
 /** Hands and controllers are drawn behind the panels, which hide what is behind them. */
 export const ORDER = 110;
-/** Over the pad or stick, metres in the grip's space. */
-export const PAD = { x: 0, y: 0.042, z: -0.05 } as const;
+
+/** Places of the controls of the drawn model. */
+export function drawnSpots(): Spots {
+  return {
+    trigger: new Vector3(0, -0.018, -0.058),
+    squeeze: new Vector3(0.014, 0, 0.015),
+    pad: new Vector3(0, 0.021, -0.045),
+    primary: new Vector3(0.012, 0.014, -0.014),
+    secondary: new Vector3(-0.01, 0.014, -0.008),
+    up: new Vector3(0, 1, 0),
+  };
+}
 
 /** A part of one colour, moved and turned about x. */
 function part(
@@ -25,28 +35,18 @@ function part(
 }
 
 /**
- * A handle along the grip's axis (−z points ahead), a head with its pad or stick, a trigger: one mesh,
- * since each one costs its time in every picture.
+ * A handle along the grip's axis (−z points ahead), a head with its pad, a trigger: one mesh, since
+ * each one costs its time in every picture.
  */
-export function controllerModel(device: Device): Mesh {
+export function controllerModel(): Mesh {
   const parts = [
     part(new CapsuleGeometry(0.014, 0.085, 6, 16), BODY, 0, 0, 0.015, Math.PI / 2),
     part(new CylinderGeometry(0.025, 0.021, 0.022, 28), BODY, 0, 0.006, -0.045),
     part(new CapsuleGeometry(0.006, 0.014, 4, 10), LIGHT, 0, -0.014, -0.052),
+    part(new CylinderGeometry(0.019, 0.019, 0.004, 28), LIGHT, 0, 0.018, -0.045),
+    part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT, 0.012, 0.012, -0.014),
+    part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT, -0.01, 0.012, -0.008),
   ];
-  if (device.pad === 'touchpad') {
-    const lean = Math.PI / 2 - 0.5;
-    parts.push(
-      part(new CylinderGeometry(0.019, 0.019, 0.004, 28), LIGHT, 0, 0.018, -0.045),
-      part(new TorusGeometry(0.042, 0.008, 8, 32), BODY, 0, -0.002, -0.1, lean),
-    );
-  } else {
-    parts.push(
-      part(new CylinderGeometry(0.008, 0.007, 0.016, 16), LIGHT, 0, 0.025, -0.05),
-      part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT, 0.008, 0.018, -0.034),
-      part(new CylinderGeometry(0.0045, 0.0045, 0.004, 12), LIGHT, -0.006, 0.018, -0.028),
-    );
-  }
   const geometry = mergeGeometries(parts);
   for (const one of parts) one.dispose();
   // Among the transparent things, so that it is drawn over the panels.
@@ -88,6 +88,8 @@ export function disposeModel(model: Object3D): void {
   model.traverse((object) => {
     if (!(object instanceof Mesh)) return;
     (object.geometry as BufferGeometry).dispose();
-    (object.material as MeshBasicMaterial).dispose();
+    const material = object.material as MeshBasicMaterial;
+    material.map?.dispose();
+    material.dispose();
   });
 }

@@ -12,7 +12,7 @@ type Purpose = 'none' | 'labels' | 'levels' | 'over';
 export interface UpDownActs {
   /** Another label is marked on the ring. */
   marked(): void;
-  taken(): void;
+  taken(hand: Pointer): void;
   /** A push up (1) or down (−1) while the trigger is held. */
   level(step: number): void;
 }
@@ -96,7 +96,7 @@ export class UpDown {
     this.marked = 0;
     if (next === active) return;
     actions.selectLabel(next);
-    this.acts.taken();
+    this.acts.taken(this.hand!);
   }
 
   /** Another hand paints, this one is out of sight, or the pad is its grip's: nothing is taken. */

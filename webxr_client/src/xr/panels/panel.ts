@@ -119,12 +119,13 @@ export abstract class Panel {
     if (this.size.handle && this.fold.update(...asked)) this.setFolded(!this.folded);
   }
 
-  /** The middle of what is seen of it, in the headset's own space. */
-  middle(out: Vector3): Vector3 {
+  /** The middle of what is seen of it, or a place −1..1 from there, in the headset's own space. */
+  middle(out: Vector3, right = 0, up = 0): Vector3 {
     const { width, height, em, handle } = this.size;
-    if (handle && this.folded)
-      out.set((handle.at - 0.5) * width, (HANDLE_EMS * em - height) / 2, 0);
-    else out.set(0, 0, 0);
+    if (handle && this.folded) {
+      const x = (handle.at - 0.5) * width + (right * handle.wide * em) / 2;
+      out.set(x, ((1 + up) * HANDLE_EMS * em - height) / 2, 0);
+    } else out.set((right * width) / 2, (up * height) / 2, 0);
     return out.applyMatrix4(this.mesh.matrix);
   }
 

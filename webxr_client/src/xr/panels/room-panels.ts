@@ -84,11 +84,17 @@ export class RoomPanels {
     for (const { mesh } of this.all) rig.add(mesh);
   }
 
-  /** Take in another panel, which hangs before the person, above the points. */
-  add(panel: Panel): void {
+  /** Take in another panel, which hangs before the person, above the points; the result removes it. */
+  add(panel: Panel): () => void {
     this.added = panel;
     this.all.push(panel);
     this.far.push(panel);
+    this.placement.layBefore(panel.mesh, PLACEMENT.added);
+    return () => {
+      for (const list of [this.all, this.far]) list.splice(list.indexOf(panel), 1);
+      this.added = null;
+      panel.dispose();
+    };
   }
 
   /** Hang what hangs before the person as they look now. */

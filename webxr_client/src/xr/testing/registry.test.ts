@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { kindOf } from '../input/kinds';
 import { tipsFor } from '../input/lessons';
+import { addressOf, nodeNames } from '../input/registry-model';
 import { layoutOf, profileOf, PROFILES, registered, type Layout, type Profile } from './registry';
 
 const SIDES = ['left', 'right'] as const;
@@ -102,5 +103,29 @@ describe('the profiles of the registry', () => {
       const device = kind.device(source.xr);
       expect([kind.name, device.pad !== 'none', device.squeeze]).toEqual(['controller', true, 1]);
     }
+  });
+});
+
+describe('the models of the registry', () => {
+  const MODELS = import.meta.glob('/node_modules/@webxr-input-profiles/assets/dist/profiles/*/profile.json', {
+    eager: true, import: 'default',
+  }) as Record<string, Profile>; // prettier-ignore
+  const BUNDLED = ['htc-vive', 'meta-quest-touch-plus', 'oculus-touch-v3', 'pico-4u'];
+  const CONTROLS = BUNDLED.flatMap((id) => SIDES.map((side) => [id, side] as const));
+
+  it.each(CONTROLS)('%s (%s) has a node for each control that a hint points at', (id, side) => {
+    const profile = Object.values(MODELS).find(({ profileId }) => profileId === id)!;
+    const nodes = JSON.stringify(layoutOf(profile, side));
+    const device = deviceOf(profileOf(id), side);
+    const names = nodeNames(device, side === 'right');
+    const spots = [...tipsFor(device, 'brush', side === 'left'), ...tipsFor(device, 'other', side === 'left')];
+    for (const { spot } of spots) expect(nodes).toContain(`"${names[spot]}_value"`);
+    expect(addressOf(registered(id, side).xr)).toMatch(/\.glb/);
+  }); // prettier-ignore
+
+  it('stand for devices that name a bundled profile as their fallback, and for no others', () => {
+    const of = (id: string) => addressOf(registered(id, 'right').xr);
+    expect(of('meta-quest-touch-plus-v2')).toBe(of('meta-quest-touch-plus'));
+    expect([of('valve-index'), of('generic-hand')]).toEqual([undefined, undefined]);
   });
 });
