@@ -41,6 +41,11 @@ VIVE = """(() => {
   return new IWER.XRDevice(config, { stereoEnabled: true });
 })()"""
 
+# A person who has left the first minute, which begins by itself once in each browser.
+GUIDED = (
+    "if (location.origin !== 'null') localStorage['pointbrush.headset'] ??= '{\"guide\":false}';"
+)
+
 # Every pulse is noted: strength and milliseconds, for both hands together.
 SPY = """
   window.pulses = [];
@@ -191,6 +196,15 @@ class Headset(Desk):
             f"device.controllers.{hand}.updateAxes('{pad}', 0, 0)",
         )
 
+    def push(self, x: float, y: float, pad: str, hand: str = "right") -> None:
+        """Lean a stick for a single picture; a touchpad is pressed there as well."""
+        controller = f"device.controllers.{hand}"
+        begin, end = (f"{controller}.updateAxes('{pad}', {a}, {b})" for a, b in ((x, y), (0, 0)))
+        if pad == "touchpad":
+            begin += f"; {controller}.updateButtonValue('{pad}', 1)"
+            end += f"; {controller}.updateButtonValue('{pad}', 0)"
+        self.for_a_picture(begin, end)
+
     def for_a_picture(self, begin: str, end: str) -> None:
         """Evaluate ``begin``, and ``end`` right behind the next picture."""
         self.page.evaluate(
@@ -295,8 +309,14 @@ def wear(
     haptics: str = "Quest Browser",
     *,
     drawn: bool = False,
+    newcomer: bool = False,
 ) -> Headset:
-    """A headset on a page of its own; ``drawn``: its pictures are (see ``launch``)."""
+    """A headset on a page of its own; ``drawn``: its pictures are (see ``launch``).
+
+    ``newcomer``: a person who has not been led through the first minute.
+    """
     context = browser.new_context(viewport={"width": size[0], "height": size[1]})
     context.add_init_script(runtime(device, haptics) + ("" if drawn else UNDRAWN))
+    if not newcomer:
+        context.add_init_script(GUIDED)
     return Headset(context, url)

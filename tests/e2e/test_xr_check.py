@@ -91,43 +91,32 @@ def gripped(headset: Headset, x: float, y: float, pad: str, hand: str = "right")
     grip = f"device.controllers.{hand}.updateButtonValue('squeeze', {{}})"
     headset.ask(grip.format(1))
     headset.frames()
-    press(headset, x, y, pad, hand)
+    headset.push(x, y, pad, hand)
     headset.ask(grip.format(0))
     headset.frames()
 
 
-def press(headset: Headset, x: float, y: float, pad: str, hand: str = "right") -> None:
-    """Push a stick for a picture; a touchpad is pressed there as well."""
-    controller = f"device.controllers.{hand}"
-    begin = f"{controller}.updateAxes('{pad}', {x}, {y})"
-    end = f"{controller}.updateAxes('{pad}', 0, 0)"
-    if pad == "touchpad":
-        begin += f"; {controller}.updateButtonValue('{pad}', 1)"
-        end += f"; {controller}.updateButtonValue('{pad}', 0)"
-    headset.for_a_picture(begin, end)
-
-
 def quest(headset: Headset, place: list[float]) -> None:
     stroke(headset, place)
-    press(headset, 0, 1, "thumbstick")
+    headset.push(0, 1, "thumbstick")
     headset.button("a-button")
     stroke(headset, place)
     headset.button("b-button")
     headset.until("pb.state.redo.value !== null")
-    press(headset, 1, 0, "thumbstick")
+    headset.push(1, 0, "thumbstick")
     headset.lean(0, -1, "left")
     headset.lean(0, 0, "left")
 
 
 def vive(headset: Headset, place: list[float]) -> None:
     stroke(headset, place)
-    press(headset, 0, 0.9, "touchpad")
+    headset.push(0, 0.9, "touchpad")
     gripped(headset, 0, -0.9, "touchpad")
     stroke(headset, place)
     gripped(headset, -0.9, 0, "touchpad")
     headset.until("pb.state.redo.value !== null")
-    press(headset, 0.9, 0, "touchpad")
-    press(headset, 0, -0.9, "touchpad", "left")
+    headset.push(0.9, 0, "touchpad")
+    headset.push(0, -0.9, "touchpad", "left")
 
 
 def hands(headset: Headset, place: list[float]) -> None:

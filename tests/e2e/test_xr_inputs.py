@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
+from collections.abc import Callable
 
 import pytest
+from playwright.sync_api import Browser
 
-from tests.e2e.headset import QUEST, VIVE, Headset, Wear
+from tests.e2e.headset import QUEST, VIVE, Headset, Wear, wear
 from tests.e2e.inputs import Input, inject
 from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
@@ -341,3 +344,133 @@ def test_going_somewhere_changes_no_label_wherever_one_looks(
             headset.flick(0, 1, "left")
         headset.frames()
         assert headset.ask("pb.state.activeLabel.value") == before, (yaw, pitch)
+
+
+# ── the first minute ─────────────────────────────────────────────────────────────────────────
+
+Paint = Callable[[list[float]], None]
+Click = Callable[[str, str], None]
+
+
+def by_hand(headset: Headset) -> tuple[Paint, Click]:
+    def paint(point: list[float]) -> None:
+        if headset.bare:
+            headset.hand_to("right", headset.ask(f"hs.place({point})"))
+            headset.trigger(1)
+            headset.trigger(0)
+        else:
+            headset.paint([point])
+
+    return paint, headset.click
+
+
+def by_eyes(headset: Headset) -> tuple[Paint, Click]:
+    def pinch(aim: Callable[[Input], None]) -> None:
+        look = Input(headset, "eyes", "transient-pointer", "right")
+        aim(look)
+        look.select(True)
+        look.select(False)
+        look.go()
+
+    def click(panel: str, name: str) -> None:
+        pinch(lambda look: look.look_at(panel, name))
+
+    return lambda point: pinch(lambda look: look.look(point)), click
+
+
+def begin(headset: Headset, name: str) -> None:
+    """Enter as a person who was never led, with what a device has in hand."""
+    headset.ready()
+    headset.enter()
+    inject(headset)
+    if name == "vive":
+        lay_down(headset, "left")
+    if name == "hands":
+        headset.lay_down_controllers()
+    if name == "look and pinch":
+        lay_down(headset, "left", "right")
+    headset.until("hs.taught() === 'paint'")
+
+
+# Words of the hints at the controls, by device; the others have panels alone.
+HINTS = {
+    "vive": ("Trigger: paint", "Pad ↑ ↓: labels", "Trigger + Pad ↑: object", "Pad pressed: play"),
+    "quest": (
+        "Trigger: paint",
+        "Stick ↑ ↓: labels",
+        "Trigger + Stick ↑: object",
+        "Stick pressed: play",
+    ),
+    "hands": ("Pinch: paint",),
+    "look and pinch": (),
+}
+
+
+@pytest.mark.parametrize("name", HINTS)
+def test_the_first_minute_is_finished_by_doing_what_it_says(
+    browser: Browser, server: LiveServer, truth: Truth, name: str
+) -> None:
+    for label in ("person", "other"):
+        server.create_label(SEQUENCE, label, "#5ea2ff")
+    device, pad = (VIVE, "touchpad") if name == "vive" else (QUEST, "thumbstick")
+    headset = wear(browser, server.page_url, device, newcomer=True)
+    begin(headset, name)
+    paint, click = by_eyes(headset) if name == "look and pinch" else by_hand(headset)
+    hints = iter(HINTS[name])
+    x, y, z = truth(0, PERSON)
+
+    def taught(lesson: str) -> None:
+        headset.until(f"hs.taught() === '{lesson}'")
+        if hint := next(hints, None):
+            headset.move("right", [0.1, 1.4, -0.4], [0.3, 1.4, -2.0])
+            headset.until(f"hs.tips('right').join() === {json.dumps(hint)}")
+
+    taught("paint")
+    paint([x, y, z])
+    taught("label")
+    held = name in ("vive", "quest")
+    headset.push(0, 0.9, pad) if held else click("palette", "other")
+    taught("object")
+    if held:
+        headset.paint([[x, y, z], [x, y + 0.1, z]], release=False)
+        headset.push(0, -0.9, pad)
+        headset.until("hs.headset.cockpit.painter.completion.age[0] > 300")
+        headset.trigger(0)
+    else:
+        paint([x, y, z])
+        headset.until("pb.state.object.value?.completes")
+        click("palette", "Tools")
+        click("palette", "Complete")
+    taught("play")
+    for act in ("play", "pause"):
+        headset.button(pad) if held else click("timeline", act)
+    taught("panel")
+    headset.settled()
+    headset.flick_to_frame(0)
+    click("timeline", "To end")
+    headset.until("hs.taught() === null && hs.headset.cockpit.panels.added === null")
+    headset.until(
+        "pb.state.notices.value.some(({ title }) => title === 'That was the first minute')"
+    )
+    assert json.loads(headset.ask("localStorage['pointbrush.headset']"))["guide"] is False
+    headset.context.close()
+    assert headset.complaints == []
+
+
+def test_the_first_minute_is_skipped_and_called_again(browser: Browser, server: LiveServer) -> None:
+    server.create_label(SEQUENCE, "person", "#5ea2ff")
+    headset = wear(browser, server.page_url, VIVE, newcomer=True)
+    begin(headset, "vive")
+    headset.click("added", "Next")
+    headset.until("hs.taught() === 'label'")
+    headset.click("added", "Skip all")
+    headset.until("hs.taught() === null && hs.headset.cockpit.panels.added === null")
+    headset.page.reload()
+    headset.ready()
+    headset.enter()
+    assert headset.ask("hs.taught()") is None
+    headset.click("palette", "Comfort")
+    headset.click("palette", "First minute")
+    headset.until("hs.taught() === 'paint' && hs.areas('added').length > 0")
+    headset.context.close()
+    assert headset.complaints == []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.e2e.headset import QUEST, VIVE, Headset, Wear
+from tests.e2e.headset import QUEST, VIVE, Wear
 from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
 from tests.waiting import eventually
@@ -15,16 +15,6 @@ TICK = 15
 
 
 DEVICES = [(QUEST, "thumbstick"), (VIVE, "touchpad")]
-
-
-def push(headset: Headset, y: float, pad: str, x: float = 0) -> None:
-    """Lean a stick, or press a touchpad, for a picture."""
-    controller = "device.controllers.right"
-    begin, end = (f"{controller}.updateAxes('{pad}', {a}, {b})" for a, b in ((x, y), (0, 0)))
-    if pad == "touchpad":
-        begin += f"; {controller}.updateButtonValue('touchpad', 1)"
-        end += f"; {controller}.updateButtonValue('touchpad', 0)"
-    headset.for_a_picture(begin, end)
 
 
 @pytest.mark.parametrize(("device", "pad"), DEVICES)
@@ -52,12 +42,12 @@ def test_the_ray_shows_the_stick_walks_the_trigger_takes(
     # The pad walks through the levels while the trigger is held, and changes no label.
     headset.pulses()
     step = -1 if shown["level"] > 0 else 1
-    push(headset, -step, pad)
+    headset.push(0, -step, pad)
     headset.until(f"pb.state.object.value.level === {shown['level'] + step}")
     assert [p for p in headset.pulses() if p["milliseconds"] == TICK]
     eventually(lambda: painted(server, 0) != shown["points"])
     headset.settled()
-    push(headset, step, pad)
+    headset.push(0, step, pad)
     headset.until(f"pb.state.object.value.level === {shown['level']}")
     headset.trigger(0)
     eventually(lambda: painted(server, 0) == shown["points"])
@@ -111,14 +101,14 @@ def test_after_a_stroke_the_pad_means_what_it_meant_before(
     headset.lean(0, 0.9, pad=pad)
     headset.until(f"{ring}.mesh.visible && {ring}.sign.text === '↓ other'")
     if device == VIVE:
-        push(headset, 0.9, pad)
+        headset.push(0, 0.9, pad)
     else:
         headset.lean(0, 0, pad=pad)
     headset.until("pb.state.activeLabel.value === 2")
-    push(headset, -0.9, pad)
+    headset.push(0, -0.9, pad)
     headset.until("pb.state.activeLabel.value === 1")
     assert stroke() == count
-    push(headset, 0, pad, 0.9)
+    headset.push(0.9, 0, pad)
     headset.until("pb.state.frame.value === 1")
     headset.until(f"!({offered})")
     assert stroke() == count
@@ -133,7 +123,7 @@ def test_after_a_stroke_the_pad_means_what_it_meant_before(
     stroke()
     headset.until(f"!({offered})")
     headset.paint(path, release=False)
-    push(headset, -0.9, pad)
+    headset.push(0, -0.9, pad)
     headset.until(offered)
     shown = headset.ask("pb.state.object.value.points")
     assert painted(server, 0) == count

@@ -58,9 +58,12 @@ export function startPage(early: Early): void {
     new Compared(engine);
     mountBoxes();
     new Flight(engine);
-    const { installHeadset } = await import('./xr/index');
+    const { installHeadset, leadFirstMinute } = await import('./xr/index');
     const headset = installHeadset(engine, overlays);
-    if (!isCheck()) return;
+    if (!isCheck()) {
+      leadFirstMinute(engine, headset);
+      return;
+    }
     const { installCheck } = await import('./checking/index');
     installCheck(engine, headset);
   });

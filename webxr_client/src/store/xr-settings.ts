@@ -27,6 +27,8 @@ export interface XrSettings {
   readonly stopUnsure: boolean;
   /** Explain the buttons again. */
   readonly tips: boolean;
+  /** Lead through the first minute. */
+  readonly guide: boolean;
 }
 
 export const DEFAULTS: XrSettings = {
@@ -42,6 +44,7 @@ export const DEFAULTS: XrSettings = {
   foveation: 0.5,
   stopUnsure: true,
   tips: true,
+  guide: true,
 };
 
 const KEY = 'pointbrush.headset';

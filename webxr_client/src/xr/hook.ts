@@ -6,6 +6,7 @@ import type { Overlays } from '../overlays/index';
 import { peek } from '../store/watch';
 import { state } from '../store/state';
 import type { Headset } from './headset';
+import { taught } from './input/lessons';
 import type { Panel } from './panels/panel';
 import type { People } from './bodies/people';
 import type { Side } from '../store/xr-settings';
@@ -88,6 +89,8 @@ export function installHeadsetHook(
         ),
       }));
     },
+    /** The step of the first minute: the lesson that is taught. */
+    taught: () => peek(taught),
     /** Hints beside the controllers. */
     tips: (side: Side) => {
       const { pointers } = headset.cockpit!;

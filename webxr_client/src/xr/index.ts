@@ -1,6 +1,7 @@
 /** The headset: sessions on request, and the others in the room. */
 import type { Engine } from '../engine/engine';
 import type { Overlays } from '../overlays/index';
+export { leadFirstMinute } from './first-minute';
 import { followPeople, People } from './bodies/people';
 import { Headset } from './headset';
 import { installHeadsetHook } from './hook';

@@ -33,7 +33,8 @@ export function drawComfort(ui: Ui, x: number, top: number, inner: number): void
 
 type CheckRow = readonly [name: string, on: boolean, fields: Partial<XrSettings>];
 
-function checksOf({ hand, hands, move, vignette, seated, tips }: XrSettings): readonly CheckRow[] {
+function checksOf(settings: XrSettings): readonly CheckRow[] {
+  const { hand, hands, move, vignette, seated, tips, guide } = settings;
   const left = hand === 'left';
   const glides = move === 'smooth';
   return [
@@ -43,6 +44,7 @@ function checksOf({ hand, hands, move, vignette, seated, tips }: XrSettings): re
     ['Vignette', vignette, { vignette: !vignette }],
     ['Button tips', tips, { tips: !tips }],
     ['Bare hands', hands, { hands: !hands }],
+    ['First minute', guide, { guide: !guide }],
   ];
 }
 
