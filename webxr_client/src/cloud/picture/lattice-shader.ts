@@ -1,7 +1,5 @@
 /** GLSL of a depth camera's pixels: where their points are, and where these make a surface. */
 
-/** Cells of a surface that are drawn at once, along each side. */
-export const TILE = 16;
 /** Along a surface depth changes by at most so many times the distance between its points: 83°. */
 export const STEEPEST = 8;
 
@@ -26,14 +24,11 @@ ivec4 grid;
 
 ivec2 pixelOf() {
 #ifdef SURFACE
-  // Tiles are instances; those at the edges have cells beyond the image.
-  int across = (grid.x + ${TILE - 1}) / ${TILE};
-  ivec2 tile = ivec2(gl_InstanceID % across, gl_InstanceID / across);
-  ivec2 cell = tile * ${TILE} + ivec2(gl_VertexID % ${TILE + 1}, gl_VertexID / ${TILE + 1});
+  int columns = grid.x;
 #else
-  ivec2 cell = ivec2(gl_VertexID % grids[0].x, gl_VertexID / grids[0].x);
+  int columns = grids[0].x;
 #endif
-  return cell * grid.zw;
+  return ivec2(gl_VertexID % columns, gl_VertexID / columns) * grid.zw;
 }
 
 float depthAt(ivec2 pixel) {

@@ -1,12 +1,12 @@
 /** A depth camera's frame: its image in textures, drawn as points and as a surface. */
-import { BufferAttribute, BufferGeometry, Group, InstancedBufferGeometry, Matrix4, Mesh, Points, RawShaderMaterial, Sphere, Vector2 } from 'three'; // prettier-ignore
+import { BufferAttribute, BufferGeometry, Group, Matrix4, Mesh, Points, RawShaderMaterial, Sphere, Vector2 } from 'three'; // prettier-ignore
 import type { WebGLRenderer } from 'three';
 import { free } from '../../common/free';
 import { SLANT, sidesOf } from '../../net/depth/grid';
 import { bandsOf, type Band } from '../../net/depth/lattice';
 import type { Lattice } from '../../protocol/messages';
 import type { CloudFrame } from '../points/frame';
-import { STEEPEST, TILE } from './lattice-shader';
+import { STEEPEST } from './lattice-shader';
 import { LatticeTextures } from './lattice-textures';
 import { cloudMaterial, type Placement, type PointUniforms } from './material';
 import { Slot } from './slot';
@@ -18,7 +18,7 @@ export class LatticeSlot extends Slot {
   /** Columns, rows, and pixels between them; of the points, and of the surface. */
   private readonly grids = new Int32Array(8);
   private readonly points: Points<BufferGeometry, RawShaderMaterial>;
-  private readonly surface: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
+  private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
 
   constructor(
     renderer: WebGLRenderer,
@@ -38,9 +38,9 @@ export class LatticeSlot extends Slot {
     const points = cloudMaterial(uniforms, own, { LATTICE: 1 }, placement);
     const surface = cloudMaterial(uniforms, own, { LATTICE: 1, SURFACE: 1 }, placement);
     this.points = new Points(new BufferGeometry(), points);
-    this.surface = new Mesh(tileGeometry(), surface);
+    this.points.geometry.boundingSphere = new Sphere();
+    this.surface = new Mesh(NOTHING, surface);
     for (const part of [this.points, this.surface]) {
-      part.geometry.boundingSphere = new Sphere();
       part.frustumCulled = part.matrixAutoUpdate = false;
       this.object.add(part);
     }
@@ -50,6 +50,7 @@ export class LatticeSlot extends Slot {
 
   showSurface(on: boolean): void {
     this.surface.visible = on;
+    this.connect();
   }
 
   protected uploadPoints(frame: CloudFrame): void {
@@ -67,8 +68,14 @@ export class LatticeSlot extends Slot {
     while (whole > 0 && bands[whole + 1]?.level === bands[whole]!.level) whole -= 1;
     this.setGrid(4, bands[whole]!);
     this.points.geometry.setDrawRange(0, points > 0 ? grids[0]! * grids[1]! : 0);
-    const tiles = Math.ceil(grids[4]! / TILE) * Math.ceil(grids[5]! / TILE);
-    this.surface.geometry.instanceCount = points > 0 ? tiles : 0;
+    this.connect();
+  }
+
+  /** Give the surface the triangles of its grid, which are made when a surface is first drawn. */
+  private connect(): void {
+    const { grids, surface } = this;
+    if (!surface.visible) return;
+    surface.geometry = this.drawn > 0 ? trianglesOf(grids[4]!, grids[5]!) : NOTHING;
   }
 
   private setGrid(at: number, { down, across, half, vertical }: Band): void {
@@ -112,15 +119,42 @@ export function stepsOf({ unit, pitch }: Lattice): Vector2 {
   return new Vector2(SLANT * apart * unit, STEEPEST * apart);
 }
 
-/** Two triangles for each cell of a tile, between vertices that are numbered row by row. */
-function tileGeometry(): InstancedBufferGeometry {
-  const indices: number[] = [];
-  const row = TILE + 1;
-  for (let cell = 0; cell < TILE * TILE; cell++) {
-    const corner = Math.floor(cell / TILE) * row + (cell % TILE);
-    indices.push(corner, corner + row, corner + 1, corner + 1, corner + row, corner + row + 1);
+/** Cells along each side of a tile: triangles that follow one another share corners. */
+const TILE = 16;
+/** Grids whose triangles are kept: all levels of one lattice. */
+const MOST_GRIDS = 16;
+const NOTHING = new BufferGeometry();
+NOTHING.boundingSphere = new Sphere();
+const made = new Map<string, BufferGeometry>();
+
+/** Two triangles for each cell of a grid, tile by tile; each pixel is one vertex. */
+export function trianglesOf(columns: number, rows: number): BufferGeometry {
+  const key = `${columns} ${rows}`;
+  const known = made.get(key);
+  if (known) return known;
+  const corners = [0, columns, 1, 1, columns, columns + 1];
+  const indices = new Uint32Array(
+    corners.length * Math.max(0, columns - 1) * Math.max(0, rows - 1),
+  );
+  let i = 0;
+  for (let top = 0; top < rows - 1; top += TILE) {
+    for (let left = 0; left < columns - 1; left += TILE) {
+      for (let row = top; row < Math.min(top + TILE, rows - 1); row++) {
+        for (let column = left; column < Math.min(left + TILE, columns - 1); column++) {
+          const corner = row * columns + column;
+          for (let k = 0; k < corners.length; k++) indices[i++] = corner + corners[k]!;
+        }
+      }
+    }
   }
-  const geometry = new InstancedBufferGeometry();
-  geometry.setIndex(new BufferAttribute(Uint16Array.from(indices), 1));
+  const geometry = new BufferGeometry();
+  geometry.setIndex(new BufferAttribute(indices, 1));
+  geometry.boundingSphere = new Sphere();
+  const [oldest] = made;
+  if (oldest && made.size >= MOST_GRIDS) {
+    oldest[1].dispose();
+    made.delete(oldest[0]);
+  }
+  made.set(key, geometry);
   return geometry;
 }
