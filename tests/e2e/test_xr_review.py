@@ -6,11 +6,12 @@ import uuid
 from contextlib import closing
 
 import numpy as np
+import pytest
 
 from pointbrush.client import Client
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
-from tests.e2e.headset import PAINTING, Headset, Wear
+from tests.e2e.headset import PAINTING, QUEST, VIVE, Headset, Wear
 from tests.e2e.recording import (
     PERSON,
     SEQUENCE,
@@ -349,17 +350,25 @@ def test_only_what_changes_is_felt_and_a_lock_is_a_bump(
 # ── tasks ────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_a_task_is_taken_handed_in_and_one_of_another_person_accepted(
-    put_on: Wear, server: LiveServer
+@pytest.mark.parametrize("one_wand", [False, True], ids=["quest", "one-wand"])
+def test_tasks_are_taken_handed_in_accepted_and_returned_without_leaving(
+    put_on: Wear, server: LiveServer, *, one_wand: bool
 ) -> None:
     with closing(Workspace(Settings(workspace=server.workspace))) as opened:
         token = opened.labels.tokens.add("annotator", "bob")
-    server.request("POST", "projects/default/tasks", json={"recordings": [SEQUENCE], "every": 3})
+    server.request("POST", "projects/default/tasks", json={"recordings": [SEQUENCE], "every": 2})
+    theirs: list[str] = []
     with Client(server.url, token) as bob:
-        call = bob.call("POST", "/projects/default/tasks/next", json={"work": "label"})
-        theirs = f"projects/default/tasks/{call.json()['number']}"
-        bob.call("PATCH", f"/{theirs}", json={"state": "done"})
-    headset = put_on()
+        for _ in range(2):
+            call = bob.call("POST", "/projects/default/tasks/next", json={"work": "label"})
+            theirs.append(f"projects/default/tasks/{call.json()['number']}")
+            bob.call("PATCH", f"/{theirs[-1]}", json={"state": "done"})
+    headset = put_on(VIVE if one_wand else QUEST)
+    if one_wand:
+        headset.ask("(device.controllers.left.connected = false)")
+        # Without a hand to hang from, the palette's handle comes to rest beside the timeline's.
+        headset.until("hs.headset.cockpit.panels.spot.handless")
+        headset.frames()
     headset.click("palette", "Work")
     headset.click("palette", "Next task")
     headset.click("palette", "Hand in")
@@ -369,12 +378,21 @@ def test_a_task_is_taken_handed_in_and_one_of_another_person_accepted(
     headset.click("palette", "Hand in anyway")
     headset.click("palette", "Next to review")
     headset.click("palette", "Accept")
+    headset.click("palette", "Next to review")
+    headset.click("palette", "Return…")
+    note = headset.page.locator("input[aria-label='Note for the correction']")
+    note.wait_for(state="attached")
+    headset.page.keyboard.type("The left pin")
+    headset.page.keyboard.press("Enter")
 
     def states() -> list[str]:
-        tasks = server.request("GET", "projects/default/tasks").json()
-        return [task["state"] for task in tasks]
+        return [server.request("GET", task).json()["state"] for task in theirs]
 
-    eventually(lambda: sorted(states()) == ["accepted", "done"])
-    assert server.request("GET", theirs).json()["state"] == "accepted"
+    eventually(lambda: sorted(states()) == ["accepted", "returned"])
+    returned = server.request("GET", theirs[states().index("returned")]).json()
+    assert returned["note"] == "The left pin"
+    tasks = server.request("GET", "projects/default/tasks").json()
+    assert sorted(task["state"] for task in tasks) == ["accepted", "done", "returned"]
     headset.click("palette", "Export at the desk")
     headset.until("pb.state.notices.value.some(({ action }) => action?.label === 'Export')")
+    assert headset.ask("pb.state.xr.value.session") == "running"
