@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection, connect
 
 from pointbrush.streaming.schema import subprotocol
+from pointbrush.streaming.shared.board import CELL
 from tests.serving import Served
 from tests.waiting import PATIENCE
 
@@ -35,6 +36,13 @@ class HeldFrame:
     data: list[bytes] = field(default_factory=list)
     values: NDArray[np.uint16] | None = None
     revision: int = 0
+
+
+def cells_of(timeline: Message) -> NDArray[Any]:
+    """The cells of a ``timeline`` message, a row each."""
+    assert CELL.names is not None
+    columns = [np.frombuffer(timeline[name], CELL[name]) for name in CELL.names]
+    return np.rec.fromarrays(columns, CELL)
 
 
 @dataclass

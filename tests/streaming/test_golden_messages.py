@@ -138,12 +138,12 @@ SERVER: list[m.Message] = [
         sequence="juggling",
         revision=8,
         whole=True,
-        cells=[
-            m.TimelineCell(
-                frame=1, label=65534, points=10, painted=0, confidence=0.75, state="tracked"
-            ),
-            m.TimelineCell(frame=2, label=1, points=0, painted=0, confidence=None, state=None),
-        ],
+        frames=bytes.fromhex("0100000002000000"),
+        labels=bytes.fromhex("feff0100"),
+        points=bytes.fromhex("0a00000000000000"),
+        painted=bytes(8),
+        confidence=bytes.fromhex("0000403f0000c07f"),
+        states=b"\x02\x00",
     ),
     m.Boxes(
         sequence="juggling",

@@ -10,9 +10,10 @@ import httpx
 import numpy as np
 
 from pointbrush.labels import Category
+from pointbrush.streaming.shared.board import STATES
 from tests.serving import Served
 from tests.streaming.acting import paint, run, settled, stored_values
-from tests.streaming.client import Viewer, two_viewers, viewer
+from tests.streaming.client import Viewer, cells_of, two_viewers, viewer
 
 
 def test_a_stroke_reaches_every_viewer_of_the_frame(served: Served) -> None:
@@ -115,8 +116,9 @@ def test_counts_timeline_and_undo_follow_an_edit(served: Served) -> None:
             assert labels["undo"]
             timeline = await client.until("timeline")
             assert not timeline["whole"]
-            cell = next(cell for cell in timeline["cells"] if cell["frame"] == 2)
-            assert cell["state"] == "painted"
+            cell = next(cell for cell in cells_of(timeline) if cell["frames"] == 2)
+            assert STATES[cell["states"]] == "painted"
+            assert cell["painted"] == cell["points"] == labels["counts"]["1"] - before
             undo = str(uuid.uuid4())
             await client.send(type="undo", id=undo)
             undone = await client.until("stroke_result", id=undo)
@@ -296,9 +298,9 @@ def test_what_a_viewer_hides_is_left_alone(served: Served) -> None:
 async def told_confidence(client: Viewer, label: int, frame: int) -> None:
     """Receive until the timeline's last word on a label in a frame has a confidence."""
     while True:
-        cells = [c for m in client.log if m["type"] == "timeline" for c in m["cells"]]
-        mine = [cell for cell in cells if cell["label"] == label and cell["frame"] == frame]
-        if mine and mine[-1]["confidence"] is not None:
+        cells = [c for m in client.log if m["type"] == "timeline" for c in cells_of(m)]
+        mine = [cell for cell in cells if cell["labels"] == label and cell["frames"] == frame]
+        if mine and np.isfinite(mine[-1]["confidence"]):
             return
         await client.receive()
 

@@ -1,8 +1,8 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../store/actions';
-import type { Label, Labels } from '../protocol/messages';
-import { state } from '../store/state';
-import { finishLabel, isNew, labelActions, newLabel, takeLabels } from './labels';
+import type { Label, Labels, Timeline } from '../protocol/messages';
+import { CELL_STATES, state } from '../store/state';
+import { finishLabel, isNew, labelActions, newLabel, takeLabels, takeTimeline } from './labels';
 
 const pin = { id: 1, name: 'pin 1', color: '#ff5d5d', category: 'pin' } as Label;
 let asked: { url: string; method: string; body: Record<string, unknown> }[] = [];
@@ -33,6 +33,34 @@ async function made(id: number): Promise<void> {
   answer(Response.json({ id, name, color, category: '' }, { status: 201 }));
   await settled();
 }
+
+describe('the timeline', () => {
+  const packed = (numbers: Uint32Array | Float32Array | Uint16Array): Uint8Array =>
+    new Uint8Array(numbers.buffer);
+  const one = (frame: number, label: number, points: number, whole = false): Timeline => ({
+    type: 'timeline',
+    sequence: 'wall',
+    revision: 1,
+    whole,
+    frames: packed(Uint32Array.of(frame)),
+    labels: packed(Uint16Array.of(label)),
+    points: packed(Uint32Array.of(points)),
+    painted: packed(Uint32Array.of(0)),
+    confidence: packed(Float32Array.of(0.75)),
+    states: Uint8Array.of(CELL_STATES.indexOf('tracked')),
+  });
+
+  it('keeps the cells that a message does not name, unless it is whole', () => {
+    takeTimeline(one(1, 65534, 70000, true), 3);
+    takeTimeline(one(2, 65534, 4), 3);
+    const { points, state: states, confidence } = state.timeline.value.rows.get(65534)!;
+    expect([...points]).toEqual([0, 70000, 4]);
+    expect([...states]).toEqual([0, 2, 2]);
+    expect([...confidence]).toEqual([NaN, 0.75, 0.75]);
+    takeTimeline(one(0, 7, 1, true), 3);
+    expect([...state.timeline.value.rows.keys()]).toEqual([7]);
+  });
+});
 
 describe('a new label', () => {
   it('can be named before the server has answered, and nothing is painted meanwhile', async () => {

@@ -5,10 +5,10 @@ import { api } from '../net/rest';
 import { suggestColor, suggestName } from '../common/colors';
 import { labelColours } from '../store/safe-colours';
 import { listed } from '../store/palette-list';
+import { unpackF32, unpackU16, unpackU32 } from '../protocol/codec';
 import type { Label, Labels, Timeline } from '../protocol/messages';
 import {
   canEdit,
-  CELL_STATES,
   type HistoryEntry,
   isStroke,
   notify,
@@ -16,24 +16,6 @@ import {
   type TimelineRow,
 } from '../store/state';
 import { attempt, sequencePath } from './recordings';
-
-type LabelActions = Pick<
-  Actions,
-  | 'selectLabel'
-  | 'selectNthLabel'
-  | 'lastLabel'
-  | 'createLabel'
-  | 'newLabel'
-  | 'updateLabel'
-  | 'renameLabel'
-  | 'recolorLabel'
-  | 'recolorAll'
-  | 'toggleVisible'
-  | 'toggleLock'
-  | 'deleteLabel'
-  | 'solo'
-  | 'loadHistory'
->;
 
 // ── the server's messages ──────────────────────────────────────────────────────────────────
 
@@ -54,14 +36,18 @@ export function takeLabels(message: Labels): void {
 
 export function takeTimeline(message: Timeline, frames: number): void {
   const rows = new Map<number, TimelineRow>(message.whole ? [] : state.timeline.peek().rows);
-  for (const cell of message.cells) {
-    let row = rows.get(cell.label);
-    if (!row) rows.set(cell.label, (row = emptyRow(frames)));
-    row.points[cell.frame] = cell.points;
-    row.painted[cell.frame] = cell.painted;
-    row.confidence[cell.frame] = cell.confidence ?? Number.NaN;
-    row.state[cell.frame] = CELL_STATES.indexOf(cell.state ?? 'none');
-  }
+  const labels = unpackU16(message.labels);
+  const points = unpackU32(message.points);
+  const painted = unpackU32(message.painted);
+  const confidence = unpackF32(message.confidence);
+  unpackU32(message.frames).forEach((frame, i) => {
+    let row = rows.get(labels[i]!);
+    if (!row) rows.set(labels[i]!, (row = emptyRow(frames)));
+    row.points[frame] = points[i]!;
+    row.painted[frame] = painted[i]!;
+    row.confidence[frame] = confidence[i]!;
+    row.state[frame] = message.states[i]!;
+  });
   state.timeline.value = { rows };
 }
 
@@ -146,7 +132,7 @@ async function history(): Promise<void> {
   state.history.value = await api<HistoryEntry[]>('GET', `${base()}/edits`);
 }
 
-export const labelActions: LabelActions = {
+export const labelActions = {
   selectLabel: select,
   selectNthLabel: (n) => {
     const label = listed.peek()[n - 1];
@@ -181,7 +167,7 @@ export const labelActions: LabelActions = {
     state.solo.value = state.solo.peek() === id ? null : id;
   },
   loadHistory: () => attempt('The history did not load', history),
-};
+} satisfies Partial<Actions>;
 
 /** A label whose name is typed while the server makes it. */
 interface NewLabel {
@@ -264,17 +250,17 @@ function split(id: number): Promise<void> {
   });
 }
 
-export const partActions: Pick<Actions, 'mergeLabel' | 'splitLabel'> = {
+export const partActions = {
   mergeLabel: merge,
   splitLabel: split,
-};
+} satisfies Partial<Actions>;
 
 /** Actions on labels in a stretch of frames, from the timeline. */
 function frames(frame: number): string {
   return `${sequencePath(state.sequence.peek()?.id ?? '')}/frames/${frame}`;
 }
 
-export const stripActions: Pick<Actions, 'clearLabels' | 'copyLabels' | 'acceptLabels'> = {
+export const stripActions = {
   clearLabels: (labels, from, to) =>
     attempt('The labels were not cleared', () =>
       api('POST', `${frames(from)}/clear`, { labels, stop: to }),
@@ -285,4 +271,4 @@ export const stripActions: Pick<Actions, 'clearLabels' | 'copyLabels' | 'acceptL
     ),
   acceptLabels: (labels, frame) =>
     attempt('The frame was not accepted', () => api('POST', `${frames(frame)}/accept`, { labels })),
-};
+} satisfies Partial<Actions>;

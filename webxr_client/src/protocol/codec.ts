@@ -27,6 +27,10 @@ export function unpackU32(bytes: Uint8Array): Uint32Array<ArrayBuffer> {
   return new Uint32Array(bytes.slice().buffer);
 }
 
+export function unpackF32(bytes: Uint8Array): Float32Array<ArrayBuffer> {
+  return new Float32Array(bytes.slice().buffer);
+}
+
 export function unpackU16(bytes: Uint8Array): Uint16Array<ArrayBuffer> {
   return new Uint16Array(bytes.slice().buffer);
 }

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '76c534f696af';
+export const SCHEMA_HASH = 'a4059a8344f1';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -533,23 +533,22 @@ export interface StrokeResult {
   final: boolean;
 }
 
-/** Changed cells (all cells after ``open``); remove a cell without points and state. */
+/**
+ * Changed cells (all cells after ``open``); remove a cell without points and state.
+ *
+ * A cell is a label in a frame.  Each array has one item for each cell.
+ */
 export interface Timeline {
   type: 'timeline';
   sequence: string;
   revision: number;
   whole: boolean;
-  cells: TimelineCell[];
-}
-
-/** One label in one frame: points, painted points, confidence and state. */
-export interface TimelineCell {
-  frame: number;
-  label: number;
-  points: number;
-  painted: number;
-  confidence: number | null;
-  state: 'painted' | 'tracked' | 'occluded' | 'lost' | null;
+  frames: Uint8Array;
+  labels: Uint8Array;
+  points: Uint8Array;
+  painted: Uint8Array;
+  confidence: Uint8Array;
+  states: Uint8Array;
 }
 
 /** The answer to ``hello``. */

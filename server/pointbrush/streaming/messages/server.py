@@ -218,25 +218,28 @@ class Labels(Message):
     redo: str | None
 
 
-class TimelineCell(Message):
-    """One label in one frame: points, painted points, confidence and state."""
-
-    frame: FrameIndex
-    label: LabelId
-    points: Count
-    painted: Count
-    confidence: float | None
-    state: Literal["painted", "tracked", "occluded", "lost"] | None
-
-
 class Timeline(Message):
-    """Changed cells (all cells after ``open``); remove a cell without points and state."""
+    """Changed cells (all cells after ``open``); remove a cell without points and state.
+
+    A cell is a label in a frame.  Each array has one item for each cell.
+    """
 
     type: Literal["timeline"] = "timeline"
     sequence: Id
     revision: Count
     whole: bool
-    cells: list[TimelineCell]
+    frames: bytes
+    """uint32."""
+    labels: bytes
+    """uint16."""
+    points: bytes
+    """uint32."""
+    painted: bytes
+    """uint32: the number of points that a person painted."""
+    confidence: bytes
+    """float32, 0..1; NaN where the label was not tracked."""
+    states: bytes
+    """uint8: 0 none, 1 painted, 2 tracked, 3 occluded, 4 lost."""
 
 
 class Boxes(Message):

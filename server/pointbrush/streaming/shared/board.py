@@ -6,6 +6,8 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Any
 
+import numpy as np
+
 from pointbrush.labels import Cell, Commit, Label, LabelStore
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import box_message, encode, encode_beginning, encode_end
@@ -13,6 +15,14 @@ from pointbrush.streaming.shared.cache import MessageCache, Versioned
 
 Place = tuple[int, int]
 """Frame and label: a cell of the timeline."""
+CELL = np.dtype(
+    [
+        ("frames", "<u4"), ("labels", "<u2"), ("points", "<u4"), ("painted", "<u4"),
+        ("confidence", "<f4"), ("states", "u1"),
+    ]
+)  # fmt: skip
+"""A cell in the arrays of the timeline's message."""
+STATES = ("none", "painted", "tracked", "occluded", "lost")
 LABELS_OWN = ("undo", "redo")
 """Fields of the labels' message that are the author's own; they come last in it."""
 MESSAGES_BYTES = 2 * 2**20
@@ -165,24 +175,29 @@ class Board:
     def timeline(self, cells: Iterable[Place] | None) -> messages.Timeline:
         """The given cells, or all that are not empty."""
         chosen = self.cells.keys() | self.tracks.keys() if cells is None else cells
-        rows = [self._cell(frame, label) for frame, label in sorted(chosen)]
+        rows = np.array([self._cell(*place) for place in sorted(chosen)], CELL)
         if cells is None:
-            rows = [row for row in rows if row.points or row.state]
+            rows = rows[(rows["points"] > 0) | (rows["states"] > 0)]
         return messages.Timeline(
-            sequence=self._sequence, revision=self.revision, whole=cells is None, cells=rows
+            sequence=self._sequence,
+            revision=self.revision,
+            whole=cells is None,
+            frames=rows["frames"].tobytes(),
+            labels=rows["labels"].tobytes(),
+            points=rows["points"].tobytes(),
+            painted=rows["painted"].tobytes(),
+            confidence=rows["confidence"].tobytes(),
+            states=rows["states"].tobytes(),
         )
 
-    def _cell(self, frame: int, label: int) -> messages.TimelineCell:
-        cell = self.cells.get((frame, label), Cell(frame, label, 0, 0))
+    def _cell(self, frame: int, label: int) -> tuple[float, ...]:
+        """The fields of ``CELL``."""
+        cell = self.cells.get((frame, label))
+        points, painted = (cell.points, cell.painted) if cell else (0, 0)
         track = self.tracks.get((frame, label))
-        return messages.TimelineCell(
-            frame=frame,
-            label=label,
-            points=cell.points,
-            painted=cell.painted,
-            confidence=None if track is None else float(track["confidence"]),
-            state="painted" if cell.painted else None if track is None else track["state"],
-        )
+        confidence = float(track["confidence"]) if track else np.nan
+        state = "painted" if painted else track["state"] if track else "none"
+        return frame, label, points, painted, confidence, STATES.index(state)
 
 
 def by_cell(tracks: Iterable[dict[str, Any]]) -> dict[Place, dict[str, Any]]:
