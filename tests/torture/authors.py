@@ -31,6 +31,11 @@ class Authors:
         self.people = invite(workspace, seed, names=NAMES, database=database)
         self.replay = Replay(workspace, database)
 
+    @property
+    def refused(self) -> int:
+        """Edits that were answered with 503 since the last comparison."""
+        return sum(one.away for one in self.people)
+
     @contextmanager
     def editing(self, addresses: Callable[[], list[str]]) -> Iterator[None]:
         """All edit until the context ends, each at its server, or at one that is there."""

@@ -86,16 +86,19 @@ class Tally:
 class Arena:
     """Means of one scenario: a folder, random numbers, time, and services that end with it."""
 
-    def __init__(self, folder: Path, seconds: float, seed: int, stack: ExitStack) -> None:
+    def __init__(
+        self, folder: Path, seconds: float, seed: int, stack: ExitStack, fewest: int
+    ) -> None:
         self.folder, self.seconds, self.seed, self.stack = folder, seconds, seed, stack
+        self.fewest = fewest
         self.rng = random.Random(seed)
         self.tally = Tally()
         self._end = time.monotonic() + seconds
 
     def rounds(self) -> Iterator[int]:
-        """Numbers of rounds until the time is up, at least one; each is counted."""
+        """Numbers of rounds until the time is up, at least ``fewest``; each is counted."""
         number = 0
-        while number == 0 or time.monotonic() < self._end:
+        while number < self.fewest or time.monotonic() < self._end:
             self.tally.times += 1
             yield number
             number += 1
@@ -166,8 +169,8 @@ HEAD = """\
 |---|---|---|---|---|---|---|---|---|"""
 
 
-def run(chosen: Scenario, seconds: float, seed: int) -> Row:
-    """Run a scenario in a folder of its own; what its servers log is not printed.
+def run(chosen: Scenario, seconds: float, seed: int, fewest: int = 1) -> Row:
+    """Run ``fewest`` rounds of a scenario or more, in a folder; what servers log is not printed.
 
     An assertion that it does not count itself is a difference.
     """
@@ -175,7 +178,7 @@ def run(chosen: Scenario, seconds: float, seed: int) -> Row:
     folder = Path(tempfile.mkdtemp(prefix=f"torture-{chosen.name}-"))
     try:
         with redirect_stderr(io.StringIO()), ExitStack() as stack:
-            arena = Arena(folder, seconds, seed, stack)
+            arena = Arena(folder, seconds, seed, stack, fewest)
             try:
                 with arena.tally.expect("differs"):
                     chosen.run(arena)

@@ -1,10 +1,12 @@
 /* Faults of a machine, for a process that this library is preloaded into.
  *
- * TORTURE_FSYNC: microseconds that every flush to the disk takes longer.
+ * TORTURE_FSYNC: microseconds that every flush to the disk, and every write for which it has no
+ * room, takes longer.
  * TORTURE_CLOCK: a file with the seconds that the wall clock is ahead; read at every look.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/time.h>
@@ -26,6 +28,24 @@ int fdatasync(int file) {
     int (*real)(int) = dlsym(RTLD_NEXT, "fdatasync");
     slow();
     return real(file);
+}
+
+static ssize_t after_a_while(ssize_t written) {
+    if (written < 0 && errno == ENOSPC) {
+        slow();
+        errno = ENOSPC;
+    }
+    return written;
+}
+
+ssize_t pwrite(int file, const void *data, size_t size, off_t at) {
+    ssize_t (*real)(int, const void *, size_t, off_t) = dlsym(RTLD_NEXT, "pwrite");
+    return after_a_while(real(file, data, size, at));
+}
+
+ssize_t pwrite64(int file, const void *data, size_t size, off64_t at) {
+    ssize_t (*real)(int, const void *, size_t, off64_t) = dlsym(RTLD_NEXT, "pwrite64");
+    return after_a_while(real(file, data, size, at));
 }
 
 static long ahead(void) {

@@ -34,6 +34,14 @@ def _number(value: int) -> str:
     return packed(value.to_bytes((value.bit_length() + 7) // 8, "big"))
 
 
+def published(key: rsa.RSAPrivateKey, kid: str) -> dict[str, str]:
+    """The public part of a key as providers publish it."""
+    public = key.public_key().public_numbers()
+    return {
+        "kty": "RSA", "n": _number(public.n), "e": _number(public.e), "use": "sig", "kid": kid,
+    }  # fmt: skip
+
+
 @dataclass
 class Provider:
     """What it says of whoever comes: ``person`` are claims, ``wrong`` those that are false.
@@ -87,9 +95,7 @@ def app_of(provider: Provider) -> FastAPI:
 
     @app.get("/keys")
     def keys() -> dict[str, Any]:
-        public = provider.key.public_key().public_numbers()
-        key = {"kty": "RSA", "n": _number(public.n), "e": _number(public.e), "use": "sig"}
-        return {"keys": [key | {"kid": provider.header.get("kid", "one")}]}
+        return {"keys": [published(provider.key, provider.header.get("kid", "one"))]}
 
     @app.get("/auth")
     def authorize(request: Request) -> RedirectResponse:

@@ -9,7 +9,6 @@ import socket
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 
 import msgpack
 from websockets.frames import Frame, Opcode
@@ -20,6 +19,7 @@ from tests.faults.server import TOKEN, ServerProcess, running
 from tests.torture.authors import Authors, quiet
 from tests.torture.framework import Arena, Tally, scenario
 from tests.torture.librarian import Librarian
+from tests.torture.machine import resident
 
 CONNECTIONS, DEAF = 1500, 200
 FAR = 120.0
@@ -85,12 +85,12 @@ def deaf_viewers(arena: Arena) -> None:
     authors = Authors(arena.folder / "workspace", arena.seed)
     server = arena.stack.enter_context(running(arena.folder / "workspace"))
     for _ in arena.rounds():
-        before = _resident(server)
+        before = resident(server.process.pid)
         with authors.editing(lambda: [server.url]), ExitStack() as held:
             for _ in range(DEAF):
                 held.enter_context(_deaf(server))
             time.sleep(min(arena.rest(), 5.0))
-            grown = _resident(server) - before
+            grown = resident(server.process.pid) - before
         if grown > DEAF * MOST_BYTES:
             arena.tally.count("differs", f"{DEAF} viewers who never read take {grown:,} bytes")
         authors.settle(server, arena.tally)
@@ -120,8 +120,3 @@ def _deaf(server: ServerProcess) -> socket.socket:
     ):
         link.sendall(Frame(Opcode.BINARY, msgpack.packb(message)).serialize(mask=True))
     return link
-
-
-def _resident(server: ServerProcess) -> int:
-    pages = Path(f"/proc/{server.process.pid}/statm").read_text().split()[1]
-    return int(pages) * resource.getpagesize()

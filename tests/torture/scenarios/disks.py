@@ -9,9 +9,12 @@ from tests.faults.server import ServerProcess, running
 from tests.torture.authors import Authors, quiet
 from tests.torture.framework import Arena, scenario
 from tests.torture.machine import Ballast, limited, mounted, preloaded
+from tests.waiting import eventually
 
 SIZE = 24 * 2**20
 FSYNC_MICROSECONDS = "150000"
+BATCH_MICROSECONDS = "40000"
+"""Time by which flushes are slower, so that authors wait for each other."""
 MOST_BYTES = 4096
 """Size beyond which a file may not grow."""
 
@@ -23,19 +26,22 @@ def _settle(arena: Arena, authors: Authors, server: ServerProcess) -> None:
 
 @scenario("SQLite's disk is sometimes full, while six authors edit", 2)
 def disk_full(arena: Arena) -> None:
-    """A file takes all the room, and goes again."""
+    """A file takes all the room, and goes again.
+
+    Each commit takes so long that several edits wait for the next one: when that finds no room,
+    all but the last of them are in the server's memory already.
+    """
+    slow = {"LD_PRELOAD": preloaded(arena.folder), "TORTURE_FSYNC": BATCH_MICROSECONDS}
     disk = arena.stack.enter_context(mounted(arena.folder / "disk", SIZE))
     authors = Authors(disk / "workspace", arena.seed)
     ballast = Ballast(disk)
-    server = arena.stack.enter_context(running(disk / "workspace"))
+    server = arena.stack.enter_context(running(disk / "workspace", **slow))
     for _ in arena.rounds():
         with authors.editing(lambda: [server.url]):
             time.sleep(arena.rng.uniform(0.2, 0.8))
-            ballast.fill()
             # The database's log has some room of its own: the disk is full when that is used up.
-            for _ in range(10):
-                time.sleep(0.1)
-                ballast.fill()
+            eventually(lambda: ballast.fill() or authors.refused, every=0.05)
+            time.sleep(arena.rng.uniform(0.2, 0.8))
             ballast.drop()
             time.sleep(arena.rng.uniform(0.2, 0.8))
         _settle(arena, authors, server)

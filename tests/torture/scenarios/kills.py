@@ -16,7 +16,7 @@ def killed_editing(arena: Arena) -> None:
     """The journal and every layer of every frame are compared after each."""
     workspace, tally = arena.folder / "workspace", arena.tally
     with tally.expect("lost"):
-        kills = max(FEWEST, int(arena.seconds / SECONDS_OF_ONE))
+        kills = max(FEWEST, arena.fewest, int(arena.seconds / SECONDS_OF_ONE))
         summary = torture(workspace, kills, arena.seed)
         tally.times, tally.answered = summary.kills, summary.edits
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
-from typing import Any
+from typing import Any, Protocol
 
 import httpx
 
@@ -30,6 +30,13 @@ FAILS = 0.1
 DELIVERED_SECONDS = 120.0
 """Longest wait for events that a killed server had taken."""
 QUEUE = "/projects/default/tasks"
+
+
+class Hears(Protocol):
+    """Takes the events of a webhook in."""
+
+    def hear(self, body: bytes) -> int:
+        """Take an event; returns the status."""
 
 
 class Work:
@@ -74,7 +81,7 @@ class Work:
 
 
 @contextmanager
-def receiving(work: Work) -> Iterator[str]:
+def receiving(work: Hears) -> Iterator[str]:
     """A receiver of events; gives its address."""
 
     class Handler(BaseHTTPRequestHandler):
