@@ -179,7 +179,7 @@ class Classifier:
     ) -> Chances:
         """Return the chance (C, K) of each class in each cell of a frame of ``points``."""
         if self.state is not None and model is not None:
-            return chances_of(model, self.classes, self.state, place, points())
+            return chances_of(model, self.classes, self.state, place, points(), self.model)
         if self.trees is None:
             count = len(self.classes)
             return np.full((len(place.center), count), 1 / count, np.float32)

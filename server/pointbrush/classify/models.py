@@ -82,16 +82,17 @@ class HttpModel:
                              ``features``.  Answer: ``scores`` float32 (rows, K).
     """
 
-    def __init__(self, address: str, options: HttpOptions | None = None) -> None:
+    def __init__(self, address: str, name: str, options: HttpOptions | None = None) -> None:
         self._seconds = (options or HttpOptions()).seconds
         most = (options or HttpOptions()).answer_bytes
-        self._service = NpzService(address, "model", most)
+        self._role = f"model {name}"
+        self._service = NpzService(address, self._role, most)
         about = self._service.ask("about", {"version": np.array(1)}, self._seconds)
         self.takes, self.learns = str(about.get("takes")), bool(np.all(about.get("learns", False)))
         known: Any = about.get("classes", np.empty(0, str))
         if known.dtype.kind != "U" or known.size > MOST_CLASSES:
             raise UnavailableError(
-                f"model: expected at most {MOST_CLASSES} names of classes, got {known.dtype} "
+                f"{self._role}: expected at most {MOST_CLASSES} names of classes, got {known.dtype} "
                 f"{known.shape}"
             )
         self.classes = tuple(str(name)[:NAME_LENGTH] for name in known.ravel())
@@ -123,7 +124,7 @@ class HttpModel:
                     given[name] = column
         answer = self._service.ask("scores", given, self._seconds)
         if "scores" not in answer or answer["scores"].dtype.kind not in "iuf":
-            raise UnavailableError("model: expected scores, numbers, in the answer")
+            raise UnavailableError(f"{self._role}: expected scores, numbers, in the answer")
         return answer["scores"].astype(np.float32, copy=False)
 
 
@@ -164,18 +165,23 @@ def _made(name: str, address: str | None) -> Model:
     if address is None:
         model: Model = next(iter(entry_points(group=GROUP, name=name))).load()()
     else:
-        model = HttpModel(address)
+        model = HttpModel(address, name)
     if model.takes not in (POINTS, FEATURES):
         raise UnavailableError(f"model {name}: expected points or features, got {model.takes!r}")
     return model
 
 
 def chances_of(
-    model: Model, classes: tuple[str, ...], state: bytes, place: Described, points: ExampleFrame
+    model: Model,
+    classes: tuple[str, ...],
+    state: bytes,
+    place: Described,
+    points: ExampleFrame,
+    name: str = "",
 ) -> NDArray[np.float32]:
     """Return the chance (C, K) of each class in each cell by a model; points' mean in their cell.
 
-    Raises UnavailableError for scores that are none.
+    ``name``: the model's, for errors.  Raises UnavailableError for scores that are none.
     """
     question = Question(classes, state, points, place.features, place.of_point)
     scores = np.asarray(model.scores(question), np.float64)
@@ -183,10 +189,11 @@ def chances_of(
     rows = cells if model.takes == FEATURES else len(place.of_point)
     if scores.shape != (rows, len(classes)):
         raise UnavailableError(
-            f"model: expected scores {(rows, len(classes))} of {model.takes}, got {scores.shape}"
+            f"model {name}: expected scores {(rows, len(classes))} of {model.takes}, "
+            f"got {scores.shape}"
         )
     if not (np.isfinite(scores).all() and (scores >= 0).all()):
-        raise UnavailableError("model: expected finite scores from 0")
+        raise UnavailableError(f"model {name}: expected finite scores from 0")
     if model.takes == POINTS:
         scores = means(place.of_point, np.ascontiguousarray(scores), cells)
     whole = scores.sum(axis=1, keepdims=True)
