@@ -12,6 +12,9 @@ import pytest
 
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
+from pointbrush.sequences import verify
+from pointbrush.work.folder_store import FolderTarget
+from pointbrush.work.imports.importing import ImportWork
 from pointbrush.worker import Channel
 from tests.dask_cluster import DaskCluster
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
@@ -75,3 +78,34 @@ def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
 
 def submit(runner: JobRunner, seen: Seen) -> Job:  # noqa: F811
     return runner.submit(Job("tracking", "s"), Count(2), seen.finish, seen.item, seen.end)
+
+
+@dataclass(frozen=True)
+class DieAtTheEnd:
+    """An import whose first worker dies when the recording is there, before it is told."""
+
+    work: ImportWork
+    mark: Path
+
+    def __call__(self, channel: Channel) -> None:
+        self.work(channel)
+        if not self.mark.exists():
+            self.mark.touch()
+            os._exit(1)
+
+
+def test_an_import_whose_worker_died_at_the_end_is_made_anew(
+    seen: Seen,  # noqa: F811
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "scan.xyz").write_text("1 2 3\n4 5 6\n")
+    target = tmp_path / "sequences" / "scan"
+    target.parent.mkdir()
+    work = ImportWork((tmp_path / "scan.xyz",), FolderTarget(target), "scan")
+    with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
+        died = DieAtTheEnd(work, tmp_path / "died")
+        job = runner.submit(Job("import", "scan"), died, seen.finish, seen.item, seen.end)
+        job = runner.wait(job.id, PATIENCE)
+    assert (job.state, job.error) == ("done", None)
+    assert (tmp_path / "died").exists()
+    assert verify(target) == []

@@ -166,7 +166,12 @@ class FolderTarget:
 
     @contextmanager
     def building(self, progress: Progress) -> Iterator[Path]:  # noqa: ARG002 - it is there at once
-        """See ImportTarget; what imports into the folder makes it whole or not at all."""
+        """See ImportTarget; what imports into the folder makes it whole or not at all.
+
+        The id is reserved for this work: a recording of that id is of an earlier try, whose process
+        died before it could report that it was done.
+        """
+        shutil.rmtree(self.path, ignore_errors=True)
         yield self.path
 
 
