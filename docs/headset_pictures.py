@@ -19,6 +19,8 @@ from tests.e2e.headset import Headset, wear
 
 SIZE = (1440, 800)
 """Width and height of the two eyes together, pixels."""
+PAGES_WIDTH = 1500
+"""Width of the palette's pages together, pixels."""
 MOST_BYTES = 300_000
 PATIENCE = 180.0
 """Seconds to wait for what the server does; drawing in software leaves it little."""
@@ -67,7 +69,7 @@ def hold(headset: Headset) -> None:
 
 
 def pages(headset: Headset) -> Image.Image:
-    """Return the pages of the palette side by side, as they are drawn."""
+    """Return the pages of the palette in rows of three, as they are drawn."""
     shown = []
     for name in ("Labels", "Tools", "View", "Fit boxes", "Work"):
         headset.click("palette", name)
@@ -76,13 +78,14 @@ def pages(headset: Headset) -> Image.Image:
     headset.click("palette", "New")
     shown.append(panel(headset))
     headset.click("palette", "Back")
-    gap = 12
-    width = sum(each.width + gap for each in shown) - gap
-    whole = Image.new("RGB", (width, shown[0].height), "white")
+    gap, columns = 12, 3
+    wide, high = shown[0].width + gap, shown[0].height + gap
+    lines = -(-len(shown) // columns)
+    whole = Image.new("RGB", (columns * wide - gap, lines * high - gap), "white")
     for i, each in enumerate(shown):
-        whole.paste(each, (i * (each.width + gap), 0))
-    height = round(whole.height * 1500 / whole.width)
-    return whole.resize((1500, height), Image.Resampling.LANCZOS)
+        whole.paste(each, (i % columns * wide, i // columns * high), each)
+    height = round(whole.height * PAGES_WIDTH / whole.width)
+    return whole.resize((PAGES_WIDTH, height), Image.Resampling.LANCZOS)
 
 
 def panel(headset: Headset) -> Image.Image:
@@ -90,7 +93,7 @@ def panel(headset: Headset) -> Image.Image:
     headset.frames(4)
     palette = "window.__pointbrushHeadset.headset.cockpit.panels.palette"
     url = headset.page.evaluate(f"{palette}.texture.image.toDataURL()")
-    return Image.open(BytesIO(b64decode(url.partition(",")[2]))).convert("RGB")
+    return Image.open(BytesIO(b64decode(url.partition(",")[2]))).convert("RGBA")
 
 
 def floor(headset: Headset, server: Served, place: list[float]) -> Image.Image:
