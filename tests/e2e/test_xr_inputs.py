@@ -281,17 +281,18 @@ def test_a_held_wand_with_joints_keeps_its_pad_and_alone_switches_labels_on_it(
     first = headset.ask(active)
     radius = headset.ask("pb.state.brush.value.radius")
     headset.pulses()
-    # A thumb on the pad shows the ring, and the name of the label that a press there takes.
+    # Colours mark the pad; a thumb on it shows the ring, and the name of what a press takes.
     ring = "hs.headset.cockpit.ring"
-    assert not headset.ask(f"{ring}.mesh.visible")
+    small = f"{ring}.mesh.visible && {ring}.mesh.scale.x < 1"
+    headset.until(f"{small} && !{ring}.sign.mesh.visible")
     headset.lean(0, 0.8, pad="touchpad")
-    headset.until(f"{ring}.mesh.visible && {ring}.sign.mesh.visible")
+    headset.until(f"!({small}) && {ring}.sign.mesh.visible")
     assert headset.ask(f"{ring}.sign.text") == "↓ other"
     assert headset.ask(active) == first
     press_pad(headset, 0, 0.8)
     headset.until(f"{active} !== {first}")
     headset.lean(0, 0, pad="touchpad")
-    headset.until(f"!{ring}.mesh.visible")
+    headset.until(small)
     # The change is shown at the brush, and felt.
     headset.until("hs.headset.cockpit.tipSign.sign.text === 'other'")
     assert "right" in {pulse["hand"] for pulse in headset.pulses()}

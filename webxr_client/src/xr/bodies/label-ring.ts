@@ -62,17 +62,14 @@ export class LabelRing {
   update(body: Body | null, rig: Rig): void {
     const { mesh, upDown, at } = this;
     const palette = peek(state.palette);
-    mesh.visible = body !== null && body.pointer.device.pad !== 'none' && palette.length > 1;
+    const least = upDown.shown ? 2 : 1;
+    mesh.visible = palette.length >= least && (body?.pointer.device.pad ?? 'none') !== 'none';
     this.sign.mesh.visible = mesh.visible && upDown.marked !== 0;
     if (!body || !mesh.visible) return;
     const { grip, side } = body.pointer;
     if (mesh.parent !== grip) grip.add(mesh);
     this.lay(body.spots);
-    const active = peek(state.activeLabel);
-    const changed = palette !== this.palette || active !== this.active;
-    const { marked, shown } = upDown;
-    if (changed || marked !== this.marked || shown !== this.shown)
-      this.draw(palette, active, marked, shown);
+    this.draw(palette, peek(state.activeLabel));
     if (!this.sign.mesh.visible) return;
     at.copy(mesh.position).applyMatrix4(grip.matrix);
     faceEyes(this.group, at, rig.headInRig, BESIDE[side === 'left' ? 'left' : 'right']);
@@ -87,7 +84,10 @@ export class LabelRing {
     mesh.scale.setScalar(upDown.shown ? 1 : SMALL);
   }
 
-  private draw(palette: readonly Label[], active: number, marked: number, thumb: boolean): void {
+  private draw(palette: readonly Label[], active: number): void {
+    const { marked, shown: thumb } = this.upDown;
+    const same = palette === this.palette && active === this.active;
+    if (same && marked === this.marked && thumb === this.shown) return;
     Object.assign(this, { palette, active, marked, shown: thumb });
     const { mesh } = this;
     const direction = Math.sign(marked);
@@ -95,7 +95,8 @@ export class LabelRing {
     const middle = labelBeside(palette, active, marked - direction);
     const labelAt = (steps: number): Label =>
       palette.find(({ id }) => id === labelBeside(palette, middle, steps))!;
-    const shown = ARCS.slice(0, thumb ? Math.max(2, palette.length - 1) : 2);
+    const others = palette.length - 1;
+    const shown = ARCS.slice(0, thumb ? Math.max(2, others) : 2 * Math.min(1, others));
     const arcs = shown.map(([steps, from, degrees]) => {
       const on = steps === direction;
       const outer = on ? MARKED : OUTER;

@@ -125,7 +125,7 @@ export class Tips {
     return false;
   }
 
-  /** Lay the words one below the other, in the order of their controls so that no lines cross. */
+  /** Lay the words over the pad, one below the other in the order of their controls: no lines cross. */
   private arrange(rig: Rig): void {
     const { hand, tips, rows, box, corner } = this;
     this.face(rig);
@@ -137,7 +137,7 @@ export class Tips {
     box.makeEmpty();
     used.forEach(({ sign: { mesh }, sign, tip }, k) => {
       sign.write(tip!.short);
-      const y = ((used.length - 1) / 2 - k) * PITCH;
+      const y = (used.length - 0.3 - k) * PITCH;
       mesh.position.set(side * (BESIDE + mesh.scale.x / 2), y, 0);
       for (const end of [-0.5, 0.5])
         box.expandByPoint(corner.copy(mesh.scale).multiplyScalar(end).setZ(0).add(mesh.position));
