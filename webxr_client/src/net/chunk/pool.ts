@@ -10,17 +10,20 @@ export class BufferPool {
 
   /** A buffer of at least `size` bytes; its contents are arbitrary. */
   take(size: number): ArrayBuffer {
-    for (let i = this.free.length - 1; i >= 0; i--) {
-      const buffer = this.free[i]!;
-      // A buffer far too large would starve the frames that need it.
-      if (buffer.byteLength >= size && buffer.byteLength <= 2 * size + GRAIN) {
-        this.free[i] = this.free[this.free.length - 1]!;
-        this.free.pop();
-        this.bytes -= buffer.byteLength;
-        return buffer;
-      }
+    const { free } = this;
+    let best = -1;
+    // The smallest that fits: a larger one is the only one for the parts of a frame that need it.
+    for (let i = free.length - 1; i >= 0; i--) {
+      const bytes = free[i]!.byteLength;
+      if (bytes < size || bytes > 2 * size + GRAIN) continue;
+      if (best < 0 || bytes < free[best]!.byteLength) best = i;
     }
-    return new ArrayBuffer(Math.max(GRAIN, Math.ceil(size / GRAIN) * GRAIN));
+    if (best < 0) return new ArrayBuffer(Math.max(GRAIN, Math.ceil(size / GRAIN) * GRAIN));
+    const buffer = free[best]!;
+    free[best] = free[free.length - 1]!;
+    free.pop();
+    this.bytes -= buffer.byteLength;
+    return buffer;
   }
 
   give(buffer: ArrayBuffer): void {
