@@ -179,5 +179,8 @@ def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
     store.recordings.register("shelf", [3], "two")
     assert (seen("ada"), seen("bob")) == (True, True)
     store.recordings.delete("shelf")
+    guard = store.guards.reserve(["shelf"], lambda _: True)
+    assert not seen("bob"), "who saw the one before"
     store.recordings.register("shelf", [3], "three", "night")
+    store.guards.end(guard)
     assert (seen("ada"), seen("bob")) == (True, False)

@@ -52,7 +52,7 @@ class _Known:
 
     ``numbers``: the recordings that had an id one after the other, each with the time of its
     deletion.  All else is by their permanent number.  ``coming``: ids of imports that have not
-    ended, whose recordings are nobody's before they have a number.  ``copies``: the people with
+    ended, whose recordings are not shown before they have a number.  ``copies``: the people with
     tasks in each copy for one person; ``homes``: its project.
     """
 
@@ -89,10 +89,9 @@ class _Known:
         self, sequence: str, account: str, role: Role, at: float | None = None
     ) -> Role | None:
         """Return the role of an account in the recording that had an id at a time, as ``role``."""
-        number = self.number(sequence, at)
-        if number is None and at is None and sequence in self.coming:
+        if at is None and sequence in self.coming and not self.has(sequence):
             return None
-        return self.role(number, account, role)
+        return self.role(self.number(sequence, at), account, role)
 
     def role(self, number: int | None, account: str, role: Role) -> Role | None:
         """Return the role of an account in a recording; None: the recording is not for it."""

@@ -35,6 +35,8 @@ SHELF = "shelf"
 HOMES = ("red", "blue", "default")
 PLACES = {"red": 1234.5, "blue": 4321.5, "default": 0.5}
 """Coordinate x of all points, by project."""
+CLASS = {"category": "stone"}
+"""Of labels; all people of a workspace see its classes, which labels without one become."""
 CALLS_OF_A_ROUND = 150
 PAUSE = 0.05
 """Seconds between two edits of the second recording."""
@@ -106,7 +108,7 @@ def _lives(
     imported = waited(api, api.post("/sequences", files=files, data=data))
     assert imported["sequence"] == SHELF, imported
     api.patch(root, json={"name": name}).raise_for_status()
-    label = api.post(f"{root}/labels", json={"name": name}).raise_for_status().json()["id"]
+    label = api.post(f"{root}/labels", json={"name": name, **CLASS}).raise_for_status().json()["id"]
     for frame in range(FRAMES):
         stroke = {**STROKE, "label": label, "id": ids[2] if frame else str(uuid.uuid4())}
         stroke["samples"] = [{"origin": [PLACES[home], 0.0, 0.0]}]
@@ -200,7 +202,7 @@ def _painting(api: httpx.Client, answered: list[str], tally: Tally) -> Iterator[
             if stop.wait(PAUSE):
                 return
             edit = str(uuid.uuid4())
-            path, body = "/sequences/cube/labels", {"name": f"secret-blue {edit}"}
+            path, body = "/sequences/cube/labels", {"name": f"secret-blue {edit}", **CLASS}
             if number % 2:
                 path, body = "/sequences/cube/frames/0/strokes", {**STROKE, "id": edit}
             answer = api.post(path, json=body, params={} if number % 2 else {"edit": edit})
