@@ -47,6 +47,12 @@ DAMAGED = {
     "a number without an end": ("depth", "depth", "camera.json", b'{"fx": %s}' % HUGE),
     "brackets in brackets": ("pictures", "cameras.json", "r/cameras.json", b"[" * 100_000),
     "a quaternion of almost 0": ("pictures", "Image.bag", "Image.bag", TINY),
+    "a name that is no UTF-8": (
+        "feather",
+        "uncompressed.feather",
+        "uncompressed.feather",
+        (b"intensity", b"\xb6ntensity"),
+    ),
     "a mask that is none": ("labels", "our ply", "e/deleted/000000.npy", b"\x93NUMPY\x01\x00"),
 }
 """Faults of readers: family, base, file, and its new content, or what is exchanged in it."""
