@@ -305,7 +305,7 @@ def session(
         found.append((features, good))
         # People also go on from a level that was wrong: it is to be seen through.
         better = np.flatnonzero(good >= good.max() - (0.15 if rng.random() < GOOD else 1.0))
-        taken = as_mask(proposals.points(state, int(rng.choice(better))), len(xyz))
+        taken = as_mask(proposals.points(state, [int(rng.choice(better))])[0], len(xyz))
         click = next_click(xyz, truth, taken)
         if click is None:
             break

@@ -87,23 +87,25 @@ class Proposals:
     taken: Taken | None
     open_: Mask
 
-    def points(self, state: ObjectState, i: int) -> NDArray[np.int64]:
-        """Return the point numbers of a proposal, ascending."""
-        cells = np.append(self.cells(state, i), False)  # the last one for points without a cell
-        return np.flatnonzero(cells[state.of_point])
+    def points(self, state: ObjectState, chosen: list[int]) -> list[NDArray[np.int64]]:
+        """Return the point numbers of some proposals, at most eight, ascending.
 
-    def cells(self, state: ObjectState, i: int) -> Mask:
-        """Mark the cells (C,) of a proposal.
-
-        Of what is taken only the pieces change that the proposal adds or leaves out as a whole.
+        Of what is taken only the pieces change that a proposal adds or leaves out as a whole.
         """
-        mask = self.unions.masks[i]
-        if self.taken is None:
-            return np.asarray(mask[state.piece] & self.open_)
-        added, removed = mask & ~self.taken.pieces, self.taken.pieces & ~mask
-        return np.asarray(
-            self.taken.cells & ~removed[state.piece] | added[state.piece] & self.open_
-        )
+        kept = added = self.unions.masks[chosen]
+        if self.taken is not None:
+            kept, added = kept | ~self.taken.pieces, added & ~self.taken.pieces
+        # Each proposal is a bit, so that one pass over cells and points is enough for all.
+        cells = np.where(self.open_, _bits(added)[state.piece], 0)
+        if self.taken is not None:
+            cells |= np.where(self.taken.cells, _bits(kept)[state.piece], 0)
+        points = np.append(cells, np.uint8(0))[state.of_point]  # the last one: without a cell
+        return [np.flatnonzero(points & (1 << bit) != 0) for bit in range(len(chosen))]
+
+
+def _bits(masks: Mask) -> NDArray[np.uint8]:
+    """Pack masks (n, P), at most eight, into a number for each piece (P,)."""
+    return np.asarray(np.packbits(masks, axis=0, bitorder="little")[0], np.uint8)
 
 
 def propose(
@@ -167,7 +169,7 @@ def candidates(
     chosen = choose_levels(
         found.unions.masks, size, score, kept, alone, margins[state.sensor], ladder
     )
-    points = [found.points(state, i) for i in chosen]
+    points = found.points(state, chosen)
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")
     return [
         Candidate(indices, float(score[i]), int(place))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled
 from pointbrush.errors import BadInputError
+from pointbrush.selection.objects import sums
 from pointbrush.selection.objects.options import ClickOptions
 from pointbrush.selection.objects.state import ObjectState
 
@@ -56,7 +57,7 @@ def place_clicks(
         raise BadInputError(f"{name}: expected finite coordinates")
     if len(state.center) == 0:
         points = points[:0]
-    real = np.bincount(state.piece, minlength=state.piece_count) >= options.real_cells
+    real = state.sums[: state.piece_count, sums.COUNT] >= options.real_cells
     reach = options.real_reach * state.size
     cell, nearest, farthest = _distances(state.center, state.piece, points, real, reach)
     return Clicks(points, cell, state.piece[cell].astype(np.int64), nearest, farthest)
@@ -92,11 +93,10 @@ def _distances(
 
 def kept_cells(state: ObjectState, wanted: Clicks, unwanted: Clicks) -> NDArray[np.bool_]:
     """Return the cells (C,) that may be added; of pieces clicked both ways the nearer ones."""
-    shared = np.zeros(state.piece_count, np.bool_)
-    shared[np.intersect1d(wanted.piece, unwanted.piece)] = True
-    cells = np.flatnonzero(shared[state.piece])
     kept = np.ones(len(state.center), np.bool_)
-    if len(cells):
+    both = np.intersect1d(wanted.piece, unwanted.piece)
+    if len(both):
+        cells = np.flatnonzero(np.isin(state.piece, both))
         kept[cells] = _away(state.center[cells], wanted.at) <= _away(
             state.center[cells], unwanted.at
         )

@@ -21,8 +21,8 @@ from pointbrush.selection.objects.weights import Forest, answer
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-OUTGROWN = 1.3
-"""Times its size by which a region grows before all its neighbours are asked anew."""
+OUTGROWN = 1.5
+"""Times its size by which a region grows before answers of its neighbours are outdated."""
 
 
 class _Around(NamedTuple):
@@ -30,8 +30,8 @@ class _Around(NamedTuple):
 
     ``starts`` (P + 1,) where a piece's neighbours begin in ``far`` and ``border``; ``between``
     (B, PAIR_WIDTH) sums of borders, ``shared`` (P, PAIR_WIDTH) of a piece's with the region;
-    ``inside``, ``asked`` (P,) pieces that are never added, and to be asked; ``version`` (P,) of
-    their answers; ``frontier`` (P,) the neighbours.
+    ``inside``, ``asked`` (P,) pieces that are never added, and to be asked; ``version`` and
+    ``era`` (P,) of their answers; ``frontier`` (P,) the neighbours to be asked.
     """
 
     starts: Ints
@@ -42,6 +42,7 @@ class _Around(NamedTuple):
     inside: Mask
     asked: Mask
     version: Ints
+    era: Ints
     frontier: Ints
 
 
@@ -70,6 +71,7 @@ def grow_region(
         blocked.copy(),
         np.zeros(count, np.bool_),
         np.zeros(count, np.int64),
+        np.zeros(count, np.int64),
         np.empty(count, np.int64),
     )
     return _grow(leaves, around, seeds, area, model, most, noted)
@@ -95,32 +97,19 @@ def _neighbours(count: int, pairs: NDArray[np.int32]) -> tuple[Ints, Ints, Ints]
 
 @innermost
 def _take_in(piece: int, leaves: Floats, region: Floats, around: _Around, reached: int) -> int:
-    """Add a piece to the region; the number of its neighbours then."""
+    """Add a piece to the region; the number of neighbours to be asked then."""
     around.inside[piece] = True
     sums.add(region, leaves[piece], region)
     region[sums.PERIMETER] -= 2 * around.shared[piece, sums.EDGES]
     for k in range(around.starts[piece], around.starts[piece + 1]):
         p, b = around.far[k], around.border[k]
-        if around.shared[p, sums.EDGES] == 0 and not around.inside[p]:
-            around.frontier[reached] = p
-            reached += 1
         for w in range(PAIR_WIDTH):
             around.shared[p, w] += around.between[b, w]
-        around.asked[p] = True
-    return reached
-
-
-@innermost
-def _ask_all(around: _Around, reached: int) -> int:
-    """Have all neighbours asked; those that were added leave the frontier.  Their number."""
-    kept = 0
-    for f in range(reached):
-        p = around.frontier[f]
-        if not around.inside[p]:
-            around.frontier[kept] = p
+        if not around.asked[p] and not around.inside[p]:
             around.asked[p] = True
-            kept += 1
-    return kept
+            around.frontier[reached] = p
+            reached += 1
+    return reached
 
 
 @innermost
@@ -144,7 +133,7 @@ def _odds(
 
 @compiled
 def _likeliest(waiting: list[tuple[float, int, int]], around: _Around) -> tuple[int, float]:
-    """Take the likeliest neighbour and its log odds, outdated answers aside; -1 for none."""
+    """Take the likeliest neighbour and its log odds, replaced answers aside; -1 for none."""
     while len(waiting) > 0:
         minus, p, stamp = heapq.heappop(waiting)
         if around.version[p] == stamp and not around.inside[p]:
@@ -171,16 +160,10 @@ def _grow(
     for seed in seeds:
         if not around.inside[seed]:
             reached = _take_in(seed, leaves, region, around, reached)
-    sized = 0.0
+    sized, era = region[sums.COUNT], 0
     while found < most:
-        # What the region has outgrown is asked anew, else only what has a new border.
-        if region[sums.COUNT] > OUTGROWN * sized:
-            sized = region[sums.COUNT]
-            reached = _ask_all(around, reached)
         for f in range(reached):
             p = around.frontier[f]
-            if not around.asked[p] or around.inside[p]:
-                continue
             around.asked[p] = False
             chance = _odds(p, leaves, region, around, area, model, work, row)
             if scored < noted:
@@ -188,11 +171,19 @@ def _grow(
                 asks[scored, 0], asks[scored, 1] = found, p
                 scored += 1
             around.version[p] += 1
+            around.era[p] = era
             heapq.heappush(waiting, (-chance, p, around.version[p]))
         added, chance = _likeliest(waiting, around)
         if added < 0:
             break
+        reached = 0
+        if around.era[added] < era:  # the region has outgrown this answer
+            around.frontier[0], reached = added, 1
+            continue
         order[found], odds[found] = added, chance
         found += 1
         reached = _take_in(added, leaves, region, around, reached)
+        if region[sums.COUNT] > OUTGROWN * sized:
+            sized = region[sums.COUNT]
+            era += 1
     return order[:found], odds[:found], rows[:scored], asks[:scored]

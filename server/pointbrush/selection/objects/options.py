@@ -142,7 +142,7 @@ class LadderOptions:
     """Unions over merge times that are looked at."""
     growing: frozenset[SensorKind] = frozenset({"room", "camera"})
     """Sensors for which regions are grown besides; their value model has seen such regions."""
-    grown: int = 300
+    grown: int = 120
     """Pieces that a region is grown by, at most."""
     grown_kept: int = 24
     """Regions on the way that are looked at."""
