@@ -305,7 +305,7 @@ def test_a_held_wand_with_joints_keeps_its_pad_and_alone_switches_labels_on_it(
     press = "device.controllers.right.updateButtonValue('touchpad', %d)"
     headset.ask("device.controllers.right.updateAxes('touchpad', -0.8, 0)")
     headset.ask(press % 1)
-    headset.until("pb.state.frame.value === 0")
+    headset.until("pb.state.frame.value === 0 && pb.shown().frame === 0")
     headset.ask("device.controllers.right.updateAxes('touchpad', 0, 0.9)")
     headset.frames()
     headset.ask(press % 0)
