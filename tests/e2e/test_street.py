@@ -39,6 +39,14 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     page.get_by_role("button", name="All frames").click()
     desk.press("Escape")
     total = desk.ask("pb.shown().total")
+    # A lidar has no depth images: there is no surface to choose, nor to draw.
+    page.get_by_role("button", name="Overlays").click()
+    page.get_by_text("Trails").wait_for()
+    assert page.get_by_role("radiogroup", name="Depth images").count() == 0
+    desk.press("Escape")
+    assert not desk.ask("pb.engine.playback.frame.image")
+    assert desk.ask("pb.state.view.value.surface") == "auto"
+    assert not desk.ask("pb.engine.viewer.hasSurface")
     desk.until(f"pb.engine.viewer.laid === {(FRAMES - 1) * total}")
     page.get_by_text("strokes paint all of them").wait_for()
     # From above the cars stand apart, and lie over one another: not smeared along the street.
