@@ -5,6 +5,7 @@ import { api } from '../net/rest';
 import type { Attributes, AttributeValue, ObjectBox } from '../store/boxes';
 import { canEdit, state } from '../store/state';
 import { Check } from '../panels/parts/controls';
+import { ChoiceRow, Row } from '../panels/parts/fields';
 import { changeBox } from './changes';
 
 /** An attribute as the taxonomy defines it. */
@@ -19,6 +20,8 @@ export interface AttributeKind {
 const PARKED: AttributeKind = { name: 'parked', kind: 'yes/no', choices: [], scope: 'track' };
 /** As KITTI numbers it. */
 const OCCLUDED = ['Fully visible', 'Partly occluded', 'Largely occluded', 'Unknown'];
+
+const NOT_SET = ['', 'not set'] as const;
 
 const defined = signal<readonly AttributeKind[]>([]);
 
@@ -46,17 +49,15 @@ export function BoxAttributes({ box }: { box: ObjectBox }) {
   return (
     <fieldset class="box-attributes" disabled={disabled}>
       <Check label="Front known" tip="The arrow points to the front of the object, in all frames" checked={box.heading_known} onChange={(heading_known) => void changeBox(box.id, { heading_known })} />
-      <label class="row">
-        <span>Occluded</span>
-        <select class="field" value={String(here['occluded'] ?? '')} onChange={(event) => setNumber(box, 'occluded', event.currentTarget.value)}>
-          <option value="">not set</option>
-          {OCCLUDED.map((text, i) => <option key={text} value={i}>{text}</option>)}
-        </select>
-      </label>
-      <label class="row" data-tip="Fraction of the object outside the view of the sensor, 0 to 1">
-        <span>Truncated</span>
+      <ChoiceRow
+        label="Occluded"
+        value={String(here['occluded'] ?? '')}
+        choices={[NOT_SET, ...OCCLUDED.map((text, i) => [String(i), text] as const)]}
+        onChange={(value) => setNumber(box, 'occluded', value)}
+      />
+      <Row label="Truncated" tip="Fraction of the object outside the view of the sensor, 0 to 1">
         <input class="field number" type="number" min={0} max={1} step={0.05} placeholder="0 – 1" value={String(here['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
-      </label>
+      </Row>
       {[PARKED, ...defined.value.filter(({ name }) => name !== 'parked')].map((kind) => (
         <Attribute key={kind.name} kind={kind} value={here[kind.name]} change={(value) => set(box, kind.scope, kind.name, value)} />
       ))}
@@ -84,19 +85,19 @@ function Attribute({ kind: { name, kind, choices, scope }, value, change }: Attr
   const typed = (text: string): void => {
     change(text === '' ? null : kind === 'number' ? Number(text) : text);
   };
+  const text = String(value ?? '');
+  if (kind === 'choice') {
+    const offered = [NOT_SET, ...choices.map((choice) => [choice, choice] as const)];
+    return <ChoiceRow label={label} tip={tip} value={text} choices={offered} onChange={typed} />;
+  }
+  const input = {
+    class: 'field',
+    value: text,
+    onChange: (event: preact.TargetedEvent<HTMLInputElement>) => typed(event.currentTarget.value),
+  };
   return (
-    <label class="row" data-tip={tip}>
-      <span>{label}</span>
-      {kind === 'choice' ? (
-        <select class="field" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)}>
-          <option value="">not set</option>
-          {choices.map((choice) => <option key={choice} value={choice}>{choice}</option>)}
-        </select>
-      ) : kind === 'number' ? (
-        <input class="field number" type="number" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)} />
-      ) : (
-        <input class="field" type="text" value={String(value ?? '')} onChange={(event) => typed(event.currentTarget.value)} />
-      )}
-    </label>
-  ); // prettier-ignore
+    <Row label={label} tip={tip}>
+      {kind === 'number' ? <input {...input} type="number" /> : <input {...input} type="text" />}
+    </Row>
+  );
 }

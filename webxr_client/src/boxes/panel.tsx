@@ -1,10 +1,9 @@
 /** The boxes at the side: fitting, three views of the chosen one, copies, attributes. */
 import { signal } from '@preact/signals';
 import { render } from 'preact';
-import { useRef } from 'preact/hooks';
 import { percent, plural } from '../common/format';
 import { Button, Swatch } from '../panels/parts/controls';
-import { Popover, PopoverButton } from '../panels/parts/popover';
+import { MenuItem, PopoverButton } from '../panels/parts/popover';
 import { actions } from '../store/actions';
 import { boxes, chosenBox, type BoxPose, type ObjectBox } from '../store/boxes';
 import { activeLabel, canEdit, state, trackingJob } from '../store/state';
@@ -71,21 +70,15 @@ const moreOpen = signal(false);
 
 function More({ box }: { box: ObjectBox }) {
   const { frame } = state.shown.value;
-  const close = (run: () => unknown) => (): void => {
-    moreOpen.value = false;
-    void run();
-  };
   return (
     <PopoverButton open={moreOpen} icon="more" small tip="More about this box" label="This box" class="menu">
-      <button type="button" class="menu-item" disabled={!canEdit.value} onClick={close(() => pointsFromBox(true))}>
-        Label the points in the box in all frames
-      </button>
-      <button type="button" class="menu-item" disabled={!canEdit.value || !(frame in box.poses)} onClick={close(() => changeBox(box.id, { poses: { [frame]: null } }))}>
-        Remove from this frame <span class="end kbd">Delete</span>
-      </button>
-      <button type="button" class="menu-item" disabled={!canEdit.value} onClick={close(() => removeBox(box))}>
-        Delete the box <span class="end kbd">Shift Delete</span>
-      </button>
+      <MenuItem label="Label the points in the box in all frames" disabled={!canEdit.value} onClick={() => void pointsFromBox(true)} />
+      <MenuItem label="Remove from this frame" disabled={!canEdit.value || !(frame in box.poses)} onClick={() => void changeBox(box.id, { poses: { [frame]: null } })}>
+        <span class="end kbd">Delete</span>
+      </MenuItem>
+      <MenuItem label="Delete the box" disabled={!canEdit.value} onClick={() => void removeBox(box)}>
+        <span class="end kbd">Shift Delete</span>
+      </MenuItem>
     </PopoverButton>
   ); // prettier-ignore
 }
@@ -127,23 +120,18 @@ const fitOpen = signal(false);
 /** Fits this label's box; beside it, those of its class and all. */
 function FitButton({ kind = 'outlined' }: { kind?: 'primary' | 'outlined' }) {
   const label = activeLabel.value;
-  const anchor = useRef<HTMLButtonElement>(null);
   const start = (fit: Partial<Fit>) => (): void => {
-    fitOpen.value = false;
     void fitBoxes({ labels: null, category: null, frames: null, ...fit });
   };
   const own = label ? start({ labels: [label.id] }) : start({});
   return (
     <div class="group">
       <Button icon="target" label="Fit" kind={kind} tip="Fit the box to the label’s points in all frames; drawn boxes stay" disabled={!canEdit.value} onClick={own} />
-      <Button buttonRef={anchor} icon="chevron" tip="Fit more boxes" kind={kind} expanded={fitOpen.value} disabled={!canEdit.value} onClick={() => (fitOpen.value = !fitOpen.value)} />
-      {fitOpen.value && (
-        <Popover anchor={anchor} label="Fit boxes" class="menu" onClose={() => (fitOpen.value = false)}>
-          {label && <button type="button" class="menu-item" onClick={own}>Fit {label.name}</button>}
-          {label?.category && <button type="button" class="menu-item" onClick={start({ category: label.category })}>Fit every {label.category}</button>}
-          <button type="button" class="menu-item" onClick={start({})}>Fit all labels</button>
-        </Popover>
-      )}
+      <PopoverButton open={fitOpen} icon="chevron" tip="Fit more boxes" kind={kind} disabled={!canEdit.value} label="Fit boxes" class="menu">
+        {label && <MenuItem label={`Fit ${label.name}`} onClick={own} />}
+        {label?.category && <MenuItem label={`Fit every ${label.category}`} onClick={start({ category: label.category })} />}
+        <MenuItem label="Fit all labels" onClick={start({})} />
+      </PopoverButton>
     </div>
   ); // prettier-ignore
 }

@@ -72,15 +72,11 @@ export function listenToKeys(camera: DeskCamera): () => void {
   };
   const up = (event: KeyboardEvent): void => void camera.key(event.key.toLowerCase(), false);
   const blur = (): void => camera.releaseKeys();
-  addEventListener('keydown', down);
-  addEventListener('keyup', up);
-  addEventListener('blur', blur);
-  const view = document.getElementById('view');
-  view?.addEventListener('pointerenter', releaseSlider);
-  return () => {
-    removeEventListener('keydown', down);
-    removeEventListener('keyup', up);
-    removeEventListener('blur', blur);
-    view?.removeEventListener('pointerenter', releaseSlider);
-  };
+  const abort = new AbortController();
+  const own = { signal: abort.signal };
+  addEventListener('keydown', down, own);
+  addEventListener('keyup', up, own);
+  addEventListener('blur', blur, own);
+  document.getElementById('view')?.addEventListener('pointerenter', releaseSlider, own);
+  return () => abort.abort();
 }

@@ -2,11 +2,6 @@
 import type { Actions } from '../store/actions';
 import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../store/state';
 
-type BrushActions = Pick<
-  Actions,
-  'setTool' | 'setShape' | 'setRadius' | 'nudgeRadius' | 'toggleEraser' | 'setView'
->;
-
 const RADIUS_NOTCH = 1.15;
 /** Tool that follows the eraser when it is put down. */
 let painter: Tool = 'paint';
@@ -25,7 +20,7 @@ function toggleEraser(): void {
   state.tool.value = 'erase';
 }
 
-export const brushActions: BrushActions = {
+export const brushActions = {
   setTool: (tool) => {
     state.tool.value = tool;
   },
@@ -37,4 +32,4 @@ export const brushActions: BrushActions = {
   nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),
   toggleEraser,
   setView: (settings) => patch(state.view, settings),
-};
+} satisfies Partial<Actions>;

@@ -77,7 +77,7 @@ async function resetFloor(): Promise<void> {
   });
 }
 
-export const floorActions: Pick<Actions, 'pointAtFloor' | 'resetFloor'> = {
+export const floorActions = {
   pointAtFloor,
   resetFloor,
-};
+} satisfies Partial<Actions>;

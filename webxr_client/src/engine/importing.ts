@@ -26,17 +26,6 @@ import { joinImports } from './imports';
 import { FIRST, importInto } from './projects';
 import { attempt, commonName, jobOf, noteJob, sequencePath, waitedFor } from './recordings';
 
-type ImportActions = Pick<
-  Actions,
-  | 'importPath'
-  | 'importFiles'
-  | 'correctImport'
-  | 'retargetImport'
-  | 'includePart'
-  | 'takeImport'
-  | 'leaveImport'
->;
-
 /** Milliseconds between looks at a job whose result is waited for. */
 const LOOK = 200;
 /** Endings of files that hold labels and no points. */
@@ -194,7 +183,7 @@ async function take(): Promise<void> {
   noteJob(job);
 }
 
-export const importActions: ImportActions = {
+export const importActions = {
   importPath: (path, options = {}) => begin({ path, options }),
   importFiles,
   correctImport: (patch) => {
@@ -214,4 +203,4 @@ export const importActions: ImportActions = {
   includePart: (included, number) => changePart({ included }, number),
   takeImport: () => attempt('The import did not start', take),
   leaveImport: leave,
-};
+} satisfies Partial<Actions>;

@@ -90,15 +90,10 @@ async function arrange(order: readonly number[]): Promise<void> {
   });
 }
 
-type PaletteActions = Pick<
-  Actions,
-  'arrangeLabels' | 'loadTemplates' | 'addTemplate' | 'pickPalette' | 'savePalette'
->;
-
-export const paletteActions: PaletteActions = {
+export const paletteActions = {
   arrangeLabels: arrange,
   loadTemplates: () => attempt('The templates did not load', loadTemplates),
   addTemplate: (template) => attempt('The labels were not added', () => add({ template })),
   pickPalette: pick,
   savePalette: () => attempt('The palette was not saved', save),
-};
+} satisfies Partial<Actions>;

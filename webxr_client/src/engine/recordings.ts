@@ -15,19 +15,6 @@ import {
   type Upload,
 } from '../store/state';
 
-type RecordingActions = Pick<
-  Actions,
-  | 'refreshSequences'
-  | 'renameSequence'
-  | 'deleteSequence'
-  | 'refreshDeleted'
-  | 'restoreSequence'
-  | 'importSourceLabels'
-  | 'exportSequence'
-  | 'loadExportFormats'
-  | 'cancelJob'
->;
-
 /** Do some work and return true, or show what went wrong in the server's words. */
 export async function succeeds(what: string, work: () => Promise<void>): Promise<boolean> {
   try {
@@ -83,23 +70,9 @@ export function jobOf(
 
 async function refreshSequences(): Promise<void> {
   const list = await listSequences();
-  const rows = list.map((row): SequenceSummary => ({
-    id: row.id,
-    name: row.name,
-    frames: row.frames,
-    fps: row.fps,
-    damaged: row.damaged,
-    labels_missing: row.labels_missing,
-    created: row.created,
-    changed: row.changed,
-    labelled: row.labelled,
-    labels: row.labels,
-    labels_used: row.labels_used,
-    identity: row.identity,
-    project: row.project,
-    copy_of: row.copy_of,
-    points: row.points.reduce((most, count) => Math.max(most, count), 0),
-  }));
+  const rows = list.map((row): SequenceSummary => {
+    return { ...row, points: row.points.reduce((most, count) => Math.max(most, count), 0) };
+  });
   state.copies.value = rows.filter((row) => row.copy_of);
   state.sequences.value = rows.filter((row) => !row.copy_of);
 }
@@ -196,7 +169,7 @@ async function bring(key: string, open = false): Promise<void> {
   if (open && !state.sequence.peek()) actions.openSequence(restored.id);
 }
 
-export const recordingActions: RecordingActions = {
+export const recordingActions = {
   refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
   renameSequence: (id, name) =>
     attempt('The recording was not renamed', async () => {
@@ -226,4 +199,4 @@ export const recordingActions: RecordingActions = {
       const query = keep ? '?keep=true' : '';
       noteJob(jobOf(await api<Parameters<typeof jobOf>[0]>('DELETE', `jobs/${id}${query}`)));
     }),
-};
+} satisfies Partial<Actions>;

@@ -148,10 +148,10 @@ async function acceptHere(): Promise<void> {
   });
 }
 
-export const reviewActions: Pick<Actions, 'acceptHere' | 'continueRun'> = {
+export const reviewActions = {
   acceptHere,
   continueRun,
-};
+} satisfies Partial<Actions>;
 
 /** A stretch of frames that a label is doubtful in: judged, or tracked again, in one press. */
 export interface Stretch {
@@ -225,8 +225,8 @@ function trackAgain(): void {
   else notify('info', 'Nothing to track from', 'Paint the object in a frame next to the range.');
 }
 
-export const stretchActions: Pick<Actions, 'acceptStretch' | 'clearStretch' | 'trackStretch'> = {
+export const stretchActions = {
   acceptStretch: () => judge('accept', 'The range was not confirmed'),
   clearStretch: () => judge('clear', 'The range was not cleared'),
   trackStretch: trackAgain,
-};
+} satisfies Partial<Actions>;

@@ -8,24 +8,9 @@ import { follow } from '../store/watch';
 import type { Playback } from './playback';
 import { sequencePath } from './recordings';
 
-type TimeActions = Pick<
-  Actions,
-  | 'nextUnlabelled'
-  | 'setIn'
-  | 'setOut'
-  | 'togglePlay'
-  | 'play'
-  | 'pause'
-  | 'step'
-  | 'seek'
-  | 'setSpeed'
-  | 'toggleLoop'
-  | 'nextDoubtful'
->;
-
 const FASTEST = 16;
 
-export function timeActions(playback: Playback): TimeActions {
+export function timeActions(playback: Playback) {
   return {
     togglePlay: () => (state.playing.peek() ? playback.pause() : playback.play()),
     play: () => playback.play(),
@@ -67,7 +52,7 @@ export function timeActions(playback: Playback): TimeActions {
       playback.seek(found.frame);
       actions.goToObject(found.label, found.frame);
     },
-  };
+  } satisfies Partial<Actions>;
 }
 
 /** Set one end of the chosen stretch here; the other one stays, or is the recording's. */

@@ -1,10 +1,9 @@
 /** Bar over the canvas, at the bottom: prediction of the frame, its doubts, and applying it. */
 import { signal } from '@preact/signals';
-import { useRef } from 'preact/hooks';
 import { Icon } from '../common/icons';
 import { percent, plural } from '../common/format';
 import { Button, Slider, Swatch } from '../panels/parts/controls';
-import { Popover, PopoverButton } from '../panels/parts/popover';
+import { PopoverButton } from '../panels/parts/popover';
 import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { frameRange, ordered } from '../store/range';
 import { canEdit, canManage, state } from '../store/state';
@@ -185,17 +184,19 @@ const least = signal(0);
 const reach = signal<Reach>('frame');
 
 function Apply() {
-  const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <>
-      <Button buttonRef={anchor} label="Turn into labels…" kind="primary" tip="Label points as predicted: in this frame or in many" expanded={applyOpen.value} disabled={!canEdit.value} onClick={() => (applyOpen.value = !applyOpen.value)} />
-      {applyOpen.value && (
-        <Popover anchor={anchor} label="Turn the prediction into labels" class="form" onClose={() => (applyOpen.value = false)}>
-          <ApplyForm />
-        </Popover>
-      )}
-    </>
-  ); // prettier-ignore
+    <PopoverButton
+      open={applyOpen}
+      button={{ label: 'Turn into labels…' }}
+      kind="primary"
+      tip="Label points as predicted: in this frame or in many"
+      disabled={!canEdit.value}
+      label="Turn the prediction into labels"
+      class="form"
+    >
+      <ApplyForm />
+    </PopoverButton>
+  );
 }
 
 /** Frames as the server reads them. */

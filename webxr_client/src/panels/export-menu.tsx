@@ -9,6 +9,7 @@ import { menuOf, search } from '../store/palette-list';
 import type { ExportFormat } from '../engine/export-formats';
 import { state } from '../store/state';
 import { ExportFormats } from './export-formats';
+import { ChoiceRow } from './parts/fields';
 import { Button } from './parts/controls';
 import { frameRange, ordered } from '../store/range';
 import { PopoverButton } from './parts/popover';
@@ -99,21 +100,20 @@ interface ValidationProps {
   range: string;
 }
 
+const VALIDATION = [
+  ['', 'one recording in five'],
+  ['none', 'none of these frames'],
+  [':', 'all of these frames'],
+] as const;
+
 function Validation({ value, range }: ValidationProps) {
   return (
-    <label class="row">
-      <span>Validation</span>
-      <select
-        class="field"
-        value={value}
-        onChange={(event) => (validation.value = event.currentTarget.value)}
-      >
-        <option value="">one recording in five</option>
-        <option value="none">none of these frames</option>
-        <option value=":">all of these frames</option>
-        {range && <option value={range}>the selected range</option>}
-      </select>
-    </label>
+    <ChoiceRow
+      label="Validation"
+      value={value}
+      choices={range ? [...VALIDATION, [range, 'the selected range']] : VALIDATION}
+      onChange={(chosen) => (validation.value = chosen)}
+    />
   );
 }
 

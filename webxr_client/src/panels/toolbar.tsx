@@ -1,15 +1,13 @@
 /** Above the canvas: recording, tools, history, tracking, export, people. */
 import { signal } from '@preact/signals';
 import type { ComponentChild } from 'preact';
-import { useRef } from 'preact/hooks';
-import { Icon } from '../common/icons';
 import { actions } from '../store/actions';
 import { canEdit, notify, state, trackingJob, type Tool } from '../store/state';
 import { chooseTheme, theme } from '../store/theme';
 import { Button } from './parts/controls';
 import { ExportButton } from './export-menu';
 import { HistoryButton } from './history-menu';
-import { helpOpen, PopoverButton } from './parts/popover';
+import { helpOpen, MenuItem, PopoverButton } from './parts/popover';
 import { ConnectionStatus, People } from './people';
 import { RadioGroup, type RadioOption } from './parts/radio-group';
 import { SequenceMenu } from './importing/sequence-menu';
@@ -100,16 +98,12 @@ const moreOpen = signal(false);
 
 /** Tools for which there is no room, by name. */
 function MoreTools() {
-  const choose = (tool: Tool): void => {
-    moreOpen.value = false;
-    actions.setTool(tool);
-  };
   return (
     <PopoverButton open={moreOpen} icon="more" tip="More tools" button={{ label: 'More' }} label="More tools">
       {RARE_TOOLS.map(({ value, icon, tip, keys }) => (
-        <button key={value} type="button" class="menu-item" disabled={!canEdit.value} onClick={() => choose(value)}>
-          <Icon name={icon!} /> {tip} <span class="end">{keys}</span>
-        </button>
+        <MenuItem key={value} icon={icon!} label={tip!} disabled={!canEdit.value} onClick={() => actions.setTool(value)}>
+          <span class="end">{keys}</span>
+        </MenuItem>
       ))}
     </PopoverButton>
   ); // prettier-ignore
@@ -140,21 +134,18 @@ function History() {
 }
 
 function TrackButton() {
-  const anchor = useRef<HTMLButtonElement>(null);
   return (
-    <>
-      <Button
-        buttonRef={anchor}
-        icon="track"
-        label="Track…"
-        class="track-button"
-        tip="Track labels through the following or preceding frames"
-        expanded={trackOpen.value}
-        disabled={!canEdit.value || trackingJob.value !== null}
-        onClick={() => (trackOpen.value = !trackOpen.value)}
-      />
-      {trackOpen.value && <TrackForm anchor={anchor} />}
-    </>
+    <PopoverButton
+      open={trackOpen}
+      icon="track"
+      button={{ label: 'Track…', class: 'track-button' }}
+      tip="Track labels through the following or preceding frames"
+      disabled={!canEdit.value || trackingJob.value !== null}
+      label="Track labels"
+      class="form"
+    >
+      <TrackForm />
+    </PopoverButton>
   );
 }
 

@@ -42,9 +42,7 @@ export function WorkspaceAccounts() {
           onInput={(event) => setName(event.currentTarget.value)}
         />
         <RoleSelect of="the new account" value={role} onChange={setRole} />
-        <button type="submit" class="button outlined" disabled={!name.trim()}>
-          Create account
-        </button>
+        <Button submit label="Create account" kind="outlined" disabled={!name.trim()} />
       </form>
     </section>
   );

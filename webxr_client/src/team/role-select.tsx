@@ -1,4 +1,5 @@
 /** Choice of a role; roles above the own one are not offered, as the server refuses them. */
+import { Choice } from '../panels/parts/fields';
 import { ROLES, state } from '../store/state';
 
 interface RoleSelectProps {
@@ -11,17 +12,11 @@ export function RoleSelect({ of, value, onChange }: RoleSelectProps) {
   const own = ROLES.indexOf(state.me.value?.role ?? 'admin');
   const offered = ROLES.filter((role, rank) => rank <= own || role === value);
   return (
-    <select
-      class="field"
-      aria-label={`Role of ${of}`}
+    <Choice
+      label={`Role of ${of}`}
       value={value}
-      onChange={(event) => onChange(event.currentTarget.value)}
-    >
-      {offered.map((role) => (
-        <option key={role} value={role}>
-          {role}
-        </option>
-      ))}
-    </select>
+      choices={offered.map((role) => [role, role] as const)}
+      onChange={onChange}
+    />
   );
 }

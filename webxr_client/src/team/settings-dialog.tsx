@@ -120,9 +120,7 @@ function People({ of }: { of: Project }) {
           onInput={(event) => setAccount(event.currentTarget.value)}
         />
         <RoleSelect of="the new person" value={role} onChange={setNewRole} />
-        <button type="submit" class="button primary" disabled={!account.trim()}>
-          Add
-        </button>
+        <Button submit label="Add" kind="primary" disabled={!account.trim()} />
       </form>
       <AccountHint id="settings-people" name={account} role={role} link={false} />
       <WorkspaceAccounts />

@@ -3,6 +3,7 @@ import { useEffect } from 'preact/hooks';
 import { importInto, type Project, projects, settled, TASK_WORDS } from '../engine/projects';
 import { rowOf } from '../engine/recordings';
 import { ImportBox } from '../panels/importing/import-box';
+import { Choice } from '../panels/parts/fields';
 import { Button } from '../panels/parts/controls';
 import { state } from '../store/state';
 import { MakeTasks } from '../work/make-tasks';
@@ -10,6 +11,9 @@ import { taskWords } from '../work/queue';
 import { deleteTask, loadProjectTasks, projectTasks, save } from './settings';
 
 const titleOf = (recording: string): string => rowOf(recording)?.name ?? recording;
+
+const projectTitle = (id: string): string =>
+  projects.value.find((each) => each.id === id)?.name ?? id;
 
 export function Recordings({ of }: { of: Project }) {
   const others = (state.sequences.value ?? []).filter(({ project }) => project !== of.id);
@@ -24,22 +28,17 @@ export function Recordings({ of }: { of: Project }) {
       </ul>
       {of.recordings.length === 0 && <p class="soft">No recordings yet.</p>}
       {others.length > 0 && (
-        <select
-          class="field"
-          aria-label="Move a recording here"
+        <Choice
+          label="Move a recording here"
           value=""
-          onChange={({ currentTarget }) => {
-            void save({ recordings: [currentTarget.value] });
-            currentTarget.value = '';
-          }}
-        >
-          <option value="">Move a recording of another project here…</option>
-          {others.map(({ id, name, project }) => (
-            <option key={id} value={id}>
-              {name} ({projects.value.find((each) => each.id === project)?.name ?? project})
-            </option>
-          ))}
-        </select>
+          choices={[
+            ['', 'Move a recording of another project here…'],
+            ...others.map(
+              ({ id, name, project }) => [id, `${name} (${projectTitle(project)})`] as const,
+            ),
+          ]}
+          onChange={(id) => void save({ recordings: [id] })}
+        />
       )}
       <ImportBox
         onBegin={() => {

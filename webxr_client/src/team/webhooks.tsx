@@ -107,9 +107,7 @@ function Add() {
           value={url}
           onInput={(event) => setUrl(event.currentTarget.value)}
         />
-        <button type="submit" class="button primary" disabled={!url.trim() || topics.length === 0}>
-          Add
-        </button>
+        <Button submit label="Add" kind="primary" disabled={!url.trim() || topics.length === 0} />
       </div>
       <div class="group">
         {TOPICS.map(([topic, words]) => (

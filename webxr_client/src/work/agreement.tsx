@@ -8,7 +8,8 @@ import { state } from '../store/state';
 import * as copies from './copies';
 import type { Disagreement, Group, Pair } from './copies';
 import { type Agreement, percent, worstFrames } from './model';
-import { Entry, Table } from './parts';
+import { Choice, Table } from '../panels/parts/fields';
+import { Entry } from './parts';
 import { visit } from './places';
 import { project } from './store';
 
@@ -24,7 +25,7 @@ export function AgreementTab() {
   const waits = all === null || (copies.chosenPair.value !== '' && !of);
   return (
     <>
-      {people.length + others.length > 1 && <Choice people={people} />}
+      {people.length + others.length > 1 && <PairChoice people={people} />}
       {waits && <p class="soft empty">Comparing…</p>}
       {all && people.length + others.length === 0 && (
         <p class="soft empty">
@@ -39,23 +40,20 @@ export function AgreementTab() {
 }
 
 /** Choice of two annotators, or of another import of the same points. */
-function Choice({ people }: { people: readonly Pair[] }) {
+function PairChoice({ people }: { people: readonly Pair[] }) {
   const first = copies.original.value!;
   const imports = copies.others.value.map(({ id }) => ({ first, second: id }));
+  const pairs = [...people, ...imports].map((each) => {
+    const words = `${copies.personOf(each.first)} and ${copies.personOf(each.second)}`;
+    return [copies.keyOf(each), words] as const;
+  });
   return (
-    <select
-      class="field"
-      aria-label="Compared people"
+    <Choice
+      label="Compared people"
       value={copies.pair.value ? copies.keyOf(copies.pair.value) : copies.chosenPair.value}
-      onChange={({ currentTarget }) => void copies.choose(currentTarget.value)}
-    >
-      {people.length === 0 && <option value="">Compare with another recording…</option>}
-      {[...people, ...imports].map((each) => (
-        <option key={copies.keyOf(each)} value={copies.keyOf(each)}>
-          {copies.personOf(each.first)} and {copies.personOf(each.second)}
-        </option>
-      ))}
-    </select>
+      choices={people.length === 0 ? [['', 'Compare with another recording…'], ...pairs] : pairs}
+      onChange={(key) => void copies.choose(key)}
+    />
   );
 }
 

@@ -5,7 +5,8 @@ import { apiUrl } from '../net/rest';
 import { Button } from '../panels/parts/controls';
 import { canEdit, canReview, state } from '../store/state';
 import { framesOf, notesOf, type ReviewState, standingOf, STATE_WORDS, STATES } from './model';
-import { Entry, Field, NoteField } from './parts';
+import { Field } from '../panels/parts/fields';
+import { Entry, NoteField } from './parts';
 import { pointing, visit } from './places';
 import { draft, judge, overview } from './review';
 

@@ -5,7 +5,8 @@ import type { Project } from '../engine/projects';
 import { rowOf } from '../engine/recordings';
 import { AccountHint } from '../panels/parts/account-hint';
 import { FrameRange } from './frames';
-import { Field } from './parts';
+import { Button } from '../panels/parts/controls';
+import { Choice, Field } from '../panels/parts/fields';
 import { addTasks } from './queue';
 
 interface MakeTasksProps {
@@ -20,6 +21,7 @@ export function MakeTasks({ of, open = null, onMade }: MakeTasksProps) {
   const [range, setRange] = useState({ first: 0, last: Infinity });
   const [{ every, assignee, people }, set] = useState({ every: '', assignee: '', people: 1 });
   const change = (patch: object): void => set((before) => ({ ...before, ...patch }));
+  const nameOf = (id: string) => (id === open?.id ? 'this recording' : (rowOf(id)?.name ?? id));
   const here = recording === open?.id;
   const last = Math.min(range.last, (open?.frames ?? 1) - 1);
   const submit = (event: Event): void => {
@@ -33,18 +35,14 @@ export function MakeTasks({ of, open = null, onMade }: MakeTasksProps) {
     <form class="work-form stack" onSubmit={submit}>
       <label>
         Recordings
-        <select
-          class="field"
+        <Choice
           value={recording}
-          onChange={(event) => setRecording(event.currentTarget.value)}
-        >
-          <option value="">all {plural(of.recordings.length, 'recording')} of the project</option>
-          {of.recordings.map((id) => (
-            <option key={id} value={id}>
-              {id === open?.id ? 'this recording' : (rowOf(id)?.name ?? id)}
-            </option>
-          ))}
-        </select>
+          choices={[
+            ['', `all ${plural(of.recordings.length, 'recording')} of the project`],
+            ...of.recordings.map((id) => [id, nameOf(id)] as const),
+          ]}
+          onChange={setRecording}
+        />
       </label>
       {here && <FrameRange first={range.first} last={last} onChange={setRange} />}
       <div class="halves">
@@ -75,9 +73,7 @@ export function MakeTasks({ of, open = null, onMade }: MakeTasksProps) {
         onInput={({ currentTarget }) => change({ assignee: currentTarget.value })}
       />
       <AccountHint id="task-people" name={assignee} />
-      <button type="submit" class="button primary" disabled={of.recordings.length === 0}>
-        Make tasks
-      </button>
+      <Button submit label="Make tasks" kind="primary" disabled={of.recordings.length === 0} />
     </form>
   );
 }

@@ -1,5 +1,5 @@
 /** Pieces of the Work panel: entries of a list, notes with their pin, fields of a form, tables. */
-import type { ComponentChildren, ComponentProps } from 'preact';
+import type { ComponentChildren } from 'preact';
 import { Icon, type IconName } from '../common/icons';
 import { Button } from '../panels/parts/controls';
 import type { Place } from './model';
@@ -88,47 +88,5 @@ export function NoteField({ note, place, onChange }: NoteFieldProps) {
         )}
       </div>
     </>
-  );
-}
-
-type FieldProps = ComponentProps<'input'> & { label: string; tip?: string };
-
-export function Field({ label, tip, ...input }: FieldProps) {
-  return (
-    <label data-tip={tip}>
-      {label}
-      <input class="field" {...input} />
-    </label>
-  );
-}
-
-interface TableProps {
-  /** Words of each column, and what they mean. */
-  head: readonly (readonly [words: string, tip?: string])[];
-  rows: readonly (readonly ComponentChildren[])[];
-}
-
-export function Table({ head, rows }: TableProps) {
-  return (
-    <table>
-      <thead>
-        <tr>
-          {head.map(([words, tip]) => (
-            <th key={words} data-tip={tip}>
-              {words}
-            </th>
-          ))}
-        </tr>
-      </thead>
-      <tbody class="number">
-        {rows.map((cells, row) => (
-          <tr key={row}>
-            {cells.map((cell, column) => (
-              <td key={column}>{cell}</td>
-            ))}
-          </tr>
-        ))}
-      </tbody>
-    </table>
   );
 }

@@ -7,7 +7,8 @@ import { rowOf } from '../engine/recordings';
 import { Button } from '../panels/parts/controls';
 import { actions } from '../store/actions';
 import { canManage, state } from '../store/state';
-import { Entry, Field, Table } from './parts';
+import { Choice, Field, Table } from '../panels/parts/fields';
+import { Entry } from './parts';
 import { goTo } from './places';
 import * as versions from './snapshots';
 import type { Difference, Snapshot } from './snapshots';
@@ -108,19 +109,12 @@ function Compared({ snapshot }: { snapshot: Snapshot }) {
   return (
     <section class="stack" aria-label="Difference">
       <h3>Changes since {snapshot.name}</h3>
-      <select
-        class="field"
-        aria-label="Compare with"
+      <Choice
+        label="Compare with"
         value={other}
-        onChange={(event) => void versions.compare(snapshot, event.currentTarget.value)}
-      >
-        <option value="">current labels</option>
-        {others.map((each) => (
-          <option key={each.id} value={each.id}>
-            {each.name}
-          </option>
-        ))}
-      </select>
+        choices={[['', 'current labels'], ...others.map(({ id, name }) => [id, name] as const)]}
+        onChange={(id) => void versions.compare(snapshot, id)}
+      />
       {!found && <p class="soft">Comparing…</p>}
       {found?.length === 0 && <p class="soft">No changes: the labels are the same.</p>}
       {found?.map((each) => (

@@ -1,10 +1,10 @@
 /** Between a drop and an import: what was found, and what a person says it is. */
-import type { ComponentChildren } from 'preact';
 import { areReady, partsOfFiles } from '../../engine/import-parts';
 import { FIRST, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
 import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
 import { Button, Check } from '../parts/controls';
+import { ChoiceRow, Row } from '../parts/fields';
 import { useModal } from '../parts/modal';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
@@ -53,9 +53,7 @@ export function ImportDialog() {
         </div>
         <footer class="line">
           <Button label="Cancel" onClick={() => void actions.leaveImport()} />
-          <button type="submit" class="button primary" disabled={!isReady(draft)}>
-            {button}
-          </button>
+          <Button submit label={button} kind="primary" disabled={!isReady(draft)} />
         </footer>
       </form>
     </dialog>
@@ -168,13 +166,12 @@ function Recording({ draft }: { draft: ImportDraft }) {
 function ProjectOf({ options }: { options: ImportOptions }) {
   if (projects.value.length < 2) return null;
   return (
-    <Row label="Project">
-      <Choice
-        value={options.project ?? FIRST}
-        choices={projects.value.map((each) => [each.id, each.name] as const)}
-        onChange={(chosen) => correct({ project: chosen === FIRST ? null : chosen })}
-      />
-    </Row>
+    <ChoiceRow
+      label="Project"
+      value={options.project ?? FIRST}
+      choices={projects.value.map((each) => [each.id, each.name] as const)}
+      onChange={(chosen) => correct({ project: chosen === FIRST ? null : chosen })}
+    />
   );
 }
 
@@ -199,23 +196,21 @@ interface CorrectedProps {
 function Axes({ found, options }: CorrectedProps) {
   return (
     <>
-      <Row label="Unit">
-        <Choice
-          value={String(options.scale ?? 1)}
-          choices={UNITS}
-          onChange={(value) => correct({ scale: value === '1' ? null : Number(value) })}
-        />
-      </Row>
-      <Row label="Up">
-        <Choice
-          value={options.up ?? ''}
-          choices={[
-            ['', found ? `automatic: ${signed(found.up)}` : 'automatic'],
-            ...AXES.map((axis) => [axis, signed(axis)] as const),
-          ]}
-          onChange={(value) => correct({ up: value || null })}
-        />
-      </Row>
+      <ChoiceRow
+        label="Unit"
+        value={String(options.scale ?? 1)}
+        choices={UNITS}
+        onChange={(value) => correct({ scale: value === '1' ? null : Number(value) })}
+      />
+      <ChoiceRow
+        label="Up"
+        value={options.up ?? ''}
+        choices={[
+          ['', found ? `automatic: ${signed(found.up)}` : 'automatic'],
+          ...AXES.map((axis) => [axis, signed(axis)] as const),
+        ]}
+        onChange={(value) => correct({ up: value || null })}
+      />
     </>
   );
 }
@@ -238,13 +233,12 @@ function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft })
     <details class="import-more" open={error !== ''}>
       <summary class="soft small">Reading options</summary>
       <div class="import-fields stack">
-        <Row label="Format">
-          <Choice
-            value={options.format ?? ''}
-            choices={[['', 'automatic'], ...FORMATS]}
-            onChange={(value) => correct({ format: value || null })}
-          />
-        </Row>
+        <ChoiceRow
+          label="Format"
+          value={options.format ?? ''}
+          choices={[['', 'automatic'], ...FORMATS]}
+          onChange={(value) => correct({ format: value || null })}
+        />
         <Row label="Columns">
           <input
             class="field"
@@ -256,24 +250,22 @@ function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft })
             onChange={(event) => correct({ columns: event.currentTarget.value.trim() || null })}
           />
         </Row>
-        <Row label="Delimiter">
-          <Choice
-            value={options.delimiter ?? ''}
-            choices={[['', 'automatic'], ...DELIMITERS.map((each) => [each, each] as const)]}
-            onChange={(value) => correct({ delimiter: value || null })}
-          />
-        </Row>
-        <Row label="Read 1,5 as">
-          <Choice
-            value={options.decimal_comma === undefined ? '' : String(options.decimal_comma)}
-            choices={[
-              ['', 'automatic'],
-              ['true', 'one and a half'],
-              ['false', 'two values'],
-            ]}
-            onChange={(value) => correct({ decimal_comma: value ? value === 'true' : null })}
-          />
-        </Row>
+        <ChoiceRow
+          label="Delimiter"
+          value={options.delimiter ?? ''}
+          choices={[['', 'automatic'], ...DELIMITERS.map((each) => [each, each] as const)]}
+          onChange={(value) => correct({ delimiter: value || null })}
+        />
+        <ChoiceRow
+          label="Read 1,5 as"
+          value={options.decimal_comma === undefined ? '' : String(options.decimal_comma)}
+          choices={[
+            ['', 'automatic'],
+            ['true', 'one and a half'],
+            ['false', 'two values'],
+          ]}
+          onChange={(value) => correct({ decimal_comma: value ? value === 'true' : null })}
+        />
         <Check
           label="Leave out invalid points (NaN, infinite)"
           checked={options.drop_invalid ?? false}
@@ -291,41 +283,13 @@ function signed(axis: string): string {
 function Topics({ found, options }: { found: ImportPreview; options: ImportOptions }) {
   if (found.topics.length < 2) return null;
   return (
-    <Row label="Topic">
-      <Choice
-        value={options.topic ?? found.topics.find((topic) => topic.read)?.name ?? ''}
-        choices={found.topics
-          .filter((topic) => topic.clouds)
-          .map((topic) => [topic.name, `${topic.name} · ${plural(topic.messages, 'message')}`])}
-        onChange={(value) => correct({ topic: value })}
-      />
-    </Row>
-  );
-}
-
-function Row({ label, children }: { label: string; children: ComponentChildren }) {
-  return (
-    <label class="row">
-      <span>{label}</span>
-      {children}
-    </label>
-  );
-}
-
-interface ChoiceProps {
-  value: string;
-  choices: readonly (readonly [string, string])[];
-  onChange: (value: string) => void;
-}
-
-function Choice({ value, choices, onChange }: ChoiceProps) {
-  return (
-    <select class="field" value={value} onChange={(event) => onChange(event.currentTarget.value)}>
-      {choices.map(([id, name]) => (
-        <option key={id} value={id}>
-          {name}
-        </option>
-      ))}
-    </select>
+    <ChoiceRow
+      label="Topic"
+      value={options.topic ?? found.topics.find((topic) => topic.read)?.name ?? ''}
+      choices={found.topics
+        .filter((topic) => topic.clouds)
+        .map((topic) => [topic.name, `${topic.name} · ${plural(topic.messages, 'message')}`])}
+      onChange={(value) => correct({ topic: value })}
+    />
   );
 }

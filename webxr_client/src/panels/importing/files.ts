@@ -28,6 +28,8 @@ function importAll(files: readonly ChosenFile[]): void {
 /** Let files be dropped anywhere on the page; the result stops it. */
 export function acceptDrops(): () => void {
   let depth = 0;
+  const abort = new AbortController();
+  const own = { signal: abort.signal };
   const hasFiles = (event: DragEvent): boolean =>
     event.dataTransfer?.types.includes('Files') ?? false;
   const enter = (event: DragEvent): void => {
@@ -48,16 +50,11 @@ export function acceptDrops(): () => void {
     const items = [...(event.dataTransfer?.items ?? [])];
     void filesOf(items).then(importAll);
   };
-  addEventListener('dragenter', enter);
-  addEventListener('dragleave', leave);
-  addEventListener('dragover', over);
-  addEventListener('drop', drop);
-  return () => {
-    removeEventListener('dragenter', enter);
-    removeEventListener('dragleave', leave);
-    removeEventListener('dragover', over);
-    removeEventListener('drop', drop);
-  };
+  addEventListener('dragenter', enter, own);
+  addEventListener('dragleave', leave, own);
+  addEventListener('dragover', over, own);
+  addEventListener('drop', drop, own);
+  return () => abort.abort();
 }
 
 /** All files dropped, those inside folders included. */

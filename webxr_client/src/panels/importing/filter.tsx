@@ -12,6 +12,7 @@ import {
 } from '../../engine/projects';
 import { attempt } from '../../engine/recordings';
 import { Button } from '../parts/controls';
+import { Choice } from '../parts/fields';
 import { PopoverButton } from '../parts/popover';
 
 /** Pause in typing after which the server is asked, milliseconds. */
@@ -64,6 +65,11 @@ const FIELDS = [
   ['person', 'Person'],
 ] as const;
 
+const STATES = [
+  ['', 'Any state'],
+  ...TASK_STATES.map((kind) => [kind, `Task ${TASK_WORDS[kind]}`] as const),
+] as const;
+
 function Fields() {
   const { value } = conditions;
   const change = (patch: Partial<Conditions>): void => {
@@ -88,19 +94,12 @@ function Fields() {
           <option key={person} value={person} />
         ))}
       </datalist>
-      <select
-        class="field"
-        aria-label="State of a task"
+      <Choice
+        label="State of a task"
         value={value.state}
-        onChange={(event) => change({ state: event.currentTarget.value })}
-      >
-        <option value="">Any state</option>
-        {TASK_STATES.map((kind) => (
-          <option key={kind} value={kind}>
-            Task {TASK_WORDS[kind]}
-          </option>
-        ))}
-      </select>
+        choices={STATES}
+        onChange={(kind) => change({ state: kind })}
+      />
     </div>
   );
 }

@@ -1,14 +1,7 @@
 /** The start page: all recordings in a table, by project. */
 import { signal } from '@preact/signals';
 import { useEffect, useMemo, useState } from 'preact/hooks';
-import {
-  grouped,
-  nextWork,
-  projects,
-  refreshProjects,
-  tasksOf,
-  type Group,
-} from '../../engine/projects';
+import { grouped, projects, refreshProjects, tasksOf, type Group } from '../../engine/projects';
 import {
   chooseOrder,
   descending,
@@ -18,18 +11,15 @@ import {
   sorted,
   type Order,
 } from '../../engine/recording-list';
-import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
-import { actions } from '../../store/actions';
 import { keep, kept } from '../../store/kept';
-import { canManage, state, type SequenceSummary } from '../../store/state';
-import { Button } from '../parts/controls';
+import { canManage, type SequenceSummary } from '../../store/state';
 import { inSight, listStyle, useSight, type Sight } from '../parts/scrolled';
 import { Filter, filtered } from './filter';
 import { ImportButton } from './import-box';
 import { NewProject } from './new-project';
-import { ProjectHead, SettingsButton } from './project-head';
-import { RecordingName, renamingRecording, Row } from './recordings';
+import { NextWork, ProjectHead, SettingsButton } from './project-head';
+import { RecordingName, RecordingSearch, renamingRecording, Row } from './recordings';
 
 const FOLDED = 'pointbrush.folded-projects';
 /** Ids of projects whose recordings are not shown. */
@@ -58,14 +48,7 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
     <>
       <header class="home-head line wrap">
         <h1>Recordings</h1>
-        <input
-          class="field"
-          type="search"
-          aria-label="Search the recordings"
-          placeholder={`Search ${plural(sequences.length, 'recording')}`}
-          value={text}
-          onInput={(event) => setText(event.currentTarget.value)}
-        />
+        <RecordingSearch of={sequences} text={text} onInput={setText} />
         <Filter />
         <span class="soft number" role="status">
           {sought && `${rows.length} found`}
@@ -74,7 +57,7 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
         {canManage.value && only && <SettingsButton project={only} />}
         {canManage.value && <NewProject rows={sought ? rows : []} />}
         {canManage.value && <ImportButton />}
-        <NextWork />
+        <NextWork of={projects.value} />
       </header>
       {named && (
         <Table
@@ -89,31 +72,6 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
 
 function hasTasks(groups: readonly Group[]): boolean {
   return groups.some(({ project }) => tasksOf(project.tasks ?? {}) > 0);
-}
-
-/** The next task of the first project that has one, to label or to review. */
-function NextWork() {
-  const { label, review } = nextWork(projects.value, state.me.value?.account ?? '');
-  return (
-    <>
-      {review && (
-        <Button
-          label="Next to review"
-          kind={label ? 'outlined' : 'primary'}
-          tip={`Review a task of ${review.name}`}
-          onClick={() => void actions.nextTask(review.id, 'review')}
-        />
-      )}
-      {label && (
-        <Button
-          label="Next task"
-          kind="primary"
-          tip={`Label your next task of ${label.name}`}
-          onClick={() => void actions.nextTask(label.id)}
-        />
-      )}
-    </>
-  );
 }
 
 interface TableProps {

@@ -64,9 +64,7 @@ export function ImportBox({ onBegin }: { onBegin?: () => void }) {
             onInput={(event) => setPath(event.currentTarget.value)}
           />
         </label>
-        <button type="submit" class="button outlined" disabled={!path.trim()}>
-          Import
-        </button>
+        <Button submit label="Import" kind="outlined" disabled={!path.trim()} />
       </form>
       <Check
         label="Import each file or folder in it as a recording"

@@ -4,6 +4,7 @@ import { createProject, settled } from '../../engine/projects';
 import { plural } from '../../common/format';
 import type { SequenceSummary } from '../../store/state';
 import { Button, Check } from '../parts/controls';
+import { Row } from '../parts/fields';
 import { useModal } from '../parts/modal';
 
 interface NewProjectProps {
@@ -45,8 +46,7 @@ function Form({ rows, onClose }: NewProjectProps & { onClose: () => void }) {
           <p class="soft">
             A project is a group of recordings with people, categories and tasks of its own.
           </p>
-          <label class="row">
-            <span>Name</span>
+          <Row label="Name">
             <input
               class="field"
               data-autofocus
@@ -55,7 +55,7 @@ function Form({ rows, onClose }: NewProjectProps & { onClose: () => void }) {
               value={name}
               onInput={(event) => setName(event.currentTarget.value)}
             />
-          </label>
+          </Row>
           {rows.length > 0 && (
             <Check
               label={`Move the ${plural(rows.length, 'recording')} of the search into it`}
@@ -73,9 +73,7 @@ function Form({ rows, onClose }: NewProjectProps & { onClose: () => void }) {
             disabled={!name.trim()}
             onClick={() => void create(true)}
           />
-          <button type="submit" class="button primary" disabled={!name.trim()}>
-            Create
-          </button>
+          <Button submit label="Create" kind="primary" disabled={!name.trim()} />
         </footer>
       </form>
     </dialog>

@@ -20,6 +20,7 @@ import { api } from '../../net/rest';
 import { actions } from '../../store/actions';
 import { canManage, state, type SequenceSummary } from '../../store/state';
 import { Button } from '../parts/controls';
+import { Table } from '../parts/fields';
 import { PopoverButton } from '../parts/popover';
 
 interface ProjectHeadProps {
@@ -31,10 +32,6 @@ interface ProjectHeadProps {
 
 export function ProjectHead({ project, rows, shown, onFold }: ProjectHeadProps) {
   const known = projects.value.find(({ id }) => id === project.id);
-  const { label, review } = nextWork(known ? [known] : [], state.me.value?.account ?? '');
-  const next = (name: string, work: 'label' | 'review'): preact.JSX.Element => (
-    <Button label={name} kind="outlined" small tip={`${name} in ${project.name}`} onClick={() => void actions.nextTask(project.id, work)} />
-  ); // prettier-ignore
   return (
     <div class="project-head line">
       <button type="button" class="button project-name" aria-expanded={shown} onClick={onFold}>
@@ -42,12 +39,38 @@ export function ProjectHead({ project, rows, shown, onFold }: ProjectHeadProps) 
         <strong class="name">{project.name}</strong>
         <span class="soft number">{plural(rows.length, 'recording')}</span>
       </button>
-      {review && next('Next to review', 'review')}
-      {label && next('Next task', 'label')}
+      <NextWork of={known ? [known] : []} small />
       <Progress tasks={project.tasks ?? {}} rows={rows} />
       <FiguresButton project={project.id} />
       {canManage.value && <SettingsButton project={project} />}
     </div>
+  );
+}
+
+/** Buttons to the first project of some that has a task to review, and to one to label. */
+export function NextWork({ of, small = false }: { of: readonly Project[]; small?: boolean }) {
+  const { label, review } = nextWork(of, state.me.value?.account ?? '');
+  return (
+    <>
+      {review && (
+        <Button
+          label="Next to review"
+          tip={`Review a task of ${review.name}`}
+          kind={small || label ? 'outlined' : 'primary'}
+          small={small}
+          onClick={() => void actions.nextTask(review.id, 'review')}
+        />
+      )}
+      {label && (
+        <Button
+          label="Next task"
+          tip={`Label your next task of ${label.name}`}
+          kind={small ? 'outlined' : 'primary'}
+          small={small}
+          onClick={() => void actions.nextTask(label.id)}
+        />
+      )}
+    </>
   );
 }
 
@@ -102,6 +125,8 @@ function FiguresButton({ project }: { project: string }) {
   );
 }
 
+const FIGURES = [['Class'], ['Points'], ['Objects'], ['Hours']] as const;
+
 function FiguresTable({ project }: { project: string }) {
   const figures = useSignal<Statistics | null>(null);
   useEffect(() => {
@@ -111,37 +136,15 @@ function FiguresTable({ project }: { project: string }) {
   }, [project]);
   if (!figures.value) return <p class="soft">Counting…</p>;
   const { points, objects, hours, classes, people } = figures.value;
-  const row = (name: string, cells: readonly string[]) => (
-    <tr key={name}>
-      <th scope="row">{name}</th>
-      {cells.map((cell, k) => (
-        <td key={k} class="number">
-          {cell}
-        </td>
-      ))}
-    </tr>
-  );
-  return (
-    <table class="figures small">
-      <thead>
-        <tr>
-          <th>Class</th>
-          <th>Points</th>
-          <th>Objects</th>
-          <th>Hours</th>
-        </tr>
-      </thead>
-      <tbody>
-        {classes.map((each) =>
-          row(each.name || 'no class', [
-            shortCount(each.points),
-            String(each.objects),
-            each.hours.toFixed(2),
-          ]),
-        )}
-        {row('All', [shortCount(points), String(objects), hours.toFixed(2)])}
-        {people.map(({ name, hours: own }) => row(name, ['', '', own.toFixed(2)]))}
-      </tbody>
-    </table>
-  );
+  const rows = [
+    ...classes.map((each) => [
+      each.name || 'no class',
+      shortCount(each.points),
+      String(each.objects),
+      each.hours.toFixed(2),
+    ]),
+    ['All', shortCount(points), String(objects), hours.toFixed(2)],
+    ...people.map(({ name, hours: own }) => [name, '', '', own.toFixed(2)]),
+  ];
+  return <Table class="figures small" head={FIGURES} rows={rows} />;
 }

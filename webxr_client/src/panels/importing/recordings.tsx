@@ -5,7 +5,7 @@ import { actions } from '../../store/actions';
 import { apiUrl } from '../../net/rest';
 import { canEdit, canManage, type SequenceSummary } from '../../store/state';
 import { Button, NameField } from '../parts/controls';
-import { PopoverButton } from '../parts/popover';
+import { MenuItem, PopoverButton } from '../parts/popover';
 import { ago, clock, plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
 
@@ -94,17 +94,7 @@ function MoveTo({ row }: { row: SequenceSummary }) {
       small
     >
       {others.map(({ id, name }) => (
-        <button
-          key={id}
-          type="button"
-          class="menu-item"
-          onClick={() => {
-            open.value = false;
-            void moveRecording(row.id, id);
-          }}
-        >
-          {name}
-        </button>
+        <MenuItem key={id} label={name} onClick={() => void moveRecording(row.id, id)} />
       ))}
     </PopoverButton>
   );
@@ -139,6 +129,25 @@ export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
         }}
       />
     </>
+  );
+}
+
+interface RecordingSearchProps {
+  of: readonly SequenceSummary[];
+  text: string;
+  onInput: (text: string) => void;
+}
+
+export function RecordingSearch({ of, text, onInput }: RecordingSearchProps) {
+  return (
+    <input
+      class="field sequence-search"
+      type="search"
+      aria-label="Search the recordings"
+      placeholder={`Search ${plural(of.length, 'recording')}`}
+      value={text}
+      onInput={(event) => onInput(event.currentTarget.value)}
+    />
   );
 }
 

@@ -7,8 +7,8 @@ import { canEdit, canManage, importJob, state, type SequenceSummary } from '../.
 import { pickFiles } from './files';
 import { plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
-import { Popover } from '../parts/popover';
-import { RecordingName, RecordingTools, renamingRecording } from './recordings';
+import { MenuItem, Popover } from '../parts/popover';
+import { RecordingName, RecordingSearch, RecordingTools, renamingRecording } from './recordings';
 
 const open = signal(false);
 const close = (): void => {
@@ -42,38 +42,19 @@ export function SequenceMenu() {
         <Popover anchor={anchor} label="Recordings" onClose={close}>
           <Sequences />
           <hr />
-          <button
-            type="button"
-            class="menu-item"
+          <MenuItem
+            icon="import"
+            label="Import files…"
             disabled={importJob.value !== null || !canManage.value}
-            onClick={() => {
-              close();
-              pickFiles();
-            }}
-          >
-            <Icon name="import" /> Import files…
-          </button>
-          <button
-            type="button"
-            class="menu-item"
+            onClick={() => pickFiles()}
+          />
+          <MenuItem
+            icon="plane"
+            label="Set the floor…"
             disabled={!sequence || !canEdit.value}
-            onClick={() => {
-              close();
-              actions.setTool('floor');
-            }}
-          >
-            <Icon name="plane" /> Set the floor…
-          </button>
-          <button
-            type="button"
-            class="menu-item"
-            onClick={() => {
-              close();
-              actions.closeSequence();
-            }}
-          >
-            <Icon name="folder" /> All recordings
-          </button>
+            onClick={() => actions.setTool('floor')}
+          />
+          <MenuItem icon="folder" label="All recordings" onClick={() => actions.closeSequence()} />
         </Popover>
       )}
     </>
@@ -89,16 +70,7 @@ function Sequences() {
   const found = matching(all, text);
   return (
     <>
-      {all.length > LISTED && (
-        <input
-          class="field sequence-search"
-          type="search"
-          aria-label="Search the recordings"
-          placeholder={`Search ${plural(all.length, 'recording')}`}
-          value={text}
-          onInput={(event) => setText(event.currentTarget.value)}
-        />
-      )}
+      {all.length > LISTED && <RecordingSearch of={all} text={text} onInput={setText} />}
       <ul class="sequence-list">
         {found.slice(0, LISTED).map((row) => (
           <SequenceRow key={row.id} row={row} />

@@ -10,7 +10,8 @@ import { Icon } from '../../common/icons';
 import { lossOf, pointsOf } from './label-points';
 import { shiftLabel } from './label-rows';
 import { renaming } from '../../store/palette-list';
-import { Popover } from '../parts/popover';
+import { Choice, Row } from '../parts/fields';
+import { MenuItem, Popover } from '../parts/popover';
 
 interface LabelMenuProps {
   label: Label;
@@ -40,61 +41,54 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
       ) : (
         <>
           <CategoryField label={label} />
-          <button
-            type="button"
-            class="menu-item"
+          <MenuItem
+            icon="pencil"
+            label="Rename"
             disabled={!canEdit.value}
-            onClick={() => {
-              onClose();
-              renaming.value = label.id;
-            }}
-          >
-            <Icon name="pencil" /> Rename
-          </button>
+            onClick={() => (renaming.value = label.id)}
+          />
           <LabelParts label={label} onClose={onClose} />
           {([-1, 1] as const).map((by) => (
-            <button
+            <MenuItem
               key={by}
-              type="button"
-              class="menu-item"
+              icon="chevron"
+              label={by < 0 ? 'Move up' : 'Move down'}
               disabled={!canEdit.value}
+              stays
               onClick={() => shiftLabel(label.id, by)}
             >
-              <Icon name="chevron" /> {by < 0 ? 'Move up' : 'Move down'}
               <span class="end">Alt {by < 0 ? '↑' : '↓'}</span>
-            </button>
+            </MenuItem>
           ))}
-          <button
-            type="button"
-            class="menu-item"
+          <MenuItem
+            icon={label.locked ? 'unlock' : 'lock'}
+            label={label.locked ? 'Unlock' : 'Lock'}
             disabled={!canEdit.value}
+            stays
             onClick={() => void actions.toggleLock(label.id)}
-          >
-            <Icon name={label.locked ? 'unlock' : 'lock'} /> {label.locked ? 'Unlock' : 'Lock'}
-          </button>
-          <button
-            type="button"
-            class="menu-item"
+          />
+          <MenuItem
+            icon={label.visible ? 'hidden' : 'eye'}
+            label={label.visible ? 'Hide' : 'Show'}
             disabled={!canEdit.value}
+            stays
             onClick={() => void actions.toggleVisible(label.id)}
-          >
-            <Icon name={label.visible ? 'hidden' : 'eye'} /> {label.visible ? 'Hide' : 'Show'}
-          </button>
-          <button
-            type="button"
-            class="menu-item"
+          />
+          <MenuItem
+            icon="solo"
+            label={state.solo.value === label.id ? 'Show all' : 'Show only this'}
+            stays
             onClick={() => actions.solo(state.solo.peek() === label.id ? null : label.id)}
-          >
-            <Icon name="solo" /> {state.solo.value === label.id ? 'Show all' : 'Show only this'}
-          </button>
-          <button
-            type="button"
-            class="menu-item"
+          />
+          <MenuItem
+            icon="trash"
+            label="Delete"
             disabled={!canEdit.value || label.locked}
+            stays
             onClick={() => (pointsOf(label.id).all > 0 ? setConfirm(true) : remove())}
           >
-            <Icon name="trash" /> Delete{label.locked && <span class="end">locked</span>}
-          </button>
+            {label.locked && <span class="end">locked</span>}
+          </MenuItem>
         </>
       )}
     </Popover>
@@ -103,14 +97,13 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
 
 function CategoryField({ label }: { label: Label }) {
   return (
-    <label class="row">
-      <span>Category</span>
+    <Row label="Category">
       {categoriesSelected.value ? (
         <SelectedCategory label={label} />
       ) : (
         <AnyCategory label={label} />
       )}
-    </label>
+    </Row>
   );
 }
 
@@ -118,21 +111,12 @@ function CategoryField({ label }: { label: Label }) {
 function SelectedCategory({ label }: { label: Label }) {
   const choices = [...new Set(['', label.category, ...categoryChoices.value])];
   return (
-    <select
-      class="field"
-      data-autofocus
+    <Choice
       value={label.category}
+      choices={choices.map((category) => [category, category || 'none'] as const)}
       disabled={!canEdit.value}
-      onChange={({ currentTarget: { value } }) => {
-        void actions.updateLabel(label.id, { category: value });
-      }}
-    >
-      {choices.map((category) => (
-        <option key={category} value={category}>
-          {category || 'none'}
-        </option>
-      ))}
-    </select>
+      onChange={(category) => void actions.updateLabel(label.id, { category })}
+    />
   );
 }
 
@@ -172,36 +156,25 @@ function LabelParts({ label, onClose }: LabelPartsProps) {
   const may = canEdit.value && !label.locked;
   return (
     <>
-      <button
-        type="button"
-        class="menu-item"
+      <MenuItem
+        icon="split"
+        label="Split into parts"
+        tip="Each separate part in this frame gets its own label"
         disabled={!may || here === 0}
-        data-tip="Each separate part in this frame gets its own label"
-        onClick={() => {
-          onClose();
-          void actions.splitLabel(label.id);
-        }}
-      >
-        <Icon name="split" /> Split into parts
-      </button>
+        onClick={() => void actions.splitLabel(label.id)}
+      />
       <label class="menu-item">
         <Icon name="merge" />
-        <select
-          class="field"
-          aria-label="Merge into"
+        <Choice
+          label="Merge into"
+          value=""
+          choices={[['', 'Merge into…'], ...others.map(({ id, name }) => [`${id}`, name] as const)]}
           disabled={!may || others.length === 0}
-          onChange={(event) => {
+          onChange={(id) => {
             onClose();
-            void actions.mergeLabel(label.id, Number(event.currentTarget.value));
+            void actions.mergeLabel(label.id, Number(id));
           }}
-        >
-          <option value="">Merge into…</option>
-          {others.map(({ id, name }) => (
-            <option key={id} value={id}>
-              {name}
-            </option>
-          ))}
-        </select>
+        />
       </label>
     </>
   );

@@ -186,21 +186,18 @@ interface ToggleProps {
 
 function Toggle({ on, icon, tip, disabled, onClick }: ToggleProps) {
   return (
-    <button
-      type="button"
-      class="button icon-only small"
+    <Button
+      icon={icon}
+      tip={tip}
+      small
       tabIndex={-1}
-      aria-label={tip}
-      aria-pressed={on}
-      data-tip={tip}
+      pressed={on}
       disabled={disabled}
       onClick={(event) => {
         event.stopPropagation();
         onClick();
       }}
-    >
-      <Icon name={icon} />
-    </button>
+    />
   );
 }
 

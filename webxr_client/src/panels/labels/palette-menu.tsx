@@ -5,15 +5,11 @@ import { actions } from '../../store/actions';
 import { canEdit, state } from '../../store/state';
 import { templates } from '../../engine/palette-files';
 import { plural } from '../../common/format';
-import { Icon } from '../../common/icons';
 import { chooseSafeColours, safeColours } from '../../store/safe-colours';
 import { Check } from '../parts/controls';
-import { PopoverButton } from '../parts/popover';
+import { MenuItem, PopoverButton } from '../parts/popover';
 
 const open = signal(false);
-const close = (): void => {
-  open.value = false;
-};
 
 export function PaletteMenuButton() {
   return (
@@ -37,31 +33,22 @@ function Menu() {
     <>
       <h2>Add the labels of</h2>
       {templates.value.map(({ name, labels }) => (
-        <button
+        <MenuItem
           key={name}
-          type="button"
-          class="menu-item"
+          icon="layers"
+          label={NAMES[name] ?? name}
           disabled={cannot}
-          onClick={() => {
-            close();
-            void actions.addTemplate(name);
-          }}
+          onClick={() => void actions.addTemplate(name)}
         >
-          <Icon name="layers" /> {NAMES[name] ?? name}
           <span class="end number">{plural(labels, 'label')}</span>
-        </button>
+        </MenuItem>
       ))}
-      <button
-        type="button"
-        class="menu-item"
+      <MenuItem
+        icon="import"
+        label="A palette file…"
         disabled={cannot}
-        onClick={() => {
-          close();
-          actions.pickPalette();
-        }}
-      >
-        <Icon name="import" /> A palette file…
-      </button>
+        onClick={() => actions.pickPalette()}
+      />
       <hr />
       <Check
         label="Colours for colour-blind users"
@@ -69,29 +56,19 @@ function Menu() {
         checked={safeColours.value}
         onChange={chooseSafeColours}
       />
-      <button
-        type="button"
-        class="menu-item"
+      <MenuItem
+        icon="swap"
+        label="Apply these colours to all labels"
         disabled={cannot || state.palette.value.length === 0}
-        onClick={() => {
-          close();
-          void actions.recolorAll();
-        }}
-      >
-        <Icon name="swap" /> Apply these colours to all labels
-      </button>
+        onClick={() => void actions.recolorAll()}
+      />
       <hr />
-      <button
-        type="button"
-        class="menu-item"
+      <MenuItem
+        icon="export"
+        label="Save the palette as a file"
         disabled={state.palette.value.length === 0}
-        onClick={() => {
-          close();
-          void actions.savePalette();
-        }}
-      >
-        <Icon name="export" /> Save the palette as a file
-      </button>
+        onClick={() => void actions.savePalette()}
+      />
     </>
   );
 }

@@ -7,7 +7,6 @@ import type { Label } from '../../protocol/messages';
 import { canEdit, state } from '../../store/state';
 import { Button, NameField } from '../parts/controls';
 import { count, plural } from '../../common/format';
-import { Icon } from '../../common/icons';
 import { LabelRow } from './label-row';
 import {
   canGroup,
@@ -156,16 +155,13 @@ function Unlabeled() {
       <span class="number faint" data-tip={`${plural(left, 'point')} of this frame`}>
         {count(left)}
       </span>
-      <button
-        type="button"
-        class="button icon-only small"
-        aria-label={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
-        data-tip={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
-        aria-pressed={hideUnlabeled}
+      <Button
+        icon={hideUnlabeled ? 'hidden' : 'eye'}
+        tip={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
+        small
+        pressed={hideUnlabeled}
         onClick={() => actions.setView({ hideUnlabeled: !hideUnlabeled })}
-      >
-        <Icon name={hideUnlabeled ? 'hidden' : 'eye'} />
-      </button>
+      />
     </div>
   );
 }

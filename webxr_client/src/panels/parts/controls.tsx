@@ -13,20 +13,22 @@ interface ButtonProps {
   pressed?: boolean | undefined;
   expanded?: boolean | undefined;
   disabled?: boolean | undefined;
-  kind?: 'plain' | 'outlined' | 'primary' | 'danger';
+  kind?: 'outlined' | 'primary' | 'danger';
   small?: boolean;
   tabIndex?: number;
   class?: string;
   buttonRef?: RefObject<HTMLButtonElement | null>;
-  onClick: (event: MouseEvent) => void;
+  /** It submits its form. */
+  submit?: boolean;
+  onClick?: (event: MouseEvent) => void;
 }
 
 export function Button(props: ButtonProps) {
-  const kind = props.kind && props.kind !== 'plain' ? ` ${props.kind}` : '';
+  const kind = props.kind ? ` ${props.kind}` : '';
   const shape = (props.label === undefined ? ' icon-only' : '') + (props.small ? ' small' : '');
   return (
     <button
-      type="button"
+      type={props.submit ? 'submit' : 'button'}
       ref={props.buttonRef ?? null}
       class={`button${kind}${shape} ${props.class ?? ''}`}
       tabIndex={props.tabIndex}
@@ -125,6 +127,23 @@ export function Progress({ share, label }: { share: number; label: string }) {
       aria-valuenow={Math.round(share * 100)}
     >
       <div style={{ '--fill': String(share) }} />
+    </div>
+  );
+}
+
+interface JobHeadProps {
+  title: string;
+  about: string;
+  figure?: string;
+}
+
+/** What a card of work under way begins with. */
+export function JobHead({ title, about, figure }: JobHeadProps) {
+  return (
+    <div class="job-head line baseline small">
+      <strong>{title}</strong>
+      <span class="soft">{about}</span>
+      {figure !== undefined && <span class="number">{figure}</span>}
     </div>
   );
 }

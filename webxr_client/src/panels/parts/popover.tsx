@@ -1,12 +1,15 @@
 /** Something that opens beside a button: menus, the tracking form, the colour picker. */
 import { signal, type Signal } from '@preact/signals';
-import type { ComponentChildren, RefObject } from 'preact';
+import { type ComponentChildren, createContext, type RefObject } from 'preact';
 import { createPortal } from 'preact/compat';
-import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { useContext, useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 import { Button } from './controls';
-import type { IconName } from '../../common/icons';
+import { Icon, type IconName } from '../../common/icons';
 
 const MARGIN = 8;
+
+/** Closes the popover that a part is in. */
+const Closing = createContext(() => {});
 
 interface PopoverProps {
   anchor: RefObject<HTMLElement | null>;
@@ -60,19 +63,48 @@ export function Popover({ anchor, label, onClose, class: extra = '', children }:
       tabIndex={-1}
       onKeyDown={(event) => keys(event, box.current!, onClose)}
     >
-      {children}
+      <Closing.Provider value={onClose}>{children}</Closing.Provider>
     </div>,
     document.getElementById('dialogs')!,
   );
 }
 
+interface MenuItemProps {
+  icon?: IconName;
+  label: string;
+  tip?: string;
+  disabled?: boolean;
+  /** The menu stays open. */
+  stays?: boolean;
+  /** After the label: keys, or a count. */
+  children?: ComponentChildren;
+  onClick: () => void;
+}
+
+/** A line of a menu. */
+export function MenuItem({ icon, label, tip, disabled, stays, children, onClick }: MenuItemProps) {
+  const close = useContext(Closing);
+  const choose = (): void => {
+    if (!stays) close();
+    onClick();
+  };
+  return (
+    <button type="button" class="menu-item" data-tip={tip} disabled={disabled} onClick={choose}>
+      {icon && <Icon name={icon} />} {label}
+      {children}
+    </button>
+  );
+}
+
 interface PopoverButtonProps {
   open: Signal<boolean>;
-  icon: IconName;
+  icon?: IconName;
   tip: string;
   keys?: string;
+  kind?: 'outlined' | 'primary';
   pressed?: boolean;
   small?: boolean;
+  disabled?: boolean;
   /** Words on the button, and its class. */
   button?: { label: string; class?: string };
   /** Name of what opens. */

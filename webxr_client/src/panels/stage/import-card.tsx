@@ -2,11 +2,11 @@
 import { useSignal } from '@preact/signals';
 import { cancelImport } from '../../engine/import-parts';
 import { closeImports, importName, ownImports } from '../../engine/imports';
-import { plural } from '../../common/format';
+import { percent, plural } from '../../common/format';
 import type { Job } from '../../protocol/messages';
 import { actions } from '../../store/actions';
 import { canCancel, isActive } from '../../store/state';
-import { Button, Progress } from '../parts/controls';
+import { Button, JobHead, Progress } from '../parts/controls';
 import { inSight, listStyle, useSight } from '../parts/scrolled';
 
 const WORDS = { queued: 'waits', running: '', done: 'imported', failed: 'failed', cancelled: 'stopped' } as const; // prettier-ignore
@@ -20,9 +20,8 @@ export function ImportCard() {
   const share = jobs.reduce((sum, job) => sum + (isActive(job) ? job.progress : 1), 0);
   return (
     <section class="card job imports stack" aria-label="Imports">
-      <div class="job-head line baseline small" role="status">
-        <strong>{title(jobs)}</strong>
-        <span class="soft">{summary(jobs, now)}</span>
+      <div role="status">
+        <JobHead title={title(jobs)} about={summary(jobs, now)} />
       </div>
       {now && <Progress share={share / jobs.length} label="Imports" />}
       {open.value && jobs.length > 1 && <Each jobs={jobs} />}
@@ -94,7 +93,7 @@ function Each({ jobs }: { jobs: readonly Job[] }) {
 function ImportRow({ job }: { job: Job }) {
   const name = importName(job);
   const { state, sequence } = job;
-  const words = state === 'running' ? `${Math.round(job.progress * 100)} %` : WORDS[state];
+  const words = state === 'running' ? percent(job.progress) : WORDS[state];
   return (
     <li class="line" data-state={state}>
       <span class="name grow">{name}</span>

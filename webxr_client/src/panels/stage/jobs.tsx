@@ -3,8 +3,8 @@ import { signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import type { Job } from '../../protocol/messages';
 import { canCancel, isActive, isMine, state } from '../../store/state';
-import { Button, Progress } from '../parts/controls';
-import { bytes, plural } from '../../common/format';
+import { Button, JobHead, Progress } from '../parts/controls';
+import { bytes, percent, plural } from '../../common/format';
 import { ownImports } from '../../engine/imports';
 import { PopoverButton } from '../parts/popover';
 import { ImportCard } from './import-card';
@@ -25,13 +25,11 @@ export function JobCards() {
     <>
       {state.uploads.value.map((upload) => (
         <div key={upload.name} class="card job stack" role="status">
-          <div class="job-head line baseline small">
-            <strong>Sending</strong>
-            <span class="soft">{upload.name}</span>
-            <span class="soft number">
-              {bytes(upload.sent)} of {bytes(upload.total)}
-            </span>
-          </div>
+          <JobHead
+            title="Sending"
+            about={upload.name}
+            figure={`${bytes(upload.sent)} of ${bytes(upload.total)}`}
+          />
           <Progress share={upload.sent / Math.max(1, upload.total)} label={upload.name} />
         </div>
       ))}
@@ -75,11 +73,11 @@ function Running({ job, about }: { job: Job; about: string }) {
   const tracking = job.kind === 'tracking';
   return (
     <>
-      <div class="job-head line baseline small">
-        <strong>{TITLE[job.kind]}</strong>
-        <span class="soft">{job.state === 'queued' ? `queued · ${about}` : about}</span>
-        {job.progress > 0 && <span class="number">{Math.round(job.progress * 100)} %</span>}
-      </div>
+      <JobHead
+        title={TITLE[job.kind]}
+        about={job.state === 'queued' ? `queued · ${about}` : about}
+        {...(job.progress > 0 && { figure: percent(job.progress) })}
+      />
       <Progress share={job.progress} label={TITLE[job.kind]} />
       {canCancel(job) && (
         <div class="form-end">

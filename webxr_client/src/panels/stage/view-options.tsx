@@ -11,19 +11,20 @@ import { ClipButton } from './clip';
 import { Check, Slider, Swatch } from '../parts/controls';
 import { percent } from '../../common/format';
 import { Icon } from '../../common/icons';
+import { Choice } from '../parts/fields';
 import { PopoverButton } from '../parts/popover';
 import { RadioGroup, type RadioOption } from '../parts/radio-group';
 
-const COLOR_MODES: readonly (readonly [ColorMode, string, string])[] = [
+const COLOR_MODES: readonly (readonly [mode: ColorMode, words: string, field?: string])[] = [
   ['rgb', 'Colour', 'rgb'],
   ['intensity', 'Intensity', 'intensity'],
-  ['height', 'Height', ''],
-  ['distance', 'Distance', ''],
-  ['normal', 'Normal', ''],
-  ['plain', 'Plain', ''],
-  ['label', 'Label', ''],
-  ['confidence', 'Confidence', ''],
-  ['provenance', 'Painted or tracked', ''],
+  ['height', 'Height'],
+  ['distance', 'Distance'],
+  ['normal', 'Normal'],
+  ['plain', 'Plain'],
+  ['label', 'Label'],
+  ['confidence', 'Confidence'],
+  ['provenance', 'Painted or tracked'],
 ];
 
 export function ViewOptions() {
@@ -31,21 +32,13 @@ export function ViewOptions() {
   const fields = state.sequence.value?.fields ?? [];
   return (
     <>
-      <select
-        class="field"
-        aria-label="Colour points by"
-        data-tip="Colour points by"
+      <Choice
+        label="Colour points by"
+        tip="Colour points by"
         value={colorModeOf(view.color, fields)}
-        onChange={(event) => actions.setView({ color: event.currentTarget.value as ColorMode })}
-      >
-        {COLOR_MODES.filter(([, , field]) => !field || fields.includes(field)).map(
-          ([mode, name]) => (
-            <option key={mode} value={mode}>
-              {name}
-            </option>
-          ),
-        )}
-      </select>
+        choices={COLOR_MODES.filter(([, , field]) => !field || fields.includes(field))}
+        onChange={(color) => actions.setView({ color })}
+      />
       <RampButton />
       <ViewSliders class="of-view" />
       <CamerasButton />

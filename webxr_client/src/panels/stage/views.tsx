@@ -1,14 +1,12 @@
 /** Over the canvas, top right: where to look from, and what the camera goes along with. */
 import { signal } from '@preact/signals';
-import type { RefObject } from 'preact';
-import { useRef } from 'preact/hooks';
 import { actions, type ViewPreset } from '../../store/actions';
 import { orthographic } from '../../view/framing';
 import type { Bookmark } from '../../store/types';
 import { bookmarks, removeBookmark, renameBookmark } from '../../view/bookmarks';
 import { followsObject } from '../../view/going';
 import { Button } from '../parts/controls';
-import { Popover } from '../parts/popover';
+import { PopoverButton } from '../parts/popover';
 
 const VIEWS: readonly (readonly [ViewPreset, string, string, string])[] = [
   ['sensor', 'Sensor', 'Look from the position of the sensor', 'R'],
@@ -21,7 +19,6 @@ const VIEWS: readonly (readonly [ViewPreset, string, string, string])[] = [
 const bookmarksOpen = signal(false);
 
 export function Views() {
-  const anchor = useRef<HTMLButtonElement>(null);
   return (
     <div class="views small" role="group" aria-label="View">
       {VIEWS.map(([preset, name, tip, keys]) => (
@@ -53,29 +50,23 @@ export function Views() {
         pressed={followsObject.value}
         onClick={() => (followsObject.value = !followsObject.value)}
       />
-      <Button
-        buttonRef={anchor}
+      <PopoverButton
+        open={bookmarksOpen}
         icon="bookmark"
         tip="Saved views"
-        expanded={bookmarksOpen.value}
-        onClick={() => (bookmarksOpen.value = !bookmarksOpen.value)}
-      />
-      {bookmarksOpen.value && (
-        <Bookmarks anchor={anchor} onClose={() => (bookmarksOpen.value = false)} />
-      )}
+        label="Saved views"
+        class="form"
+      >
+        <Bookmarks />
+      </PopoverButton>
     </div>
   );
 }
 
-interface BookmarksProps {
-  anchor: RefObject<HTMLElement | null>;
-  onClose: () => void;
-}
-
 /** Views that were kept: go to one, rename it, drop it. */
-function Bookmarks({ anchor, onClose }: BookmarksProps) {
+function Bookmarks() {
   return (
-    <Popover anchor={anchor} label="Saved views" onClose={onClose} class="form">
+    <>
       {bookmarks.value.map((one, index) => (
         <Row key={`${index} ${one.name}`} one={one} index={index} />
       ))}
@@ -88,7 +79,7 @@ function Bookmarks({ anchor, onClose }: BookmarksProps) {
         kind="outlined"
         onClick={() => actions.keepView()}
       />
-    </Popover>
+    </>
   );
 }
 

@@ -5,8 +5,8 @@ import { actions } from '../../store/actions';
 import { apiUrl } from '../../net/rest';
 import { canEdit, canReview, state, type TimelineRow, trackingJob } from '../../store/state';
 import { clock, plural } from '../../common/format';
-import { Icon, type IconName } from '../../common/icons';
-import { Popover } from '../parts/popover';
+import { type IconName } from '../../common/icons';
+import { MenuItem, Popover } from '../parts/popover';
 import { frameRange, ordered } from '../../store/range';
 import { cellKind, type CellKind } from '../../store/cells';
 
@@ -112,18 +112,7 @@ export function StripMenu() {
             {cellWords(state.timeline.value.rows.get(label.id), place.frame)}
           </p>
           {entries(place, label.locked).map(({ icon, text, disabled, run }) => (
-            <button
-              key={text}
-              type="button"
-              class="menu-item"
-              disabled={disabled}
-              onClick={() => {
-                close();
-                run();
-              }}
-            >
-              <Icon name={icon} /> {text}
-            </button>
+            <MenuItem key={text} icon={icon} label={text} disabled={disabled} onClick={run} />
           ))}
         </Popover>
       )}

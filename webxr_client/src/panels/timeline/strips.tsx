@@ -227,13 +227,13 @@ function drag(
       frameRange.value = range;
     }
   };
+  const abort = new AbortController();
   const up = (released: PointerEvent): void => {
-    element.removeEventListener('pointermove', move);
-    element.removeEventListener('pointerup', up);
-    element.removeEventListener('pointercancel', up);
+    abort.abort();
     if (!range) actions.seek(frameAt(released));
   };
-  element.addEventListener('pointermove', move);
-  element.addEventListener('pointerup', up);
-  element.addEventListener('pointercancel', up);
+  const own = { signal: abort.signal };
+  element.addEventListener('pointermove', move, own);
+  element.addEventListener('pointerup', up, own);
+  element.addEventListener('pointercancel', up, own);
 }

@@ -4,6 +4,7 @@ import { useEffect } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { state } from '../../store/state';
 import { follow } from '../../store/watch';
+import { Choice } from '../parts/fields';
 import { Button } from '../parts/controls';
 import { Doubt } from './doubt';
 import { clock, plural } from '../../common/format';
@@ -69,19 +70,14 @@ function Transport() {
         pressed={state.loop.value}
         onClick={() => actions.toggleLoop()}
       />
-      <select
-        class="field speed"
-        aria-label="Speed"
-        data-tip="Speed"
-        value={speed}
-        onChange={(event) => actions.setSpeed(Number(event.currentTarget.value))}
-      >
-        {speeds.map((value) => (
-          <option key={value} value={value}>
-            {value}×
-          </option>
-        ))}
-      </select>
+      <Choice
+        class="speed"
+        label="Speed"
+        tip="Speed"
+        value={String(speed)}
+        choices={speeds.map((value) => [String(value), `${value}×`] as const)}
+        onChange={(value) => actions.setSpeed(Number(value))}
+      />
     </div>
   );
 }

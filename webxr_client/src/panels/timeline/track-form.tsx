@@ -1,12 +1,11 @@
 /** Carrying labels through time: which, how far, how. */
 import { signal, useComputed } from '@preact/signals';
-import type { RefObject } from 'preact';
 import { useState } from 'preact/hooks';
 import { actions, type TrackRequest } from '../../store/actions';
 import { patch, state } from '../../store/state';
 import { Button, Check, Swatch } from '../parts/controls';
 import { plural } from '../../common/format';
-import { Popover } from '../parts/popover';
+import { ChoiceRow } from '../parts/fields';
 import { frameRange } from '../../store/range';
 
 export const trackOpen = signal(false);
@@ -52,7 +51,7 @@ const choices = signal<Choices>({
   stop_unsure: false,
 });
 
-export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> }) {
+export function TrackForm() {
   const last = (state.sequence.value?.frames ?? 1) - 1;
   const [start, setStart] = useState(frameRange.peek()?.from ?? state.frame.peek());
   const [stop, setStop] = useState(frameRange.peek()?.to ?? last);
@@ -65,28 +64,25 @@ export function TrackForm({ anchor }: { anchor: RefObject<HTMLElement | null> })
     close();
   };
   return (
-    <Popover anchor={anchor} label="Track labels" onClose={close} class="form">
-      <form onSubmit={submit}>
-        <h2>Track labels</h2>
-        <Painted frame={start} labels={here} chosen={chosen} onChange={setChosen} />
-        <div class="track-range line">
-          <FrameField label="From" value={start} max={last} onChange={setStart} />
-          <FrameField label="To" value={stop} max={last} onChange={setStop} />
-          <span class="soft">{inWords(start, stop)}</span>
-        </div>
-        <HowItGoes />
-        <div class="form-end">
-          <Button label="Cancel" onClick={close} />
-          <button
-            type="submit"
-            class="button primary"
-            disabled={labels.length === 0 || start === stop}
-          >
-            Track {labels.length > 0 ? plural(labels.length, 'label') : ''}
-          </button>
-        </div>
-      </form>
-    </Popover>
+    <form onSubmit={submit}>
+      <h2>Track labels</h2>
+      <Painted frame={start} labels={here} chosen={chosen} onChange={setChosen} />
+      <div class="track-range line">
+        <FrameField label="From" value={start} max={last} onChange={setStart} />
+        <FrameField label="To" value={stop} max={last} onChange={setStop} />
+        <span class="soft">{inWords(start, stop)}</span>
+      </div>
+      <HowItGoes />
+      <div class="form-end">
+        <Button label="Cancel" onClick={close} />
+        <Button
+          submit
+          label={`Track ${labels.length > 0 ? plural(labels.length, 'label') : ''}`}
+          kind="primary"
+          disabled={labels.length === 0 || start === stop}
+        />
+      </div>
+    </form>
   );
 }
 
@@ -100,17 +96,17 @@ function HowItGoes() {
   const { method, overwrite } = choices.value;
   return (
     <>
-      <Select
+      <ChoiceRow
         label="Method"
-        options={METHODS}
         value={method}
-        onChange={(value) => patch(choices, { method: value })}
+        choices={METHODS}
+        onChange={(method) => patch(choices, { method })}
       />
-      <Select
+      <ChoiceRow
         label="Overwrite"
-        options={OVERWRITE}
         value={overwrite}
-        onChange={(value) => patch(choices, { overwrite: value })}
+        choices={OVERWRITE}
+        onChange={(overwrite) => patch(choices, { overwrite })}
       />
       <fieldset>
         {SWITCHES.map(([name, label, tip]) => (
@@ -124,32 +120,6 @@ function HowItGoes() {
         ))}
       </fieldset>
     </>
-  );
-}
-
-interface SelectProps<T extends string> {
-  label: string;
-  options: readonly (readonly [T, string])[];
-  value: T;
-  onChange: (value: T) => void;
-}
-
-function Select<T extends string>({ label, options, value, onChange }: SelectProps<T>) {
-  return (
-    <label class="row">
-      <span>{label}</span>
-      <select
-        class="field"
-        value={value}
-        onChange={(event) => onChange(event.currentTarget.value as T)}
-      >
-        {options.map(([id, name]) => (
-          <option key={id} value={id}>
-            {name}
-          </option>
-        ))}
-      </select>
-    </label>
   );
 }
 
