@@ -165,6 +165,7 @@ SERVER: list[m.Message] = [
                 },
                 attributes={"parked": True, "occluded": 2.0, "note": "rot ☃"},
                 provenance="drawn",
+                heading_known=False,
             )
         ],
         removed=[1, 2],
