@@ -92,8 +92,8 @@ class HttpModel:
         known: Any = about.get("classes", np.empty(0, str))
         if known.dtype.kind != "U" or known.size > MOST_CLASSES:
             raise UnavailableError(
-                f"{self._role}: expected at most {MOST_CLASSES} names of classes, got {known.dtype} "
-                f"{known.shape}"
+                f"{self._role}: expected at most {MOST_CLASSES} names of classes, got "
+                f"{known.dtype} {known.shape}"
             )
         self.classes = tuple(str(name)[:NAME_LENGTH] for name in known.ravel())
 
