@@ -3,8 +3,8 @@
     python benchmarks/bench_boxes.py [--seeds 1,2,3] [--frames 20] [--least 20]
                                      [--sustech FOLDER] [--argoverse FOLDER] [--dgp] [--verbose]
 
-Every point of an object is its label's ("perfect paint").  Counted is each frame of an object in
-which it has ``--least`` points or more.  Printed a source and class: the mean IoU and the share of
+Every point of an object is its label's ("perfect paint"). Counted is each frame of an object in
+which it has ``--least`` points or more. Printed a source and class: the mean IoU and the share of
 at least .7, of the fit, of today's visible box, and of the visible box that is completed to the
 class's mean size away from the sensor; of what moves, the share whose direction is within 5
 degrees; and how many headings count as known, how many of these are reversed, and how many are

@@ -154,13 +154,17 @@ def sustech(folder: Path) -> Iterator[Case]:
         label = folder / "data" / "example" / "label" / f"{path.stem}.json"
         boxes = [box for each in read_sustechpoints(label) for box in each.boxes]
         frames.append((scan, [box for box in boxes if isinstance(box, FrameBox)]))
-    kinds = {"Car": "car", "Van": "van", "Truck": "truck", "Bus": "bus", "Pedestrian": "pedestrian"}
+    kinds = {
+        "Car": "car", "Van": "van", "Truck": "truck", "Bus": "bus", "Pedestrian": "pedestrian",
+        "Rider": "cyclist", "Motor": "cyclist",
+    }  # fmt: skip
     yield from annotated("sustech", frames, kinds)
 
 
 ARGOVERSE = {
     "REGULAR_VEHICLE": "car", "LARGE_VEHICLE": "truck", "BUS": "bus", "BOX_TRUCK": "truck",
     "TRUCK": "truck", "PEDESTRIAN": "pedestrian", "BICYCLIST": "cyclist",
+    "MOTORCYCLIST": "cyclist", "WHEELED_RIDER": "pedestrian",
 }  # fmt: skip
 
 

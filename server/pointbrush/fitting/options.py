@@ -25,6 +25,9 @@ class FitOptions:
     """Metres behind the outermost points within which points belong to a side."""
     edge_quantile: float = 0.85
     """Quantile of these points, outward, at which the side is."""
+    person_margin: float = 0.04
+    """Metres from the outermost points of a person or a two-wheeler to the sides: beams miss the
+    ends of limbs and handlebars."""
     band: tuple[float, float] = (0.22, 0.5)
     """Shares of the height between which a body is solid: rays that pass there say it is free."""
     inner: float = 0.6

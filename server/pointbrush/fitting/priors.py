@@ -46,7 +46,7 @@ BUILT_IN: Mapping[str, SizePrior] = {
         SizePrior("truck", (9.0, 2.5, 3.2), (2.0, 0.2, 0.4), weight=0.1),
         SizePrior("bus", (11.5, 2.7, 3.2), (1.5, 0.2, 0.25), weight=0.05),
         SizePrior("pedestrian", (0.65, 0.62, 1.7), (0.2, 0.1, 0.15), person=True),
-        SizePrior("cyclist", (1.75, 0.62, 1.72), (0.15, 0.1, 0.15), person=True),
+        SizePrior("cyclist", (1.76, 0.6, 1.73), (0.15, 0.1, 0.15), person=True),
     )
 }
 VEHICLES = ("car", "van", "truck", "bus")

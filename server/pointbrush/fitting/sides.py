@@ -138,6 +138,8 @@ def find_sides(
         toward[2] = 0
     low = np.array([-edge(-body[:, a], toward[a] < -FACING, options) for a in range(3)])
     high = np.array([edge(body[:, a], toward[a] > FACING, options) for a in range(3)])
+    if prior.person:
+        low, high = low - options.person_margin, high + options.person_margin
     low[2] = floor
     reach = np.maximum(mean + OPEN * spread - (high - low), 0)
     counts = np.ceil(reach / options.bin_size).astype(int) + 1
