@@ -11,6 +11,7 @@ import scenes
 
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import solid
+from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
@@ -188,6 +189,8 @@ def test_a_thing_painted_end_on_gets_its_length_once_that_shows(
     truth = np.flatnonzero(view.frame.truth == 1)
     flight.core = flight.core.pick(view.xyz[own, 1] > np.quantile(view.xyz[own, 1], 0.3))
     track.size, track.frames_alone = 0.3 * len(truth), frames_alone
+    # Its end shows the colours of all of it; a hand has others.
+    track.appearance = ColourHistogram.of(view.colour(truth), OPTIONS.appearance)
     if held:
         missed = np.setdiff1d(truth, flight.core.indices)
         track.other_movers = rivals_of(flight, view, missed, beside=False)

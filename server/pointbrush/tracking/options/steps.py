@@ -208,6 +208,7 @@ class GrowthOptions(Options):
     # that an object painted end on has.  Without: 3 pins of seed 43, eight draws, -.11.
     known_frames: int = 4
     end_on_ratio: float = 2.0
+    was_there_share_end_on: float = 0.6  # share of that length that was there unlabelled, likewise
     new_share: float = 0.5  # share of the known points that new surface has at most
     new_share_moving_scanner: float = 1.2  # the same, before a lidar on the move
     new_points: int = 10  # points of new surface that are allowed in any case

@@ -252,17 +252,19 @@ def _painted_end_on(track: Track, view: View, core: I64, new: I64, before: Mask)
     """Test whether ``new`` surface (M,) is the length of an object of which an end was painted.
 
     It makes a moving object, not yet seen alone often enough, much longer, and ends all round.  A
-    hand goes on behind something else than the object, or most of it was there in the last frame,
-    unlabelled, as ``before`` (M,) of the new surface was.
+    hand has other colours, goes on behind something else than the object, or most of it was there
+    in the last frame, unlabelled, as ``before`` (M,) of the new surface was.
     """
     options = track.options.growth
     known = track.frames_alone >= options.known_frames or track.motion.slow(track.unit)
-    if view.lens is None or known:
+    if view.lens is None or known or not track.has_colour_key:
+        return False
+    if track.strange(view.colour(new)).mean() > options.strange_colours_share:
         return False
     whole = np.concatenate([core, new])
     if cut_off(view, new, track.unit, ~view.marked(whole)):
         return False
-    if _share_there(track, view, new, before) >= options.was_there_share_open:
+    if _share_there(track, view, new, before) >= options.was_there_share_end_on:
         return False
     return _length(view, whole) > options.end_on_ratio * _length(view, core)
 
