@@ -107,9 +107,10 @@ describe('the profiles of the registry', () => {
 });
 
 describe('the models of the registry', () => {
-  const MODELS = import.meta.glob('/node_modules/@webxr-input-profiles/assets/dist/profiles/*/profile.json', {
-    eager: true, import: 'default',
-  }) as Record<string, Profile>; // prettier-ignore
+  const MODELS = import.meta.glob<Profile>(
+    '/node_modules/@webxr-input-profiles/assets/dist/profiles/*/profile.json',
+    { eager: true, import: 'default' },
+  );
   const BUNDLED = ['htc-vive', 'meta-quest-touch-plus', 'oculus-touch-v3', 'pico-4u'];
   const CONTROLS = BUNDLED.flatMap((id) => SIDES.map((side) => [id, side] as const));
 
