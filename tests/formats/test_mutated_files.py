@@ -40,7 +40,7 @@ def _png(width: int, height: int) -> bytes:
 
 HUGE = b"1" + b"0" * 400
 TINY = struct.pack("<4d", 0.0, 0.0, 0.0, 1.0), struct.pack("<4d", 0.0, 0.0, 0.0, 1e-320)
-DAMAGED = {
+DAMAGED: dict[str, tuple[str, str, str, bytes | tuple[bytes, bytes]]] = {
     "an image of 900 million pixels": ("depth", "depth", "depth/0.png", _png(30_000, 30_000)),
     "a name with a null byte": ("depth", "tum", "rgb.txt", b"10.0 rgb/\0.png\n"),
     "a name that is too long": ("depth", "tum", "rgb.txt", b"10.0 " + b"x" * 400),
@@ -52,6 +52,12 @@ DAMAGED = {
         "uncompressed.feather",
         "uncompressed.feather",
         (b"intensity", b"\xb6ntensity"),
+    ),
+    "a class that is no UTF-8": (
+        "boxes",
+        "our argoverse2",
+        "annotations.feather",
+        (b"vehicle", b"\xb6ehicle"),
     ),
     "a mask that is none": ("labels", "our ply", "e/deleted/000000.npy", b"\x93NUMPY\x01\x00"),
 }

@@ -47,17 +47,23 @@ def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[st
             rows = sum(reader.get_batch(i).num_rows for i in range(reader.num_record_batches))
         require_count(path.name, rows, limits)
         table = feather.read_table(path, memory_map=False)
-        columns = dict(zip(table.column_names, table.columns, strict=True))
+        # Names and words are decoded here, and may be no text.
+        return {
+            name: column.to_numpy()
+            for name, column in zip(table.column_names, table.columns, strict=True)
+            if name in words or _is_number(column.type)
+        }
     except (pa.ArrowException, OSError, ValueError) as error:
         if isinstance(error, BadInputError):
             raise
         reason = str(error).split("\n")[0][:120]
         raise BadInputError(f"{path.name}: expected a feather table, {reason}") from None
-    return {
-        name: column.to_numpy()
-        for name, column in columns.items()
-        if name in words or pa.types.is_integer(column.type) or pa.types.is_floating(column.type)
-    }
+
+
+def _is_number(kind: Any) -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_integer(kind) or pa.types.is_floating(kind))
 
 
 def argoverse_poses(log: Path, times: Sequence[float] | None, limits: Limits) -> Poses | None:
