@@ -13,11 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from entering_people import entering
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from pointbrush.cli import main
+from pointbrush.frame import PointFrame
 from pointbrush.samples import generate, write
 from pointbrush.samples.driving import drive
 from pointbrush.sequences import StoredFrame, open_sequence
@@ -93,6 +95,9 @@ def recorded(kind: str, seed: int, count: int, every: int = 1, seen: str = "came
         return street(kind, seed, count)
     if kind in CROWDS:
         return crowd(kind, seed, count)
+    if kind == "entering":
+        made = entering(seed, count)
+        return _with_trees([_in_memory(made.frame(i), made.truth[i]) for i in range(count)])
     return generated(kind, seed, count, every, seen)
 
 
@@ -110,14 +115,14 @@ def generated(
     name, options = (KINDS | MORE)[kind]
     recording = generate(name, seed, count * every, **options)
     some = range(0, count * every, every)
-    frames = ((recording.frames[i], recording.truth[i]) for i in some)
     rng = np.random.default_rng(seed)
     return _with_trees(
-        [
-            _seen(Frame(f.xyz.astype(np.float32), f.rgb, truth, f.viewpoint), seen, rng)
-            for f, truth in frames
-        ]
+        [_seen(_in_memory(recording.frame(i), recording.truth[i]), seen, rng) for i in some]
     )
+
+
+def _in_memory(frame: PointFrame, truth: NDArray[np.uint16]) -> Frame:
+    return Frame(frame.xyz.astype(np.float32), frame.rgb, truth, frame.viewpoint)
 
 
 def street(kind: str, seed: int, count: int) -> list[Frame]:

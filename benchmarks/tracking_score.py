@@ -25,6 +25,8 @@ class Score:
     iou: list[float] = field(default_factory=list)
     confidence: list[float] = field(default_factory=list)
     flagged: list[bool] = field(default_factory=list)
+    wrong: list[float] = field(default_factory=list)
+    """Confidence of each result most of whose points are another object's, visible or not."""
     ms: list[float] = field(default_factory=list)
     """CPU milliseconds per object, one entry per frame."""
     lasted: list[int] = field(default_factory=list)
@@ -55,12 +57,15 @@ class Score:
     ) -> None:
         for label, history in found.items():
             truth = frame.truth == label
-            if truth.sum() < LEAST:
-                continue
             points = result.assignments.get(label, np.empty(0, np.int64))
             both = truth[points].sum()
-            iou = float(both / (truth.sum() + len(points) - both))
             track = result.tracks.get(label)
+            others = np.count_nonzero(frame.truth[points]) - both
+            if track is not None and len(points) >= LEAST and 2 * others > len(points):
+                self.wrong.append(track.confidence)
+            if truth.sum() < LEAST:
+                continue
+            iou = float(both / (truth.sum() + len(points) - both))
             lost = track is None or track.state in ("lost", "occluded") or track.confidence < 0.5
             self.iou.append(iou)
             self.confidence.append(track.confidence if track else 0.0)

@@ -258,6 +258,7 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
         options=OPTIONS, owner=owner, cells=cells, ground=middle @ flat, flat=flat
     )
     observation.cells_of, observation.area = lambda _: np.arange(10), len
+    observation.at_side = lambda _: False
     person = Person.met(OPTIONS, 1, middle, middle.astype(np.float32), 0)
     person.frames_unseen = 1
     person.follow(cast(PersonObservation, observation), np.zeros(3), 1)
@@ -285,6 +286,8 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Per
         options=OPTIONS,
         frame=SimpleNamespace(rgb=True if coloured else None),
         xyz=middle[cell],
+        cells=SimpleNamespace(cell=np.full(len(cell), 50)),
+        camera=SimpleNamespace(shape=(1, 100)),
         colour=lambda points: colour[cell[points]],
         depth=np.full(1, np.inf),
         project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
@@ -485,6 +488,26 @@ def test_scraps_are_not_where_somebody_was_well_seen() -> None:
     assert person.well == 4
     come_back(observation, [person], 30, now=10)
     assert np.all(observation.owner[30:] == 1)
+
+
+@pytest.mark.parametrize(("tops", "back"), [([1.7, 1.71], False), ([1.7, 1.71, 1.69], True)])
+@pytest.mark.parametrize("tall", [1.7, 1.8])
+def test_a_newcomer_is_a_person_who_left_only_once_stature_tells(
+    tops: list[float], back: bool, tall: float
+) -> None:
+    person, newcomer = somebody(1, 0.0, RED, well=4), somebody(-1, 0.3, RED, well=9)
+    person.at_side, person.frames_unseen, newcomer.since = True, 5, 8
+    person.identity.stature.tops, newcomer.identity.stature.tops = [tall] * 3, tops
+    observation = staged(body(0.3, RED))
+    observation.owner[:] = -1
+    come_back(observation, [person, newcomer], 30, now=10)
+    returned = back and tall == 1.7
+    assert np.all(observation.owner == (1 if returned else -1))
+    if returned:
+        person.follow(observation, np.zeros(3), 10)
+        person.identity.confidence = 1.0
+        state = outcome(observation, person, SURE).state
+        assert state.confidence <= OPTIONS.body.doubted_confidence
 
 
 @pytest.mark.parametrize(("wear", "told"), [(BLUE, True), (RED, False)])

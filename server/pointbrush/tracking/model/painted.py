@@ -12,20 +12,27 @@ from pointbrush.tracking.options.tracks import ObjectOptions
 from pointbrush.tracking.sensors.view import View
 
 
-def cut_off_by_edge(view: View, indices: I64) -> bool:
-    """Whether much of what is painted lies at the edge of the picture: there is more of it.
+def cut_off_by_edge(view: View, indices: I64, radius: float) -> bool:
+    """Test whether the picture's edge cuts off what is painted, ``radius`` metres in size.
 
-    Where nothing unlabelled reaches as far, what is painted ends, and not the picture.
+    Much of it lies at the edge, or it is as large as a part of a person and touches the edge along
+    much of its width.  Where nothing unlabelled reaches as far, what is painted ends, and not the
+    picture.
     """
     options = view.options.track
     if view.lens is None:
         return False
-    others, away = ~view.labelled(), np.inf
-    for at in np.divmod(view.cells.cell, view.lens.shape[1]):
+    others, away, touch = ~view.labelled(), np.inf, 0.0
+    row, column = np.divmod(view.cells.cell, view.lens.shape[1])
+    for at, along in ((row, column), (column, row)):
         for side in (at, -at):
             if others.any() and side[others].min() < side.min() + options.edge_px:
-                away = np.minimum(away, side[indices] - side.min())
-    return float(np.mean(away < options.edge_px)) > options.edge_share
+                gap = side[indices] - side.min()
+                away = np.minimum(away, gap)
+                contact = np.unique(along[indices][gap < options.edge_px])
+                touch = max(touch, len(contact) / (np.ptp(along[indices]) + 1))
+    wide = touch > options.contact_share and radius > options.cut_m
+    return wide or float(np.mean(away < options.edge_px)) > options.edge_share
 
 
 def away_from(view: View, xyz: F64) -> float:
@@ -111,5 +118,5 @@ class Painted:
             broad=radius > options.part_m
             and across_way(xyz) > options.broad_m
             and away_from(view, xyz) > options.afar_m,
-            cut=cut_off_by_edge(view, indices),
+            cut=cut_off_by_edge(view, indices, radius),
         )

@@ -153,6 +153,12 @@ class ArrivalOptions(Options):
     around_m: float = 0.6
     joined_m: float = 0.3  # metres between unlabelled bodies that come together
     touches_m: float = 0.1  # metres between a body and who came back
+    side_px: int = 8  # pixels from the left or right edge of the picture
+    side_points: int = 5  # points within them from which a person may have left there
+    return_tops: PositiveInt = 3  # measured tops of a newcomer from which they may be recognised
+    return_clothes_weight: float = 0.5  # weight of clothes, which light changes, against stature
+    return_log_per_frame: float = 0.05  # log odds that a frame takes: others come meanwhile
+    return_log_odds: float = 1.0  # log odds from which a newcomer is a person who left
     recent_frames: int = 3  # frames within which a person has just come
     exchange_log: float = 0.5  # mean log ratio by which each must be more like the other's clothes
     exchange_frames: int = 3  # frames in which that has to be so, one after the other

@@ -145,6 +145,8 @@ class ObjectOptions(Options):
     ring_share: float = 0.3  # share of the way between rings that is a unit
     edge_px: int = 2  # pixels from the edge of the picture
     edge_share: float = 0.15  # share of the painted points at the edge from which it is cut
+    contact_share: float = 0.3  # share of its width along the edge that touches it likewise
+    cut_m: float = 0.2  # metres of radius from which that contact tells
     sampled_points: PositiveInt = 400  # points whose neighbours are looked at
     lone_spacing_m: float = 0.02  # metres between points where there are too few to tell
     min_spacing_m: PositiveFloat = 0.0001  # metres between points at least, where all are one point

@@ -122,7 +122,7 @@ def _ranked(
     for person in gone:
         for number, (cells, other, rest) in enumerate(offers):
             cost = None
-            if _may_be(person, other):
+            if _may_be(person, other) and _may_return(observation, person, other, cells, now):
                 cost = _cost(observation, person, cells, other, now)
             if cost is not None:
                 if other is not None and rest is not None:
@@ -152,6 +152,34 @@ def _may_be(person: Person, other: Person | None) -> bool:
     if other is None or other.named:
         return other is not person
     return other.since > person.well
+
+
+def _may_return(
+    observation: PersonObservation, person: Person, other: Person | None, cells: I64, now: int
+) -> bool:
+    """Test whether a missing person may have a body, or what an ``other`` has.
+
+    A newcomer is a person who left at a side of the picture only once stature, clothes and time
+    make that likely.
+    """
+    if not (person.at_side and person.frames_unseen) or (other is not None and other.named):
+        return True
+    return other is not None and _recognised(observation, person, other, cells, now)
+
+
+def _recognised(
+    observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
+) -> bool:
+    """Test by log odds whether a ``newcomer`` is a person who left the picture."""
+    options, tops = observation.options.arrivals, newcomer.identity.stature.tops
+    if len(tops) < options.return_tops:
+        return False
+    odds = (
+        person.identity.stature.likelihood(float(np.median(tops)))
+        + options.return_clothes_weight * person.likeness(observation.some(cells))
+        - options.return_log_per_frame * (now - person.well)
+    )
+    return odds > options.return_log_odds
 
 
 def _offers(
@@ -314,9 +342,7 @@ def newcomers(
                     else ColourHistogram.of(some, observation.options.appearance)
                 )
                 middle, colour = observation.cells.middle[cells], observation.cells.colour[cells]
-                fresh.append(
-                    Person.met(observation.view.options, owner, middle, colour, now, appearance)
-                )
+                fresh.append(Person.met(options, owner, middle, colour, now, appearance))
         observation.owner[cells] = owner or 0
     return fresh
 

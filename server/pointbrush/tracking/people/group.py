@@ -124,6 +124,8 @@ class Group:
             person.follow(observation, stride, self.now)
             if person.named:
                 found[person.label] = outcome(observation, person, looks)
+            else:
+                person.measure(person.top(observation))
         self.people = [
             f
             for f in self.people
@@ -254,7 +256,7 @@ def outcome(
         looks.likelihood(options=observation.view.options),
         identity.confidence + options.confidence.regain,
     )
-    if identity.doubts:
+    if identity.doubts or identity.returned:
         identity.confidence = min(identity.confidence, options.body.doubted_confidence)
     state = TrackState(pose, 0.0, looks.shown, identity.confidence, len(points), "tracked")
     return Outcome(state, points)

@@ -102,6 +102,15 @@ class PersonObservation:
         touches[np.concatenate(mine)] = True
         return float(touches[cells].mean())
 
+    def at_side(self, cells: I64) -> bool:
+        """Test whether the ``cells`` (C,) touch the left or the right edge of the picture."""
+        options, width = self.options.arrivals, self.view.camera.shape[1]
+        own = np.zeros(len(self.owner), np.bool_)
+        own[cells] = True
+        column = self.view.cells.cell[self.cells.indices[own[self.cells.cell]]] % width
+        beside = np.minimum(column, width - 1 - column) < options.side_px
+        return bool(np.count_nonzero(beside) >= options.side_points)
+
     def spread(self, cells: I64) -> float:
         """Standard deviation (m) of the ``cells`` (C,) along the ground, both ways together."""
         return float(np.linalg.norm(np.std(self.ground[cells], axis=0)))

@@ -67,9 +67,11 @@ class Identity:
 
     ``appearance`` their clothes, None where they were not seen; ``first`` the cells they came with;
     ``with_flying`` whether the flying pixels at their outline are theirs; ``stature`` how tall they
-    are; ``trust`` their last confidence; ``doubts`` whom they may be as well, by label; ``sure``
-    the last frame in which they were surely themselves; ``colours`` (M, 3) those by which their
-    clothes are told, and ``shown`` how much of them they are of, as ``Observation.area`` says it.
+    are; ``confidence`` their last one; ``returned`` whether they left the picture since they were
+    painted, so that they may be somebody else; ``doubts`` whom they may be as well, by label;
+    ``sure`` the last frame in which they were surely themselves; ``colours`` (M, 3) those by which
+    their clothes are told, and ``shown`` how much of them they are of, as ``Observation.area`` says
+    it.
     """
 
     options: TrackerOptions
@@ -80,6 +82,7 @@ class Identity:
     with_flying: bool = False
     stature: Stature = field(init=False)
     confidence: float = 1.0
+    returned: bool = False
     doubts: set[int] = field(default_factory=set)
     colours: F32 = field(default_factory=lambda: np.empty((0, 3), np.float32))
     shown: float = 0.0
@@ -102,7 +105,9 @@ class Person:
     ``since`` the frame they came in, ``back`` the one they came back in; ``step`` (3,) metres in
     the last frame, ``went`` (3,) since the start; ``size`` the most cells they had, ``last`` in the
     last frame; ``area`` the most that showed of them; ``spread`` how far along the ground they were
-    where they was painted; ``missing`` frames since they were seen; ``well`` the last in which more
+    where they was painted; ``at_side`` whether they touched a side
+    of the picture when they were last seen;
+    ``missing`` frames since they were seen; ``well`` the last in which more
     than scraps of them were, ``known`` (S, 3) their surface then; ``mistaken`` frames in which they
     and another were dressed as each other; ``ways`` (2,) along the ground up to each of the last
     frames, all of which show them.
@@ -120,6 +125,7 @@ class Person:
     spread: float = 0.0
     last: int = field(init=False)
     age: int = 0
+    at_side: bool = False
     frames_unseen: int = 0
     well: int = field(init=False)
     known: F64 = field(init=False)
@@ -212,6 +218,8 @@ class Person:
         self.colour = np.vstack([observation.cells.colour[core], self.colour[hidden]])
         if self.frames_unseen:
             self.step, self.back = np.zeros(3), now
+            long = self.frames_unseen > self.options.arrivals.missing_frames
+            self.identity.returned |= self.at_side and long
         else:
             self.step = (
                 step.copy()
@@ -228,6 +236,7 @@ class Person:
         if area >= options.scrap_share * self.area:
             self.well, self.known = now, self.xyz
         self.frames_unseen, self.age = 0, self.age + 1
+        self.at_side = observation.at_side(cells)
         self.ways.append(self.went @ observation.flat)
 
     def gone(self) -> tuple[int, float] | None:
