@@ -1,7 +1,6 @@
 import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../../store/actions';
-import { takeTimeline } from '../../engine/labels';
-import type { Label, Timeline } from '../../protocol/messages';
+import type { Label } from '../../protocol/messages';
 import { halted } from '../../engine/review';
 import { projects } from '../../engine/projects';
 import { state } from '../../store/state';
@@ -195,8 +194,14 @@ describe('the palette counts the points of a label', () => {
   it('of this frame and of all before it is deleted, and of all in its row', () => {
     state.activeLabel.value = 1;
     state.counts.value = new Map([[1, 59_726]]);
-    const cells = [20, 3669].map((points, frame) => ({ label: 1, frame, points, painted: points }));
-    takeTimeline({ whole: true, cells } as unknown as Timeline, 6);
+    const points = Uint32Array.of(20, 3669);
+    const row = {
+      points,
+      painted: points,
+      confidence: new Float32Array(2),
+      state: new Uint8Array(2),
+    };
+    state.timeline.value = { rows: new Map([[1, row]]) };
     state.frame.value = 1;
     for (const page of ['Labels', 'Edit', 'Delete']) press(palette, page);
     written.length = 0;
