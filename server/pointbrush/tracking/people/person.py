@@ -105,12 +105,11 @@ class Person:
     ``since`` the frame they came in, ``back`` the one they came back in; ``step`` (3,) metres in
     the last frame, ``went`` (3,) since the start; ``size`` the most cells they had, ``last`` in the
     last frame; ``area`` the most that showed of them; ``spread`` how far along the ground they were
-    where they was painted; ``at_side`` whether they touched a side
-    of the picture when they were last seen;
-    ``missing`` frames since they were seen; ``well`` the last in which more
-    than scraps of them were, ``known`` (S, 3) their surface then; ``mistaken`` frames in which they
-    and another were dressed as each other; ``ways`` (2,) along the ground up to each of the last
-    frames, all of which show them.
+    where they were painted; ``at_side`` whether they touched a side of the picture when they were
+    last seen; ``missing`` frames since they were seen; ``well`` the last in which more than scraps
+    of them were, ``known`` (S, 3) their surface then; ``mistaken`` frames in which they and another
+    were dressed as each other; ``ways`` (2,) along the ground up to each of the last frames, all of
+    which show them.
     """
 
     options: TrackerOptions
