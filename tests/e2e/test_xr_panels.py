@@ -27,6 +27,8 @@ LEFT, RIGHT = [-0.2, 1.25, -0.5], [0.26, 1.35, -0.45]
 OTHER_PERSON = 8
 MOST, MOST_IN_DOUBT = 0.03, 0.12
 LEAST_CAPITAL, LEAST_TARGET = 1.0, 2.5
+# Metres from the middle of a controller to the words of its hints.
+LEAST_BESIDE = 0.035
 # Devices on which a run is made to stop.
 DOUBTING = ("quest", "one wand", "hands")
 
@@ -152,7 +154,7 @@ def angle(one: list[float], other: list[float], eyes: list[float]) -> float:
 
 
 def check_hints(headset: Headset) -> None:
-    """Hints beside the hands are in both eyes' pictures."""
+    """Hints are beside the hands, not over them, and in both eyes' pictures."""
     for side in ("left", "right"):
         if not headset.ask(f"hs.pointers().length > 0 && hs.tips('{side}').length > 0"):
             continue
@@ -167,6 +169,14 @@ def check_hints(headset: Headset) -> None:
         for eye in (0, 1):
             at = seen(headset, eye, corners)
             assert ((at > 0) & (at < 1)).all(), (side, eye, at)
+        beside = headset.ask(
+            f"""(() => {{
+              const {{ pointers }} = hs.headset.cockpit;
+              const {{ box, facing }} = pointers.bodyOf(pointers.of('{side}')).tips;
+              return [box.min.x, box.max.x].map((x) => Math.abs(x + facing.right));
+            }})()"""
+        )
+        assert min(beside) > LEAST_BESIDE, (side, beside)
 
 
 def check_handle(headset: Headset, panel: str) -> None:
@@ -190,6 +200,20 @@ def check_handle(headset: Headset, panel: str) -> None:
     # A hand that has just come takes its panel along once it was there for a while.
     for eye in range(headset.ask("pb.engine.viewer.renderer.xr.getCamera().cameras.length")):
         eventually(lambda eye=eye: in_sight(eye))
+
+
+def check_apart(headset: Headset) -> None:
+    """No eye sees one handle on the other."""
+    for eye in range(headset.ask("pb.engine.viewer.renderer.xr.getCamera().cameras.length")):
+        corners = []
+        for panel in ("palette", "timeline"):
+            (area,) = headset.ask(f"hs.areas('{panel}')")
+            ends = [place(headset, panel, area, u, v) for u in (0, 1) for v in (0, 1)]
+            corners.append(seen(headset, eye, ends))
+        one, other = corners
+        assert (
+            (one.max(axis=0) < other.min(axis=0)) | (other.max(axis=0) < one.min(axis=0))
+        ).any(), corners
 
 
 def check_words(headset: Headset, panel: str) -> None:
@@ -220,6 +244,13 @@ def check_doubt(headset: Headset, server: LiveServer, begin: Callable[[Headset],
     for hidden in covered(headset):
         assert 0.01 < hidden.mean() <= MOST_IN_DOUBT
     headset.ask("pb.setDrawing(false)")
+    # The first minute waits until the question is answered.
+    headset.click("palette", "Comfort")
+    headset.click("palette", "First minute")
+    headset.until("hs.taught() !== null")
+    assert headset.ask("hs.headset.cockpit.panels.added.mesh.visible") is False
+    headset.click("question", "Later")
+    headset.until("hs.headset.cockpit.panels.added.mesh.visible")
 
 
 @pytest.mark.parametrize("name", DEVICES)
@@ -238,7 +269,11 @@ def test_panels_take_little_room_until_they_are_called(
     headset.frames(3)
     for panel in ("palette", "timeline"):
         check_handle(headset, panel)
+    check_apart(headset)
     check_hints(headset)
+    # A message about a controller that has gone is not for long.
+    headset.until("!hs.headset.cockpit.hud.group.children[0].visible")
+    headset.frames(2)
     for hidden in covered(headset):
         assert 0.001 < hidden.mean() <= MOST
     # Hints go once they are learnt: panels alone never hide what is to be painted.

@@ -225,7 +225,7 @@ export class Cockpit {
 
   private teach(): void {
     const busy = this.painter.painting || this.upDown.shown;
-    this.pointers.teach(this.seconds, busy, this.panels.palette);
+    this.pointers.teach(this.seconds, busy, this.panels.all);
   }
 
   /** Before the recording, as large as it is now and wherever it was moved, the timeline at hand. */

@@ -29,10 +29,10 @@ const STEPS: readonly Step[] = [
   { lesson: 'label', title: 'switch the label', possible: paints, how: (hint) =>
     labels() < 2 ? 'Palette, New: make a second label' : hint ?? 'Palette: choose another label' },
   { lesson: 'object', title: 'the whole object', possible: () => paints() && peek(state.brush).complete && completes(roomWay()), how: (hint) =>
-    hint ? `Painting, ${hint}, then let go` : 'Paint, then Palette, Tools: Complete' },
+    hint ? `${hint}, then let go` : 'Paint, then Palette, Tools: Complete' },
   { lesson: 'play', title: 'play', possible: () => possible('play'), how: (hint) => hint ?? 'Timeline: play' },
   { lesson: 'panel', title: 'track', possible: () => paints() && possible('play'), how: (hint) =>
-    !tracks() ? 'Go back to the painted frame' : hint ? `${hint}, then To end` : 'Timeline: To end' },
+    !tracks() ? 'Paint, or go to a painted frame' : hint ? `${hint}, then To end` : 'Timeline: To end' },
 ]; // prettier-ignore
 
 /** One walk through the steps, from its beginning until it is finished, skipped or left. */

@@ -317,13 +317,13 @@ export class Pointers {
 
   /**
    * Show what the buttons do, as far as it is not learnt; what points at a panel needs none, none
-   * stands in the picture while one paints, and none before the palette.
+   * stands in the picture while one paints, and none before a panel.
    */
-  teach(seconds: Float64Array, painting: boolean, palette: Panel): void {
+  teach(seconds: Float64Array, painting: boolean, panels: readonly Panel[]): void {
     const { tips } = peek(xrSettings);
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
-      body.tips.update(seconds, tips && !painting && body.on === null, this.rig, palette);
+      body.tips.update(seconds, tips && !painting && body.on === null, this.rig, panels);
     }
   }
 

@@ -17,7 +17,9 @@ const MOST: Record<Part, number> = { brush: 2, other: 1 };
 /** Metres from the middle of the hand to the words, and from one line of words to the next. */
 const [BESIDE, PITCH] = [0.06, 1.95 * SIZES.tips.em];
 /** Metres: end of a line before its control, and from a pad's middle, where colours are. */
-const [BEFORE, EDGE] = [0.004, 0.014];
+const [BEFORE, EDGE] = [0.004, 0.01];
+/** Metres that words may be moved over their hand: moved more, they lie on its inner side, and return below half. */
+const SLACK = 0.02;
 /** Share of the way to the eyes by which the words lie before the hand: it hides none of them. */
 const NEARER = 0.12;
 /** Metres outside the picture at which a hand has no words. */
@@ -42,6 +44,8 @@ export class Tips {
   private rows: Row[] = [];
   private readonly facing = { right: 0, up: 0, away: SIZES.tips.away };
   private readonly shift = new Float64Array(2);
+  /** Side of the hand on which the words lie: 1 is to the right. */
+  private aside = 1;
   private readonly corner = new Vector3();
   private readonly toGroup = new Matrix4();
   /** Sides of the words and of a panel as the eyes see them. */
@@ -58,6 +62,7 @@ export class Tips {
   set(part: Part): void {
     this.clear();
     const { hand, group } = this;
+    this.aside = this.outer;
     this.tips = tipsFor(hand.device, part, hand.side === 'left');
     this.rows = Array.from({ length: MOST[part] }, () => {
       const sign = new Sign({ em: SIZES.tips.em, back: INK.back, order: 115, depth: true });
@@ -68,14 +73,16 @@ export class Tips {
     hand.grip.parent?.add(group);
   }
 
-  /** Once per picture; words hide no part of `panel`. */
-  update(seconds: Float64Array, shown: boolean, rig: Rig, panel: Panel): void {
+  /** Once per picture; words hide no part of a panel. */
+  update(seconds: Float64Array, shown: boolean, rig: Rig, panels: readonly Panel[]): void {
     const { hand, rows } = this;
     if (rows.length === 0) return;
     this.choose(rig);
     const near = shown && hand.tracked && !this.box.isEmpty() && this.nearPicture(rig);
     if (near) this.keepInside(rig);
-    const bright = near && !this.covers(panel, rig);
+    if (near && this.mustTurn(rig)) this.turnOver(rig);
+    let bright = near;
+    for (let i = 0; bright && i < panels.length; i++) bright = !this.covers(panels[i]!, rig);
     const step = Math.min(1, FADE_PER_SECOND * seconds[0]!);
     this.group.visible = hand.grip.visible;
     this.toGroup.copy(this.group.matrix).invert();
@@ -95,13 +102,17 @@ export class Tips {
   private draw({ sign, line, tip, opacity }: Row, rig: Rig): void {
     sign.mesh.visible = opacity > 0;
     sign.mesh.material.opacity = line.opacity = opacity;
-    line.show(opacity > 0 ? 2 : 0);
+    // A bare hand has no control that a line could lead to.
+    line.show(opacity > 0 && !this.hand.hasPinch ? 2 : 0);
     if (!tip || opacity === 0) return;
     const { x, y } = sign.mesh.position;
     const { x: width } = sign.mesh.scale;
-    line.put(0, x > 0 ? x - width / 2 : x + width / 2, y, 0);
-    const to = this.control(tip, rig);
-    line.put(1, to.x, to.y, to.z + BEFORE);
+    const { x: right, y: up, z } = this.control(tip);
+    // A line to a control below the hand is as deep as it, so that the hand hides its end.
+    const below = tip.spot === 'trigger' || tip.spot === 'squeeze';
+    const deep = below ? 1 - z / this.corner.copy(rig.headInRig).applyMatrix4(this.toGroup).z : 1;
+    line.put(0, (x - (this.aside * width) / 2) * deep, y * deep, below ? z : 0);
+    line.put(1, right, up, z + BEFORE);
   }
 
   /** Let go of hints that have faded, and take the next ones in their place. */
@@ -127,29 +138,27 @@ export class Tips {
 
   /** Lay the words over the pad, one below the other in the order of their controls: no lines cross. */
   private arrange(rig: Rig): void {
-    const { hand, tips, rows, box, corner } = this;
+    const { tips, rows, box, corner, aside } = this;
     this.face(rig);
     this.toGroup.copy(this.group.matrix).invert();
     const used = rows.filter(({ tip }) => tip !== null);
-    const heights = new Map(used.map((row) => [row, this.control(row.tip!, rig).y]));
+    const heights = new Map(used.map((row) => [row, this.control(row.tip!).y]));
     used.sort((a, b) => heights.get(b)! - heights.get(a)! || tips.indexOf(a.tip!) - tips.indexOf(b.tip!)); // prettier-ignore
-    const side = hand.side === 'left' ? -1 : 1;
     box.makeEmpty();
     used.forEach(({ sign: { mesh }, sign, tip }, k) => {
       sign.write(tip!.short);
       const y = (used.length - 0.3 - k) * PITCH;
-      mesh.position.set(side * (BESIDE + mesh.scale.x / 2), y, 0);
+      mesh.position.set(aside * (BESIDE + mesh.scale.x / 2), y, 0);
       for (const end of [-0.5, 0.5])
         box.expandByPoint(corner.copy(mesh.scale).multiplyScalar(end).setZ(0).add(mesh.position));
     });
   }
 
-  /** The place of a hint's control, in the group's space: of a bare hand where it pinches. */
-  private control({ spot }: Tip, rig: Rig): Vector3 {
+  /** The place of a hint's control, in the group's space. */
+  private control({ spot }: Tip): Vector3 {
     const { hand, corner, spots, toGroup } = this;
-    if (hand.hasPinch) return rig.group.worldToLocal(corner.copy(hand.pinch)).applyMatrix4(toGroup);
     corner.copy(spots[spot]);
-    if (spot === 'pad') corner.x += hand.side === 'left' ? -EDGE : EDGE;
+    if (spot === 'pad') corner.x += this.aside * EDGE;
     return corner.applyMatrix4(hand.grip.matrix).applyMatrix4(toGroup);
   }
 
@@ -165,18 +174,41 @@ export class Tips {
   /** Place the words beside the hand, moved as far as keeps them in both eyes' pictures. */
   private keepInside(rig: Rig): void {
     const { facing, shift } = this;
-    const { inHead, sight } = rig;
     facing.right = facing.up = 0;
     for (let pass = 0; pass <= PASSES; pass++) {
       this.face(rig);
-      shift.fill(0);
-      for (let k = 0; k < CORNERS; k++) sight.lacks(this.wordsCorner(k).applyMatrix4(inHead), shift);
+      this.measure(rig);
       const e = this.group.matrix.elements;
       const grown = Math.sqrt(e[0] * e[0] + e[2] * e[2]);
       facing.right += (GAIN * shift[0]!) / grown;
       facing.up += (GAIN * shift[1]!) / grown;
     }
-  } // prettier-ignore
+  }
+
+  /** Note what the words lack to be in both eyes' pictures; `mirror` −1: on the other side of the hand. */
+  private measure({ inHead, sight }: Rig, mirror = 1): void {
+    this.shift.fill(0);
+    for (let k = 0; k < CORNERS; k++)
+      sight.lacks(this.wordsCorner(k, mirror).applyMatrix4(inHead), this.shift);
+  }
+
+  private get outer(): number {
+    return this.hand.side === 'left' ? -1 : 1;
+  }
+
+  private mustTurn(rig: Rig): boolean {
+    if (this.aside === this.outer) return this.facing.right * this.aside < -SLACK;
+    this.measure(rig, -1);
+    return Math.abs(this.shift[0]!) < SLACK / 2;
+  }
+
+  /** Lay the words on the other side of the hand, where they fade in. */
+  private turnOver(rig: Rig): void {
+    this.aside *= -1;
+    for (const row of this.rows) row.opacity = 0;
+    this.arrange(rig);
+    this.keepInside(rig);
+  }
 
   /** Turn the words to the eyes, at the pad and as far aside as `facing` tells. */
   private face({ headInRig }: Rig): void {
@@ -185,9 +217,9 @@ export class Tips {
   }
 
   /** A corner of all words, in the headset's own space. */
-  private wordsCorner(k: number): Vector3 {
+  private wordsCorner(k: number, mirror = 1): Vector3 {
     const { min, max } = this.box;
-    const place = this.corner.set(k & 1 ? max.x : min.x, k & 2 ? max.y : min.y, 0);
+    const place = this.corner.set(mirror * (k & 1 ? max.x : min.x), k & 2 ? max.y : min.y, 0);
     return place.applyMatrix4(this.group.matrix);
   }
 

@@ -42,8 +42,10 @@ export function tipsFor(device: Device, part: Part, left: boolean): Tip[] {
 /** `how`: what the thumb does; else the control is pressed. */
 function tip(spot: Spot, control: string, how: string, act: string, lesson: Lesson): Tip {
   const grip = control.startsWith('Grip +') ? 'Grip + ' : '';
+  const text = `${control} ${how}`.trim() + `: ${act}`;
+  if (control === 'Pinch') return { text, short: text, lesson, spot };
   const short = how === 'pressed' ? `press: ${act}` : `${grip}${how} ${act}`.trim();
-  return { text: `${control} ${how}`.trim() + `: ${act}`, short, lesson, spot };
+  return { text, short, lesson, spot };
 }
 
 /** Actions of the two buttons, by the hand's part. */

@@ -3,6 +3,7 @@ import { change } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
 import { INK, type Ui } from '../drawing/ui';
 import { Panel } from './panel';
+import { asking } from './timeline-tracking';
 
 /** Ems: middles of the two lines, and the buttons' width and height. */
 const [TITLE, HOW, BUTTON, HIGH] = [1.5, 3.8, 5.2, 2.1];
@@ -14,8 +15,9 @@ export class GuidePanel extends Panel {
     super({ width: 0.5, height: 0.11, pixelsPerMetre: 2000, em: SIZES.question.em }, 98);
   }
 
-  /** The way to do a step changes with what is held. */
+  /** The way to do a step changes with what is held; while a question is asked, nothing else is. */
   override update(now: number): void {
+    this.mesh.visible = !asking.peek();
     const how = this.guide.how();
     if (how !== this.how) this.touch();
     this.how = how;

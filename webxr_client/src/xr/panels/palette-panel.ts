@@ -90,8 +90,8 @@ export class PalettePanel extends Panel {
         height: 0.362,
         pixelsPerMetre: 3100,
         em: SIZES.palette.em,
-        // To the right, where no hints of a left hand are.
-        handle: { at: 0.77, wide: 10 },
+        // To the right, where no hints of a left hand are, and clear of the timeline's handle.
+        handle: { at: 0.745, wide: 9 },
       },
       100,
     );

@@ -21,7 +21,7 @@ const LANES = 5;
 const GUTTER_EMS = 7.5;
 const READOUT_EMS = 14.6;
 /** To the right of the middle: a palette without a hand has its own to the left. */
-const HANDLE = { at: 0.619, wide: 8.4 } as const;
+const HANDLE = { at: 0.625, wide: 8.2 } as const;
 /** Ems from the handle's left end to the number of the frame on it. */
 const NUMBER_AT = 2.3;
 /** Between two drawings for what may show later; a picture of its own is a costly one. */
