@@ -126,8 +126,23 @@ def floor(headset: Headset, server: Served, place: list[float]) -> Image.Image:
     return both
 
 
+def first_minute(browser: Browser, page: str) -> Image.Image:
+    """Return the first minute's second step, as a newcomer sees it."""
+    headset = wear(browser, page, size=SIZE, drawn=True, newcomer=True)
+    headset.ready()
+    headset.enter()
+    headset.ask("pb.setAdaptive(false)")
+    headset.click("added", "Next")
+    hold(headset)
+    headset.until("hs.tips('right').length > 0")
+    shown = look(headset)
+    headset.context.close()
+    return shown
+
+
 def take(server: Served, browser: Browser, target: Path, dust: int, place: list[float]) -> None:
     """Walk through the views; nobody can track the label ``dust``, ``place`` is on the floor."""
+    save(first_minute(browser, server.page), target / "headset-first-minute.jpg")
     headset = wear(browser, server.page, size=SIZE, drawn=True)
     headset.ready()
     headset.enter()
