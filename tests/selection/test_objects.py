@@ -176,6 +176,21 @@ def test_a_click_on_a_lone_return_goes_to_the_nearest_surface() -> None:
     assert max(overlap(each, np.append(which == BALL, False)) for each in found) > 0.8
 
 
+def test_a_click_on_a_lone_return_of_a_lidar_goes_to_what_is_behind_it() -> None:
+    rng = np.random.default_rng(0)
+    road = np.column_stack([rng.uniform(-20, 20, (20_000, 2)), np.zeros(20_000)])
+    van = np.column_stack(
+        [np.full(3000, 12.0), rng.uniform(-2, 2, 3000), rng.uniform(0.3, 2, 3000)]
+    )
+    lone = np.array([[10.5, 0.0, 1.5]])
+    xyz = np.concatenate([road, van, lone]) - [0, 0, 1.8]
+    truth = np.repeat([False, True, False], [len(road), len(van), 1])
+    z_up = np.eye(4)
+    z_up[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+    frame = ObjectFrame(xyz.astype(np.float32), None, None, np.zeros(3), "lidar", z_up)
+    assert max(overlap(each, truth) for each in candidates(prepare(frame), xyz[-1:])) > 0.9
+
+
 def test_two_opposite_clicks_on_one_flat_piece_share_it_between_them() -> None:
     rng = np.random.default_rng(0)
     xyz = np.column_stack([rng.uniform(-1, 1, (8000, 2)), np.zeros(8000)]).astype(np.float32)

@@ -47,12 +47,13 @@ def place_clicks(
 ) -> Clicks:
     """Place clicks (K, 3) on the nearest cells, past lone ones where a piece is within reach.
 
+    A click on a lone return of a lidar moves to the nearest piece in about the same direction.
     Raises BadInputError unless they are finite and 3 wide.
     """
     options = options or ClickOptions()
     if np.size(at) and (np.ndim(at) != 2 or np.shape(at)[1] != 3):
         raise BadInputError(f"{name}: expected (K, 3) local coordinates, got {np.shape(at)}")
-    points = np.asarray(at, np.float64).reshape(-1, 3)
+    points = np.array(at, np.float64).reshape(-1, 3)
     if not np.isfinite(points).all():
         raise BadInputError(f"{name}: expected finite coordinates")
     if len(state.center) == 0:
@@ -60,7 +61,28 @@ def place_clicks(
     real = state.sums[: state.piece_count, sums.COUNT] >= options.real_cells
     reach = options.real_reach * state.size
     cell, nearest, farthest = _distances(state.center, state.piece, points, real, reach)
+    if state.sensor == "lidar":
+        beside = [_beside(state, *each, real, options) for each in zip(points, cell, strict=True)]
+        moved = np.array(beside, np.int64) != cell
+        if moved.any():
+            points[moved] = state.center[beside][moved]
+            cell, nearest, farthest = _distances(state.center, state.piece, points, real, reach)
     return Clicks(points, cell, state.piece[cell].astype(np.int64), nearest, farthest)
+
+
+def _beside(state: ObjectState, at: Floats, cell: int, real: Mask, options: ClickOptions) -> int:
+    """Return a cell that is not of lone returns: the nearest in about the direction of a click.
+
+    ``at`` (3,) of the click and the ``cell`` that it lies on, which is kept where none is found.
+    """
+    if state.sums[state.piece[cell], sums.COUNT] >= options.lone_cells:
+        return cell
+    ways, way = state.center - state.viewpoint, at - state.viewpoint
+    least = np.cos(np.radians(options.lone_angle)) * np.linalg.norm(way)
+    near = np.flatnonzero(real[state.piece] & (ways @ way >= least * np.linalg.norm(ways, axis=1)))
+    if len(near) == 0:
+        return cell
+    return int(near[np.linalg.norm(state.center[near] - at, axis=1).argmin()])
 
 
 @compiled

@@ -173,6 +173,10 @@ class ClickOptions:
     """Cells of the smallest piece that a click lies on, if there is one within reach."""
     real_reach: float = 6.0
     """Times the cell size by which such a piece may be farther than the nearest cell."""
+    lone_cells: int = 3
+    """Cells of the smallest piece of a lidar frame that is more than lone returns."""
+    lone_angle: float = 8.0
+    """Degrees, seen from the lidar, within which a click on a lone return looks for a piece."""
 
     least_cells: float = 1.5
     """Times the cell size; the smallest radius of a patch."""

@@ -63,7 +63,8 @@ def part_frame(frame: ObjectFrame, options: ObjectOptions) -> Parts:
         of_point[finite] = cells.of_point
     viewpoint = None if frame.viewpoint is None else R @ frame.viewpoint
     piece, pieces = _pieces(cells, viewpoint, frame, options)
-    return Parts(of_point, cells.center @ R, cells.size, piece, pieces)
+    place = np.zeros(3) if frame.viewpoint is None else np.array(frame.viewpoint, np.float64)
+    return Parts(of_point, cells.center @ R, cells.size, piece, pieces, place)
 
 
 def _pieces(

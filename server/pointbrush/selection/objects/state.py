@@ -15,7 +15,7 @@ from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
-VERSION = 3
+VERSION = 4
 """Of the file; a state of another version is prepared anew."""
 MOST_BYTES = 16 * 2**30
 """Of the file, unpacked: some 400 bytes a cell, and a cell holds a point or more."""
@@ -63,7 +63,8 @@ class ObjectState:
     ``sensor`` and ``size`` of the cells, metres;
     ``of_point`` (N,) int32 cell of each point, -1 for one without finite coordinates;
     ``center`` (C, 3) float32 local metres; ``piece`` (C,) int32 piece of each cell;
-    ``pairs`` (B, 2) neighbouring pieces, ``between`` (B, 6) sums of their boundaries.
+    ``pairs`` (B, 2) neighbouring pieces, ``between`` (B, 6) sums of their boundaries;
+    ``viewpoint`` (3,) of the sensor, local metres, the origin where it is unknown.
     """
 
     sensor: SensorKind
@@ -77,6 +78,7 @@ class ObjectState:
     score: NDArray[np.float32]
     sums: NDArray[np.float64]
     first: NDArray[np.float32]
+    viewpoint: NDArray[np.float64]
 
     def __post_init__(self) -> None:
         for each in fields(self):
@@ -141,6 +143,7 @@ def _state(arrays: Arrays) -> ObjectState:
         score,
         checked(arrays, "sums", np.float64, (nodes, WIDTH)),
         checked(arrays, "first", np.float32, (len(pairs),)),
+        checked(arrays, "viewpoint", np.float64, (3,), *FINITE),
     )  # fmt: skip
 
 
@@ -148,7 +151,8 @@ def _state(arrays: Arrays) -> ObjectState:
 class Parts:
     """A frame up to the merge tree: what training and ``prepare`` share.
 
-    ``of_point`` (N,) int32 cell of each point, -1 for none; ``center`` (C, 3) local, metres.
+    ``of_point`` (N,) int32 cell of each point, -1 for none; ``center`` (C, 3) and ``viewpoint``
+    (3,) local, metres.
     """
 
     of_point: NDArray[np.int32]
@@ -156,6 +160,7 @@ class Parts:
     size: float
     piece: NDArray[np.int64]
     pieces: Pieces
+    viewpoint: NDArray[np.float64]
 
 
 def state_of(parts: Parts, sensor: SensorKind, tree: MergeTree) -> ObjectState:
@@ -172,4 +177,5 @@ def state_of(parts: Parts, sensor: SensorKind, tree: MergeTree) -> ObjectState:
         tree.score.astype(np.float32),
         tree.sums,
         tree.first.astype(np.float32),
+        parts.viewpoint,
     )
