@@ -85,6 +85,18 @@ def test_a_click_offers_the_thing_among_its_levels(
     assert max(overlap(each, which == thing) for each in found) > 0.8
 
 
+def test_a_click_on_a_floor_of_tiles_offers_the_whole_floor() -> None:
+    rng = np.random.default_rng(0)
+    frame, which = room(7)
+    floor = which == FLOOR
+    xyz, rgb = frame.xyz.copy(), np.array(frame.rgb)
+    xyz[floor, 1] += rng.normal(0, 0.008, int(floor.sum()))
+    tile = np.floor(xyz[floor] / 0.4).astype(int) @ [1, 0, 3] % 7
+    rgb[floor] = rng.integers(30, 220, (7, 3))[tile]
+    state = prepare(ObjectFrame(xyz, rgb, None, None, "room", np.eye(4)))
+    assert max(overlap(each, floor) for each in candidates(state, clicked(FLOOR))) > 0.8
+
+
 def test_levels_are_nested_few_and_numbered_by_size(
     furnished: tuple[ObjectFrame, NDArray[np.int64], ObjectState],
 ) -> None:

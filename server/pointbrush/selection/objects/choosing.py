@@ -37,22 +37,48 @@ def choose_levels(
     alone: Mask,
     margin: float,
     options: LadderOptions,
+    flat: int | None = None,
 ) -> list[int]:
     """Choose nested candidates: the one to show, then the others by falling score.
 
     ``masks`` (n, P) pieces, ``size`` (n,) their cells, ``score`` (n,); ``kept`` the number of
     what was taken before, which stays among them, and first unless another is better by ``margin``;
     ``alone`` (n,) those that the clicks alone give: the best of them is offered beside ``kept``,
-    nested or not.
+    nested or not.  ``flat``: a whole floor, wall or table top, offered in the same way while
+    nothing is taken.
     """
     order = np.argsort(-score, kind="stable").tolist()
     if kept is None:
-        return _chain(masks, size, order, options.closest, options.levels)
+        chain = _chain(masks, size, order, options.closest, options.levels)
+        if flat is None:
+            return chain
+        flat_chain = _chain(masks, size, [order[0], flat, *order], options.closest, options.levels)
+        return flat_chain if flat in flat_chain else _with(chain[: options.levels - 1], flat)
     # Both stay in reach, whichever is first: what was taken, mended, and the best in its place.
     fresh = next((i for i in order if i != kept and alone[i]), kept)
     better = score[order[0]] > score[kept] + margin
     first, other = (order[0], kept) if better else (kept, fresh)
     chain = _chain(masks, size, [first, *order], options.closest_after, options.levels - 1)
+    return _with(chain, other)
+
+
+def _widen(
+    masks: Mask,
+    cells: NDArray[np.float64],
+    size: NDArray[np.float64],
+    first: int,
+    flat: int,
+    spill: float,
+) -> None:
+    """Add to a plane what the first candidate holds beside it, if that is little: they nest."""
+    beside = float(cells[masks[first] & ~masks[flat]].sum())
+    if beside <= spill * size[flat]:
+        masks[flat] |= masks[first]
+        size[flat] += beside
+
+
+def _with(chain: list[int], other: int) -> list[int]:
+    """The same with another candidate after the first one, unless it is among them."""
     return chain if other in chain else [chain[0], other, *chain[1:]]
 
 
@@ -161,13 +187,17 @@ def candidates(
     model = weights or built_in(state.sensor)
     found = propose(state, wanted, unwanted, mask, model.merge, options)
     score = expected_iou(found.features, model.value)
-    size = found.unions.masks.astype(np.float64) @ state.sums[: state.piece_count, sums.COUNT]
+    cells = state.sums[: state.piece_count, sums.COUNT]
+    size = found.unions.masks.astype(np.float64) @ cells
     kept = None if found.taken is None else len(size) - 1
     alone = np.isin(found.unions.origin, (Origin.TREE, Origin.GROWN))
     ladder = options.ladder
     margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": ladder.keep}
+    flat = next(iter(np.flatnonzero(found.unions.origin == Origin.PLANE).tolist()), None)
+    if flat is not None and kept is None:
+        _widen(found.unions.masks, cells, size, int(score.argmax()), flat, ladder.spill)
     chosen = choose_levels(
-        found.unions.masks, size, score, kept, alone, margins[state.sensor], ladder
+        found.unions.masks, size, score, kept, alone, margins[state.sensor], ladder, flat
     )
     points = found.points(state, chosen)
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")

@@ -65,7 +65,7 @@ def grow_region(
     """
     count = len(leaves)
     around = _Around(
-        *_neighbours(count, pairs),
+        *neighbours(count, pairs),
         between,
         np.zeros((count, PAIR_WIDTH)),
         blocked.copy(),
@@ -78,7 +78,7 @@ def grow_region(
 
 
 @compiled
-def _neighbours(count: int, pairs: NDArray[np.int32]) -> tuple[Ints, Ints, Ints]:
+def neighbours(count: int, pairs: NDArray[np.int32]) -> tuple[Ints, Ints, Ints]:
     """Neighbours of each piece: where they begin (P + 1,), the pieces, and the borders to them."""
     starts = np.zeros(count + 1, np.int64)
     for b in range(len(pairs)):

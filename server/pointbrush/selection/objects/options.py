@@ -129,6 +129,26 @@ class BridgeOptions:
 
 
 @dataclass(frozen=True, slots=True)
+class PlaneOptions:
+    """Coplanar pieces that touch."""
+
+    least_seed: float = 0.002
+    """Square metres of the smallest piece from which a plane is sought."""
+    least_area: float = 0.05
+    """Square metres of the smallest plane."""
+    off: float = 0.015
+    """Metres, root mean square, by which the cells of a piece may be off the plane."""
+    off_cells: float = 1.2
+    """Times the cell size; the same, where that is more."""
+    rounds: int = 8
+    """Times that a plane is fitted to what was found on it."""
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        _above_zero(self)
+
+
+@dataclass(frozen=True, slots=True)
 class LadderOptions:
     """Levels that are offered for a click."""
 
@@ -146,6 +166,8 @@ class LadderOptions:
     """Pieces that a region is grown by, at most."""
     grown_kept: int = 24
     """Regions on the way that are looked at."""
+    spill: float = 0.1
+    """Share of a plane that the level shown first may reach beyond it and still nest with it."""
     keep: float = 0.02
     """Score by which another candidate must be better than what was taken, to be shown first."""
     room_keep: float = 0.08
@@ -200,6 +222,7 @@ class ObjectOptions:
     pieces: PieceOptions = field(default_factory=PieceOptions)
     bridges: BridgeOptions = field(default_factory=BridgeOptions)
     clicks: ClickOptions = field(default_factory=ClickOptions)
+    planes: PlaneOptions = field(default_factory=PlaneOptions)
     ladder: LadderOptions = field(default_factory=LadderOptions)
 
     def check(self) -> None:
@@ -210,4 +233,5 @@ class ObjectOptions:
         self.pieces.check()
         self.bridges.check()
         self.clicks.check()
+        self.planes.check()
         self.ladder.check()

@@ -13,6 +13,7 @@ from pointbrush.selection.objects.cells import (
 )
 from pointbrush.selection.objects.graph import Graph, across_edges, bridges, make_graph, make_pieces
 from pointbrush.selection.objects.options import ObjectOptions
+from pointbrush.selection.objects.planes import find_planes
 from pointbrush.selection.objects.state import ObjectFrame, ObjectState, Parts, state_of
 from pointbrush.selection.objects.sums import Pieces, sum_pieces
 from pointbrush.selection.objects.tree import grow_tree
@@ -64,7 +65,8 @@ def part_frame(frame: ObjectFrame, options: ObjectOptions) -> Parts:
     viewpoint = None if frame.viewpoint is None else R @ frame.viewpoint
     piece, pieces = _pieces(cells, viewpoint, frame, options)
     place = np.zeros(3) if frame.viewpoint is None else np.array(frame.viewpoint, np.float64)
-    return Parts(of_point, cells.center @ R, cells.size, piece, pieces, place)
+    plane = find_planes(pieces, cells.size, options.planes)
+    return Parts(of_point, cells.center @ R, cells.size, piece, pieces, place, plane)
 
 
 def _pieces(

@@ -15,7 +15,7 @@ from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
-VERSION = 4
+VERSION = 5
 """Of the file; a state of another version is prepared anew."""
 MOST_BYTES = 16 * 2**30
 """Of the file, unpacked: some 400 bytes a cell, and a cell holds a point or more."""
@@ -64,7 +64,8 @@ class ObjectState:
     ``of_point`` (N,) int32 cell of each point, -1 for one without finite coordinates;
     ``center`` (C, 3) float32 local metres; ``piece`` (C,) int32 piece of each cell;
     ``pairs`` (B, 2) neighbouring pieces, ``between`` (B, 6) sums of their boundaries;
-    ``viewpoint`` (3,) of the sensor, local metres, the origin where it is unknown.
+    ``viewpoint`` (3,) of the sensor, local metres, the origin where it is unknown;
+    ``plane`` (P,) plane that a piece lies on, -1 for none.
     """
 
     sensor: SensorKind
@@ -79,6 +80,7 @@ class ObjectState:
     sums: NDArray[np.float64]
     first: NDArray[np.float32]
     viewpoint: NDArray[np.float64]
+    plane: NDArray[np.int32]
 
     def __post_init__(self) -> None:
         for each in fields(self):
@@ -144,6 +146,7 @@ def _state(arrays: Arrays) -> ObjectState:
         checked(arrays, "sums", np.float64, (nodes, WIDTH)),
         checked(arrays, "first", np.float32, (len(pairs),)),
         checked(arrays, "viewpoint", np.float64, (3,), *FINITE),
+        checked(arrays, "plane", np.int32, (pieces,)),
     )  # fmt: skip
 
 
@@ -152,7 +155,7 @@ class Parts:
     """A frame up to the merge tree: what training and ``prepare`` share.
 
     ``of_point`` (N,) int32 cell of each point, -1 for none; ``center`` (C, 3) and ``viewpoint``
-    (3,) local, metres.
+    (3,) local, metres; ``plane`` (P,) of each piece, -1 for none.
     """
 
     of_point: NDArray[np.int32]
@@ -161,6 +164,7 @@ class Parts:
     piece: NDArray[np.int64]
     pieces: Pieces
     viewpoint: NDArray[np.float64]
+    plane: NDArray[np.int64]
 
 
 def state_of(parts: Parts, sensor: SensorKind, tree: MergeTree) -> ObjectState:
@@ -178,4 +182,5 @@ def state_of(parts: Parts, sensor: SensorKind, tree: MergeTree) -> ObjectState:
         tree.sums,
         tree.first.astype(np.float32),
         parts.viewpoint,
+        parts.plane.astype(np.int32),
     )

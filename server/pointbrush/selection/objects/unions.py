@@ -33,6 +33,8 @@ class Origin(IntEnum):
     """The points taken so far."""
     GROWN = 4
     """Pieces that the clicks grow to, one after the other."""
+    PLANE = 5
+    """A floor, a wall or a table top."""
 
 
 STEP = 1.03
@@ -74,6 +76,7 @@ def find_unions(
     found = [_over_times(state, wanted.piece, unwanted.piece, most, nothing, Origin.TREE)]
     if state.sensor in options.growing:
         found.append(_grown(state, wanted.piece, unwanted.piece, model, options))
+        found.append(_plane(state, wanted.piece, unwanted.piece))
     if taken is not None:
         if len(taken.missed):
             found.append(
@@ -151,6 +154,17 @@ def _grown(
         row[order[:added]] = True
     clipped = np.clip(made[kept], -8.0, 8.0), np.clip(ended[kept], -8.0, 8.0)
     return Unions(masks, *clipped, np.full(len(kept), Origin.GROWN))
+
+
+def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
+    """Pieces of the plane that all seeds lie on; nothing if there is none."""
+    planes = np.unique(state.plane[seeds])
+    found = planes if len(planes) == 1 and planes[0] >= 0 else planes[:0]
+    masks = state.plane == found[:, None]
+    masks[:, blocked] = False
+    masks[:, seeds] = True
+    odds = np.full(len(masks), 8.0)
+    return Unions(masks, odds, -odds, np.full(len(masks), Origin.PLANE))
 
 
 def _settled(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -> Ints:

@@ -43,8 +43,8 @@ def value_features(
     out[:, CLICKS + 7] = out[:, CLICKS] / np.maximum(out[:, CLICKS + 3], 1e-3)
     _history(leaves[:, sums.COUNT], unions, mask, out[:, HISTORY:STEPS])
     # What grows from the clicks is a way of its own: its steps are from one to the next on it.
-    grown = unions.origin == Origin.GROWN
-    for part in (np.flatnonzero(~grown), np.flatnonzero(grown)):
+    grown, flat = unions.origin == Origin.GROWN, unions.origin == Origin.PLANE
+    for part in (np.flatnonzero(~grown & ~flat), np.flatnonzero(grown), np.flatnonzero(flat)):
         if len(part):
             size, reach = total[part, sums.COUNT], out[part, REGION + 4]
             out[part, STEPS:SUPPORT] = _steps(size, reach, unions.made[part], unions.ended[part])
