@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -110,6 +111,15 @@ def test_levels_are_nested_few_and_numbered_by_size(
         for small, large in pairwise(ranked):
             assert len(small.indices) < len(large.indices)
             assert np.isin(small.indices, large.indices).all()
+
+
+def test_before_a_depth_camera_the_level_shown_is_scored_as_sure_as_it_is() -> None:
+    frame, which = room(1)
+    state = prepare(replace(frame, sensor="camera", viewpoint=np.array([0.0, 3.0, 3.0])))
+    shown, *others = candidates(state, clicked(BALL))
+    assert overlap(shown, which == BALL) > 0.8
+    assert abs(shown.score - overlap(shown, which == BALL)) < 0.1
+    assert all(each.score < shown.score for each in others)
 
 
 def test_indices_are_point_numbers_ascending(

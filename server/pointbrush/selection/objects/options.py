@@ -174,6 +174,10 @@ class LadderOptions:
     """The same in scanned rooms, where scores are less sure."""
     camera_keep: float = 0.06
     """The same before depth cameras."""
+    camera_odds: float = 2.2
+    """Log odds of the overlap of the level shown first, at a score of 0.5, before depth cameras."""
+    camera_slope: float = 0.2
+    """Log odds by which they rise with the log odds of the score."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
