@@ -251,13 +251,14 @@ def closed_component(
 def _painted_end_on(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
     """Test whether ``new`` surface (M,) is the length of an object of which an end was painted.
 
-    It makes a moving object, not yet seen alone often enough, much longer, and ends all round.  A
-    hand has other colours, goes on behind something else than the object, or most of it was there
-    in the last frame, unlabelled, as ``before`` (M,) of the new surface was.
+    It makes a moving object, not yet seen alone often enough, much longer, and ends all round.
+    Beside tracked people it may be a part of one of them.  A hand has other colours, goes on behind
+    something else than the object, or most of it was there in the last frame, unlabelled, as
+    ``before`` (M,) of the new surface was.
     """
     options = track.options.growth
     known = track.frames_alone >= options.known_frames or track.motion.slow(track.unit)
-    if view.lens is None or known or not track.has_colour_key:
+    if view.lens is None or known or view.people or not track.has_colour_key:
         return False
     if track.strange(view.colour(new)).mean() > options.strange_colours_share:
         return False
