@@ -36,19 +36,11 @@ Sides = Annotated[list[Side], Field(min_length=3, max_length=3)]
 
 def integral(body: Any) -> Any:
     """JSON does not tell 3.0 from 3, so that both are integers in its schema."""
-    if not isinstance(body, dict):
-        return body
-    return {name: _integers(value) for name, value in body.items()}
-
-
-def _integers(value: Any) -> Any:
-    if isinstance(value, list):
-        return [_integer(item) for item in value]
-    return integral(value) if isinstance(value, dict) else _integer(value)
-
-
-def _integer(value: Any) -> Any:
-    return int(value) if isinstance(value, float) and value.is_integer() else value
+    if isinstance(body, dict):
+        return {name: integral(value) for name, value in body.items()}
+    if isinstance(body, list):
+        return [integral(item) for item in body]
+    return int(body) if isinstance(body, float) and body.is_integer() else body
 
 
 class Body(BaseModel):
