@@ -118,7 +118,7 @@ def test_before_a_depth_camera_the_level_shown_is_scored_as_sure_as_it_is() -> N
     state = prepare(replace(frame, sensor="camera", viewpoint=np.array([0.0, 3.0, 3.0])))
     shown, *others = candidates(state, clicked(BALL))
     assert overlap(shown, which == BALL) > 0.8
-    assert abs(shown.score - overlap(shown, which == BALL)) < 0.1
+    assert abs(shown.score - overlap(shown, which == BALL)) < 0.12
     assert all(each.score < shown.score for each in others)
 
 

@@ -30,9 +30,9 @@ UNSEEN = 0.4
 SURE_GAP = 4.0
 """Evidence of one gap at most, in units of ``GAP_SPREAD``."""
 SURE = 1.0
-"""Mean evidence of the slices from which on the front is known …"""
+"""Mean evidence of the slices from which on the front is known."""
 CONTRADICTION = 0.5
-"""… unless one of them has so much for the opposite."""
+"""Evidence of one slice for the opposite front that leaves the front unknown."""
 STEP = 0.2
 """Metres; a slice with shorter gaps at both ends is below the windows."""
 LONGEST_GAP = 1.8
@@ -44,13 +44,13 @@ LARGE_LENGTH, LARGE_HEIGHT = 6.8, 2.75
 CAB_LENGTH = 1.0
 """Metres at the ends of a lorry whose heights are compared."""
 CAB_LOWER = 0.25
-"""Metres by which its cab is lower than its load …"""
+"""Metres by which its cab is lower than its load."""
 LOAD_HEIGHT, FLAT_HEIGHT = 2.6, 1.5
-"""… which is so many metres high at least; an end below the second of them is a flat bed."""
+"""Metres: least height of a load, and the height below which an end is a flat bed."""
 PASSED = 1.0
-"""Metres that the sensor must have moved to know the front of what stays in place …"""
+"""Metres that the sensor must have moved to know the front of an object that stays in place."""
 PASSED_POINTS = 60
-"""… and points that it must have seen of it in one frame."""
+"""Points that it must have seen of this object in one frame."""
 
 
 class Front(NamedTuple):
@@ -117,7 +117,7 @@ def _lower_end(along: Floats, height: Floats, body: tuple[float, float]) -> int:
 
 
 def _ends(along: Floats) -> tuple[float, float]:
-    """Find where points end, without the two outermost of many."""
+    """Compute both ends of points, without the two outermost of many."""
     ordered = np.sort(along)
     skipped = min(2, (len(ordered) - 1) // 8)
     return float(ordered[skipped]), float(ordered[-1 - skipped])

@@ -137,7 +137,7 @@ interface JobHeadProps {
   figure?: string;
 }
 
-/** What a card of work under way begins with. */
+/** Head of a card of work under way. */
 export function JobHead({ title, about, figure }: JobHeadProps) {
   return (
     <div class="job-head line baseline small">

@@ -55,7 +55,7 @@ export interface RibbonLook {
   /** 0 to 1. */
   readonly opacity?: number;
   readonly order: number;
-  /** What is nearer hides it. */
+  /** Nearer things hide it. */
   readonly depth?: boolean;
 }
 

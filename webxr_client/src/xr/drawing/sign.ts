@@ -9,7 +9,7 @@ export interface SignLook {
   readonly color?: string;
   readonly back?: string;
   readonly order?: number;
-  /** What is nearer hides it. */
+  /** Nearer things hide it. */
   readonly depth?: boolean;
 }
 

@@ -39,7 +39,7 @@ export function tipsFor(device: Device, part: Part, left: boolean): Tip[] {
   return [...paintingTips(pad), ...buttons, ...grab, ...size];
 } // prettier-ignore
 
-/** `how`: what the thumb does; else the control is pressed. */
+/** The thumb does `how`; without it the control is pressed. */
 function tip(spot: Spot, control: string, how: string, act: string, lesson: Lesson): Tip {
   const grip = control.startsWith('Grip +') ? 'Grip + ' : '';
   const text = `${control} ${how}`.trim() + `: ${act}`;

@@ -101,7 +101,7 @@ function drawHeading(ui: Ui, { id, name, category }: Label, x: number, y: number
   ui.text(note, x + inner - em * 0.4, y + em * 0.9, { color: INK.quiet, align: 'right' });
 } // prettier-ignore
 
-/** What is done to the active label, and the taking of another one from the recording. */
+/** Actions for the active label, and the choice of another one in the recording. */
 function choices(label: Label | null): Entry[] {
   const { id = 0, locked = false, visible = true } = label ?? {};
   const solo = state.solo.peek() === id;
