@@ -365,20 +365,6 @@ def by_hand(headset: Headset) -> tuple[Paint, Click]:
     return paint, headset.click
 
 
-def by_eyes(headset: Headset) -> tuple[Paint, Click]:
-    def pinch(aim: Callable[[Input], None]) -> None:
-        look = Input(headset, "eyes", "transient-pointer", "right")
-        aim(look)
-        look.select(True)
-        look.select(False)
-        look.go()
-
-    def click(panel: str, name: str) -> None:
-        pinch(lambda look: look.look_at(panel, name))
-
-    return lambda point: pinch(lambda look: look.look(point)), click
-
-
 def begin(headset: Headset, name: str) -> None:
     """Enter as a person who was never led, with what a device has in hand."""
     headset.ready()
@@ -388,8 +374,6 @@ def begin(headset: Headset, name: str) -> None:
         lay_down(headset, "left")
     if name == "hands":
         headset.lay_down_controllers()
-    if name == "look and pinch":
-        lay_down(headset, "left", "right")
     headset.until("hs.taught() === 'paint'")
 
 
@@ -403,7 +387,6 @@ HINTS = {
         "Stick pressed: play",
     ),
     "hands": ("Pinch: paint",),
-    "look and pinch": (),
 }
 
 
@@ -416,7 +399,7 @@ def test_the_first_minute_is_finished_by_doing_what_it_says(
     device, pad = (VIVE, "touchpad") if name == "vive" else (QUEST, "thumbstick")
     headset = wear(browser, server.page_url, device, newcomer=True)
     begin(headset, name)
-    paint, click = by_eyes(headset) if name == "look and pinch" else by_hand(headset)
+    paint, click = by_hand(headset)
     hints = iter(HINTS[name])
     x, y, z = truth(0, PERSON)
 
@@ -443,9 +426,9 @@ def test_the_first_minute_is_finished_by_doing_what_it_says(
         click("palette", "Tools")
         click("palette", "Complete")
     taught("play")
-    for act in ("play", "pause"):
-        headset.button(pad) if held else click("timeline", act)
+    headset.button(pad) if held else click("timeline", "play")
     taught("panel")
+    headset.ask("(pb.engine.playback.pause(), true)")
     headset.settled()
     headset.flick_to_frame(0)
     click("timeline", "To end")

@@ -26,6 +26,8 @@ PHONE = "new IWER.XRDevice({ ...IWER.metaQuest3, name: 'Phone' }, { fovy: Math.P
 LEFT, RIGHT = [-0.2, 1.25, -0.5], [0.26, 1.35, -0.45]
 OTHER_PERSON = 8
 MOST, MOST_IN_DOUBT = 0.03, 0.12
+# A phone's picture is narrower than that of an eye, so the same handles take more of it.
+MOST_ON_PHONE = 0.05
 LEAST_CAPITAL, LEAST_TARGET = 1.0, 2.5
 # Metres from the middle of a controller to the words of its hints.
 LEAST_BESIDE = 0.035
@@ -275,7 +277,7 @@ def test_panels_take_little_room_until_they_are_called(
     headset.until("!hs.headset.cockpit.hud.group.children[0].visible")
     headset.frames(2)
     for hidden in covered(headset):
-        assert 0.001 < hidden.mean() <= MOST
+        assert 0.001 < hidden.mean() <= (MOST_ON_PHONE if name == "touch" else MOST)
     # Hints go once they are learnt: panels alone never hide what is to be painted.
     headset.ask(WITHOUT_HINTS)
     headset.frames(2)
