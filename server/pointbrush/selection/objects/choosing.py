@@ -70,7 +70,7 @@ def _widen(
     flat: int,
     spill: float,
 ) -> None:
-    """Add to a plane what the first candidate holds beside it, if that is little: they nest."""
+    """Add to a plane the few pieces that the first candidate has beside it, so that both nest."""
     beside = float(cells[masks[first] & ~masks[flat]].sum())
     if beside <= spill * size[flat]:
         masks[flat] |= masks[first]

@@ -9,16 +9,21 @@ from pointbrush.selection.candidate import MOST_LEVELS
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
 
-def _above_zero(options: object) -> None:
-    """Raise BadInputError unless every number of an options object is above 0."""
-    for each in fields(options):  # type: ignore[arg-type]
-        value = getattr(options, each.name)
-        if isinstance(value, (int, float)) and not value > 0:
-            raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
+class Positive:
+    """Options of which every number is above 0."""
+
+    __slots__ = ()
+
+    def check(self) -> None:
+        """Raise BadInputError for numbers out of range."""
+        for each in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, each.name)
+            if isinstance(value, (int, float)) and not value > 0:
+                raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
 
 
 @dataclass(frozen=True, slots=True)
-class CellOptions:
+class CellOptions(Positive):
     """Sizes of the cubes that stand for the points in them."""
 
     size: float = 0.02
@@ -36,14 +41,14 @@ class CellOptions:
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
+        Positive.check(self)
         fewest = max(self.fewest, self.lidar_fewest)
         if fewest > self.most:
             raise BadInputError(f"fewest: expected at most {self.most} cells, got {fewest}")
 
 
 @dataclass(frozen=True, slots=True)
-class GroundOptions:
+class GroundOptions(Positive):
     """Ground under a lidar."""
 
     column: float = 1.0
@@ -63,13 +68,9 @@ class GroundOptions:
     clearance: float = 0.2
     """Metres over the ground above which a cell is no part of it."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
 
 @dataclass(frozen=True, slots=True)
-class GraphOptions:
+class GraphOptions(Positive):
     """Neighbours of cells, and the edges of the first graph."""
 
     neighbours: int = 12
@@ -85,13 +86,9 @@ class GraphOptions:
     lidar_reach_per_metre: float = 0.012
     """Metres per metre of range."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
 
 @dataclass(frozen=True, slots=True)
-class PieceOptions:
+class PieceOptions(Positive):
     """The first, small pieces (Felzenszwalb and Huttenlocher, IJCV 2004)."""
 
     scale: float = 0.03
@@ -107,13 +104,9 @@ class PieceOptions:
     ground_step: float = 10.0
     """Weight added between ground and what is above it (lidar)."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
 
 @dataclass(frozen=True, slots=True)
-class BridgeOptions:
+class BridgeOptions(Positive):
     """Links between detached components, for the merge tree alone."""
 
     links: int = 4
@@ -123,13 +116,9 @@ class BridgeOptions:
     lidar_reach: float = 2.5
     """Metres, lidar."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
 
 @dataclass(frozen=True, slots=True)
-class PlaneOptions:
+class PlaneOptions(Positive):
     """Coplanar pieces that touch."""
 
     least_seed: float = 0.002
@@ -141,15 +130,11 @@ class PlaneOptions:
     off_cells: float = 1.2
     """Times the cell size; the same, where that is more."""
     rounds: int = 8
-    """Times that a plane is fitted to what was found on it."""
-
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
+    """Times that a plane is fitted to the pieces found on it."""
 
 
 @dataclass(frozen=True, slots=True)
-class LadderOptions:
+class LadderOptions(Positive):
     """Levels that are offered for a click."""
 
     levels: int = MOST_LEVELS
@@ -181,7 +166,7 @@ class LadderOptions:
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
+        Positive.check(self)
         if unknown := self.growing.difference(SENSOR_KINDS):
             raise BadInputError(f"growing: expected sensors, got {', '.join(sorted(unknown))}")
         if self.levels > MOST_LEVELS:
@@ -192,7 +177,7 @@ class LadderOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class ClickOptions:
+class ClickOptions(Positive):
     """Places that clicks are taken at, and the least that one changes of what is taken."""
 
     real_cells: int = 6
@@ -210,10 +195,6 @@ class ClickOptions:
     """Share of the way to what is not taken within which an unwanted click takes away."""
     whole_share: float = 0.5
     """Share of a piece from which on what a click adds is the whole piece."""
-
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
 
 
 @dataclass(frozen=True, slots=True)

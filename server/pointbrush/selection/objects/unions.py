@@ -37,6 +37,8 @@ class Origin(IntEnum):
     """A floor, a wall or a table top."""
 
 
+MOST_ODDS = 8.0
+"""Log odds of a merge at most; those of a region that no merge made."""
 STEP = 1.03
 """Times its size by which a union must grow to be another one."""
 
@@ -127,7 +129,7 @@ def _over_times(
     sizes = _sizes(reached, state.sums[:, sums.COUNT])
     kept = _spread(sizes, most)
     score = state.score.astype(np.float64)
-    made = np.where(times[kept] < len(base), 8.0, np.minimum(score[times[kept]], 8.0))
+    made = np.where(times[kept] < len(base), MOST_ODDS, np.minimum(score[times[kept]], MOST_ODDS))
     masks = _masks(state.parent, reached[kept], len(base)) | base
     return Unions(masks, made, _after(state, reached[kept]), np.full(len(kept), origin))
 
@@ -146,14 +148,14 @@ def _grown(
         leaves, state.pairs, state.between, seeds, barred, state.size**2, model, options.grown
     )[:2]
     size = leaves[seeds, sums.COUNT].sum() + np.append(0.0, np.cumsum(leaves[order, sums.COUNT]))
-    made, ended = np.append(8.0, odds), np.append(odds, -8.0)
+    made, ended = np.append(MOST_ODDS, odds), np.append(odds, -MOST_ODDS)
     kept = _settled(size, ended, options.grown_kept)
     masks = np.zeros((len(kept), count), np.bool_)
     masks[:, seeds] = True
     for row, added in zip(masks, kept.tolist(), strict=True):
         row[order[:added]] = True
-    clipped = np.clip(made[kept], -8.0, 8.0), np.clip(ended[kept], -8.0, 8.0)
-    return Unions(masks, *clipped, np.full(len(kept), Origin.GROWN))
+    clipped = np.clip([made[kept], ended[kept]], -MOST_ODDS, MOST_ODDS)
+    return Unions(masks, clipped[0], clipped[1], np.full(len(kept), Origin.GROWN))
 
 
 def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
@@ -163,7 +165,7 @@ def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
     masks = state.plane == found[:, None]
     masks[:, blocked] = False
     masks[:, seeds] = True
-    odds = np.full(len(masks), 8.0)
+    odds = np.full(len(masks), MOST_ODDS)
     return Unions(masks, odds, -odds, np.full(len(masks), Origin.PLANE))
 
 
