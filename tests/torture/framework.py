@@ -10,6 +10,7 @@ import io
 import random
 import shutil
 import tempfile
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
@@ -132,6 +133,21 @@ class Scenario:
 
 
 SCENARIOS: dict[str, Scenario] = {}
+
+
+@contextmanager
+def alongside(stop: threading.Event, targets: Iterable[Callable[[], None]]) -> Iterator[None]:
+    """Run each target in a thread, all of them until the context ends and sets ``stop``."""
+    stop.clear()
+    threads = [threading.Thread(target=target, daemon=True) for target in targets]
+    for thread in threads:
+        thread.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        for thread in threads:
+            thread.join(120)
 
 
 def scenario(what: str, share: float = 1.0) -> Callable[[Run], Run]:

@@ -7,7 +7,7 @@ import itertools
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 
 import httpx
 import msgpack
@@ -17,7 +17,7 @@ from websockets.exceptions import WebSocketException
 from tests.faults.clients import FRAMES, SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, ServerProcess
 from tests.torture.authors import quiet
-from tests.torture.framework import Arena, Tally, scenario
+from tests.torture.framework import Arena, Tally, alongside, scenario
 from tests.torture.scenarios.buckets import BUCKET, FOLDER, Place
 from tests.waiting import eventually
 
@@ -34,20 +34,9 @@ class Readers:
         self.seen: set[int] = set()
         """Frames that were answered."""
 
-    @contextmanager
-    def reading(self) -> Iterator[None]:
+    def reading(self) -> AbstractContextManager[None]:
         """Read until the context ends."""
-        self._stop.clear()
-        targets = [self._read] * READERS + [self._watch]
-        threads = [threading.Thread(target=target, daemon=True) for target in targets]
-        for thread in threads:
-            thread.start()
-        try:
-            yield
-        finally:
-            self._stop.set()
-            for thread in threads:
-                thread.join(120)
+        return alongside(self._stop, [self._read] * READERS + [self._watch])
 
     def _read(self) -> None:
         frames = itertools.cycle(range(FRAMES))

@@ -7,7 +7,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 
 import httpx
@@ -20,7 +20,7 @@ from tests.faults.clients import SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.serving import add_sequence, settings_in
 from tests.torture.authors import quiet
-from tests.torture.framework import Arena, Tally, scenario
+from tests.torture.framework import Arena, Tally, alongside, scenario
 from tests.waiting import eventually
 
 FRAMES, POINTS, OCTREE_POINTS = 4, 60_000, 200_000
@@ -44,20 +44,9 @@ class Readers:
         self._server, self._tally, self._stop = server, tally, threading.Event()
         self._lock = threading.Lock()
 
-    @contextmanager
-    def reading(self) -> Iterator[None]:
+    def reading(self) -> AbstractContextManager[None]:
         """Read until the context ends."""
-        self._stop.clear()
-        targets = [self._read] * READERS + [self._watch]
-        threads = [threading.Thread(target=target, daemon=True) for target in targets]
-        for thread in threads:
-            thread.start()
-        try:
-            yield
-        finally:
-            self._stop.set()
-            for thread in threads:
-                thread.join(120)
+        return alongside(self._stop, [self._read] * READERS + [self._watch])
 
     def _read(self) -> None:
         frames = itertools.cycle([(SEQUENCE, i) for i in range(FRAMES)] + [(OCTREE, 0)])
