@@ -13,7 +13,7 @@ object-frames (IoU under 0.5) that are flagged (confidence up to 0.9) and unflag
 Results are appended to FILE, one line of JSON per draw, and a draw found there is not run again: an
 interrupted run continues.  Without ``--commit`` the working tree is measured, under the name
 of its commit and a digest of its changes.  A kind may also be the path of a recording (.npz, as in
-shared/recordings).
+shared/recordings), which has no seeds: it is run once for each draw.
 """
 
 # The thread limits have to be set before numpy is imported.
@@ -190,7 +190,7 @@ def _missing(
     given: argparse.Namespace, done: set[tuple[str, str, int, int, int]]
 ) -> Iterator[tuple[str, str, int, list[int], int, Path]]:
     for kind in given.kinds:
-        for seed in given.seeds:
+        for seed in given.seeds[:1] if kind.endswith(".npz") else given.seeds:
             keys = {n: (given.name, kind, seed, n, given.frames) for n in range(given.draws)}
             draws = [number for number, key in keys.items() if key not in done]
             if draws:
