@@ -66,7 +66,7 @@ def made() -> tuple[ExampleFrame, Described]:
 def test_a_plug_in_scores_points(plug_in: None, made: tuple[ExampleFrame, Described]) -> None:
     frame, place = made
     model = Models().make("heights")
-    chance = chances_of(model, CLASSES, b"", place, frame)
+    chance = chances_of(model, CLASSES, b"", place, frame, "own")
     assert chance.shape == (len(place.center), 2)
     assert ((chance[:, 1] == 1) == (place.center[:, 2] > 1)).all()
 
@@ -79,7 +79,7 @@ def test_a_service_learns_features_and_scores_them(
     assert (model.takes, model.learns, model.classes) == ("features", True, ())
     high = (place.center[:, 2] > 1).astype(np.int64)
     state = model.learn(place.features[::7], high[::7], CLASSES)
-    chance = chances_of(model, CLASSES, state, place, frame)
+    chance = chances_of(model, CLASSES, state, place, frame, "own")
     assert ((chance.argmax(axis=1) == high).mean()) > 0.95
     assert np.allclose(chance.sum(axis=1), 1)
 
@@ -100,7 +100,7 @@ def test_scores_that_are_none_are_refused(
     model: Model = Heights()
     monkeypatch.setattr(model, "scores", lambda _: scores)
     with pytest.raises(UnavailableError, match=told):
-        chances_of(model, CLASSES, b"", place, frame)
+        chances_of(model, CLASSES, b"", place, frame, "own")
 
 
 def test_only_models_that_the_operator_allows_are_made(plug_in: None) -> None:

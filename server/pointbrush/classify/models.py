@@ -177,7 +177,7 @@ def chances_of(
     state: bytes,
     place: Described,
     points: ExampleFrame,
-    name: str = "",
+    name: str,
 ) -> NDArray[np.float32]:
     """Return the chance (C, K) of each class in each cell by a model; points' mean in their cell.
 

@@ -78,7 +78,7 @@ def fit_box(
 
 
 def _still(views: list[View], level: Level, posed: bool = False) -> FittedBox:
-    """Turn what does not move to its front; it is known if a sensor with poses passed it."""
+    """Turn a still object to its front, which is known if a sensor with poses passed the object."""
     if level.prior.person:
         return _result(views, level, moves=False, known=False)
     seen = [

@@ -22,9 +22,10 @@ SLICES = ((0.86, 1.02), (0.74, 0.9), (0.62, 0.78))
 the others have too few points."""
 LEAST_POINTS = 8
 """Points of a part of a vehicle from which on its ends are measured."""
-GAP, GAP_SPREAD = 0.8, 0.12
-"""Metres; longer gaps are rather those of a windscreen, shorter ones those of a rear window, and
-the difference from which on this is likely."""
+GAP = 0.8
+"""Metres; longer gaps are more likely those before a windscreen than those behind a rear window."""
+GAP_SPREAD = 0.12
+"""Metres of difference from ``GAP`` that make this likely."""
 UNSEEN = 0.4
 """Metres from the end of the points to the end of the box that halve the weight of a gap there."""
 SURE_GAP = 4.0
@@ -39,14 +40,18 @@ LONGEST_GAP = 1.8
 """Metres; a longer gap is a part of the cabin that was not seen, or a load bed."""
 BED = 1.1
 """Metres; a car with such gaps at both ends has a load bed at one of them."""
-LARGE_LENGTH, LARGE_HEIGHT = 6.8, 2.75
-"""Metres above which a vehicle is a lorry or a bus."""
+LARGE_LENGTH = 6.8
+"""Metres; a longer vehicle is a lorry or a bus."""
+LARGE_HEIGHT = 2.75
+"""Metres; a higher vehicle is one, too."""
 CAB_LENGTH = 1.0
-"""Metres at the ends of a lorry whose heights are compared."""
+"""Metres: length of the ends of a lorry that are compared by height."""
 CAB_LOWER = 0.25
 """Metres by which its cab is lower than its load."""
-LOAD_HEIGHT, FLAT_HEIGHT = 2.6, 1.5
-"""Metres: least height of a load, and the height below which an end is a flat bed."""
+LOAD_HEIGHT = 2.6
+"""Metres: least height of a load."""
+FLAT_HEIGHT = 1.5
+"""Metres; a lower end is a flat bed."""
 PASSED = 1.0
 """Metres that the sensor must have moved to know the front of an object that stays in place."""
 PASSED_POINTS = 60

@@ -73,7 +73,7 @@ class FitOptions:
     sharp_cell: float = 0.2
     """Metres; width of these cells."""
     headed: float = 1.0
-    """Metres that it must have gone for its front to be known."""
+    """Metres that an object must have moved for its front to be known."""
     acceleration: float = 4.0
     """Metres a second squared; standard deviation of a path's bend."""
     side_noise: float = 0.06

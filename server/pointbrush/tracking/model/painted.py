@@ -13,10 +13,10 @@ from pointbrush.tracking.sensors.view import View
 
 
 def cut_off_by_edge(view: View, indices: I64, radius: float) -> bool:
-    """Test whether the picture's edge cuts off what is painted, ``radius`` metres in size.
+    """Test whether the picture's edge cuts off a painted object of ``radius`` metres.
 
-    Much of it lies at the edge, or it is as large as a part of a person and touches the edge along
-    much of its width.  Where nothing unlabelled reaches as far, what is painted ends, and not the
+    Many of its points lie at the edge, or it is as large as a part of a person and touches the edge
+    along much of its width.  Where nothing unlabelled reaches as far, the object ends, and not the
     picture.
     """
     options = view.options.track

@@ -157,7 +157,7 @@ def _may_be(person: Person, other: Person | None) -> bool:
 def _may_return(
     observation: PersonObservation, person: Person, other: Person | None, cells: I64, now: int
 ) -> bool:
-    """Test whether a missing person may have a body, or what an ``other`` has.
+    """Test whether a missing person may have a free body, or that of an ``other`` person.
 
     A newcomer is a person who left at a side of the picture only once stature, clothes and time
     make that likely.
