@@ -81,8 +81,7 @@ export class Tips {
     const near = shown && hand.tracked && !this.box.isEmpty() && this.nearPicture(rig);
     if (near) this.keepInside(rig);
     if (near && this.mustTurn(rig)) this.turnOver(rig);
-    let bright = near;
-    for (let i = 0; bright && i < panels.length; i++) bright = !this.covers(panels[i]!, rig);
+    const bright = near && !this.coversAny(panels, rig);
     const step = Math.min(1, FADE_PER_SECOND * seconds[0]!);
     this.group.visible = hand.grip.visible;
     this.toGroup.copy(this.group.matrix).invert();
@@ -97,6 +96,11 @@ export class Tips {
 
   private wants(tip: Tip | null): boolean {
     return tip !== null && this.lessons.wants(tip.lesson, this.hand.device);
+  }
+
+  private coversAny(panels: readonly Panel[], rig: Rig): boolean {
+    for (let i = 0; i < panels.length; i++) if (this.covers(panels[i]!, rig)) return true;
+    return false;
   }
 
   private draw({ sign, line, tip, opacity }: Row, rig: Rig): void {
