@@ -95,6 +95,16 @@ class Desk:
         """The server has answered every edit."""
         self.until("pb.state.pending.value === 0")
 
+    def pictures(self, count: int = 8) -> None:
+        """Wait for this many more pictures, in tests that nothing changes."""
+        self.page.evaluate(
+            """count => new Promise((resolve) => {
+              const next = () => (count-- > 0 ? requestAnimationFrame(next) : resolve());
+              next();
+            })""",
+            count,
+        )
+
     def press(self, keys: str) -> None:
         self.page.keyboard.press(keys)
 

@@ -23,6 +23,7 @@ from tests.e2e.recording import (
     shows_paint,
 )
 from tests.e2e.server import LiveServer
+from tests.waiting import eventually
 
 Open = Callable[..., Desk]
 
@@ -286,6 +287,17 @@ def test_what_a_stroke_shows_is_what_it_changes_also_offline(
     desk.complaints.clear()
 
 
+KEPT_EDITS = """() => new Promise((resolve) => {
+  const opening = indexedDB.open('pointbrush', 1);
+  opening.onsuccess = () => {
+    const database = opening.result;
+    const counting = database.transaction('outbox').objectStore('outbox').count();
+    counting.onsuccess = () => (database.close(), resolve(counting.result));
+  };
+})"""
+"""Number of edits that the browser has stored until the server answers them."""
+
+
 def test_strokes_survive_a_closed_window(server: LiveServer, open_desk: Open, truth: Truth) -> None:
     desk = open_desk()
     name_person(desk, server)
@@ -293,7 +305,7 @@ def test_strokes_survive_a_closed_window(server: LiveServer, open_desk: Open, tr
     desk.until("pb.state.connection.value.state === 'offline'")
     paint = truth(0, PERSON)
     desk.paint([paint])
-    desk.page.wait_for_timeout(300)
+    eventually(lambda: desk.page.evaluate(KEPT_EDITS))
     desk.page.close()
     server.start()
     desk.page = desk.context.new_page()

@@ -234,7 +234,7 @@ def test_what_is_still_missing_is_asked_for_again_after_the_link_was_lost(
     desk.until("pb.state.connection.value.state !== 'online'")
     coarse = finest(desk)
     stand(desk, [0.0, -5.0, 4.0], [0.0, 0.0, 1.0])
-    desk.page.wait_for_timeout(600)
+    desk.pictures()
     live.start()
     desk.until(f"Math.max(...{PIECES}.map((piece) => piece.level)) > {coarse}")
     assert settled(desk) > 0.3 * overview

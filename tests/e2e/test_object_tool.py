@@ -91,7 +91,7 @@ def test_while_its_loops_compile_the_tool_says_so_and_the_wheel_does_not_zoom(
         before = desk.ask(eye)
         desk.page.mouse.move(*desk.place(truth(0, PERSON)))
         desk.page.mouse.wheel(0, -300)
-        desk.page.wait_for_timeout(300)
+        desk.pictures()
         assert desk.ask(eye) == before
         assert desk.ask("pb.state.compiling.value.has('objects')")
         desk.page.keyboard.down("Control")
@@ -215,7 +215,7 @@ def test_fill_and_ground_take_what_was_lit(desk: Desk, server: LiveServer, truth
         desk.press(key)
         desk.page.mouse.move(*desk.place(spot))
         desk.until("(pb.labels()[65534] ?? 0) > 0")
-        desk.page.wait_for_timeout(300)
+        desk.pictures()
         lit = desk.labels()[65534]
         desk.page.mouse.down()
         desk.page.mouse.up()

@@ -112,5 +112,5 @@ def test_nothing_moves_when_pictures_of_cameras_come(open_desk: Callable[..., De
     desk.page.add_init_script(SHIFTED)
     desk.page.reload()
     desk.until("pb && document.querySelector('.cameras img')?.complete && pb.shown().frame === 0")
-    desk.page.wait_for_timeout(300)
+    desk.pictures()
     assert desk.ask("shifted") < 0.002

@@ -24,7 +24,7 @@ def test_escape_gives_a_stroke_or_lasso_up(
     desk.press("Escape")
     desk.page.mouse.up()
     desk.settled()
-    desk.page.wait_for_timeout(300)
+    desk.pictures()
     assert desk.labels().get(1, 0) == 0
     assert len(server.request("GET", f"sequences/{SEQUENCE}/edits").json()) == edits
 
@@ -68,7 +68,7 @@ def test_two_fingers_move_the_camera_and_paint_nothing(
     touch("touchEnd", (x - 50, y))
     touch("touchEnd")
     desk.settled()
-    desk.page.wait_for_timeout(300)
+    desk.pictures()
     assert desk.labels().get(1, 0) == 0
     assert len(server.request("GET", f"sequences/{SEQUENCE}/edits").json()) == edits
     assert desk.ask(f"pb.project({truth(0, PERSON)})") != before

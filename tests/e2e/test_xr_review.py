@@ -195,8 +195,7 @@ def test_a_doubtful_label_pulses_and_one_button_steps_through_the_doubt(
     # In the room's timeline painted frames are the label's colour, tracked ones a paler one of it,
     # doubtful ones hatched, and empty ones neither.
     headset.call("timeline")
-    headset.page.wait_for_timeout(200)
-    assert 0xFF5D5D in cell(headset, 0)
+    eventually(lambda: 0xFF5D5D in cell(headset, 0))
     assert len(cell(headset, 2)) > 1
     assert len(cell(headset, 3)) == 1
     assert 0xFF5D5D not in cell(headset, 2) + cell(headset, 3) + cell(headset, 5)
