@@ -113,11 +113,11 @@ test:  ## every check and every test; the runner's line comes last
 	@$(MAKE) --no-print-directory kernel
 	@$(MAKE) --no-print-directory e2e
 
-quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and the quickest tests of each folder, for each save
+quick: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## lint, types and tests for each behaviour, for each save
 	@$(MAKE) --no-print-directory --output-sync --jobs 3 quickest $(CHECKS)
 
 quickest:
-	@$(PYTEST) $(BY_FILE) --ignore tests/e2e -m "not slow"
+	@$(PYTEST) $(BY_FILE) $$($(BIN)/python -m tests.measured)
 
 checks: $(STAMPS)/dev $(STAMPS)/node
 	@$(MAKE) --no-print-directory --output-sync --jobs 2 $(CHECKS)
@@ -153,7 +153,7 @@ kernel: $(STAMPS)/dev $(STAMPS)/loops  ## the tests of geometry with the BLAS ke
 	@OPENBLAS_CORETYPE=Nehalem $(PYTEST) $(BY_FILE) tests/samples tests/selection tests/tracking \
 	  --ignore tests/samples/test_reproducible.py
 
-measure:  ## unit, noting how long each file takes: which begin first, and which `make quick` runs
+measure:  ## unit, and write the seconds of each file, which order them
 	@$(MAKE) --no-print-directory unit MEASURE=--measure
 
 e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two windows at a time
@@ -161,7 +161,6 @@ e2e: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system  ## the browser tests, two win
 	@$(PYTEST) -n 2 --dist worksteal tests/e2e
 
 # The newest test tools, and of what pointbrush itself needs the oldest; Numba compiles anew for it.
-# What is written from the program is worded by the newest pydantic.
 LOWEST := build/lowest
 lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyproject.toml allows
 	@echo "== the lowest versions of the packages, in $(LOWEST)"
@@ -170,9 +169,8 @@ lowest: $(PAGE) system  ## the fast tests with the lowest versions that pyprojec
 	  --extra dask --extra s3 --output-file $(LOWEST)/lowest.txt pyproject.toml
 	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python -r $(LOWEST)/lowest.txt -e '.[dev]'
 	@NUMBA_CACHE_DIR=$(CURDIR)/$(LOWEST)/numba OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 \
-	  $(LOWEST)/bin/python -m pytest -q -W default $(BY_FILE) -m "not slow" \
-	  --ignore tests/e2e --deselect tests/streaming/test_reference.py \
-	  --deselect tests/streaming/test_typescript.py::test_the_committed_types_are_current
+	  $(LOWEST)/bin/python -m pytest -q -W default $(BY_FILE) \
+	  $$($(BIN)/python -m tests.measured)
 
 release-check: $(STAMPS)/dev $(STAMPS)/node  ## the published files: built, installed in a fresh environment, and used
 	@$(BIN)/python -m pytest -q tests/release

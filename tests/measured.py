@@ -1,11 +1,13 @@
-"""Seconds of each file of tests: the longest begin first, and `make quick` leaves them out."""
+"""Order of the files of tests by their seconds, and the files that `make quick` runs.
+
+python -m tests.measured    # prints the files of `make quick`
+"""
 
 from __future__ import annotations
 
 import json
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Mapping
-from itertools import accumulate
 from pathlib import Path
 
 import pytest
@@ -13,9 +15,51 @@ import pytest
 TESTS = Path(__file__).parent
 FILE = TESTS / "seconds.json"
 """Seconds of each file of tests on one core, from `make measure`."""
-ROOM_SECONDS = 12.0
-"""Seconds that `make quick` spends on each folder, on its quickest files."""
-ALWAYS_SLOW = ("e2e", "release")
+QUICK = {
+    "paint points": (
+        "selection/test_select.py",
+        "selection/test_objects.py",
+        "labels/test_model.py",
+    ),
+    "undo": ("labels/test_undo.py", "labels/test_round_trips.py"),
+    "track labels": ("tracking/test_methods.py", "tracking/test_held.py", "tracking/test_lidar.py"),
+    "fit boxes": ("fitting/test_fitting.py", "labels/test_boxes.py"),
+    "label by example": (
+        "classify/test_classifier.py",
+        "classify/test_features.py",
+        "web/test_classifier_calls.py",
+    ),
+    "keep every edit": ("labels/test_durability.py", "labels/test_whole_edits.py"),
+    "open older workspaces": ("labels/test_migrate.py", "labels/test_old_workspace.py"),
+    "play frames": (
+        "streaming/test_socket_points.py",
+        "streaming/test_plan.py",
+        "sequences/test_codec.py",
+    ),
+    "work together": (
+        "streaming/test_socket_edits.py",
+        "labels/test_together.py",
+        "web/test_projects.py",
+    ),
+    "review": ("web/test_review_calls.py", "work/reviewing/test_agreement.py"),
+    "refuse strangers": ("web/test_auth.py", "streaming/test_socket_refusals.py"),
+    "import and export": (
+        "sequences/test_importer.py",
+        "work/test_round_trip.py",
+        "formats/test_exports.py",
+        "formats/test_kitti.py",
+        "formats/test_las.py",
+        "formats/test_pcd.py",
+        "formats/test_ply.py",
+        "formats/test_bags.py",
+        "formats/test_rgbd.py",
+        "formats/test_box_round_trips.py",
+    ),
+    "write scripts": ("web/test_rest.py", "web/test_selection.py"),
+    "keep the structure": ("test_import_circles.py", "test_words.py", "test_published_schemas.py"),
+}
+"""Files of tests that `make quick` runs, by the behaviour that they represent."""
+UNMEASURED = ("e2e", "release")
 
 
 def read() -> dict[str, float]:
@@ -23,38 +67,17 @@ def read() -> dict[str, float]:
     return found
 
 
-def slow(seconds: Mapping[str, float]) -> set[str]:
-    """List what exceeds ROOM_SECONDS when a folder's files are taken from the quickest on."""
-    rooms = defaultdict(list)
-    for name, taken in seconds.items():
-        rooms[str(Path(name).parent)].append((taken, name))
-    return {
-        name
-        for room in map(sorted, rooms.values())
-        for (_, name), total in zip(room, accumulate(taken for taken, _ in room), strict=True)
-        if total > ROOM_SECONDS
-    }
-
-
 def arrange(items: list[pytest.Item]) -> None:
-    """Mark the files that `make quick` leaves out, and begin with the longest.
+    """Start the longest files first.
 
-    A long file that begins last would keep one worker while the other has nothing to do.
+    A long file that starts last would keep one worker busy while the other is idle.
     """
     seconds = read()
-    left_out = slow(seconds)
-
-    def name(item: pytest.Item) -> str:
-        return item.path.relative_to(TESTS).as_posix()
-
-    for item in items:
-        if name(item) in left_out or name(item).split("/")[0] in ALWAYS_SLOW:
-            item.add_marker(pytest.mark.slow)
-    items.sort(key=lambda item: -seconds.get(name(item), 0.0))
+    items.sort(key=lambda item: -seconds.get(item.path.relative_to(TESTS).as_posix(), 0.0))
 
 
 class Measuring:
-    """A plugin: the seconds of each file go into FILE."""
+    """A plugin that writes the seconds of each file to FILE."""
 
     def __init__(self) -> None:
         self._taken: Counter[str] = Counter()
@@ -71,6 +94,10 @@ def write(seconds: Mapping[str, float]) -> None:
     kept = {
         name: round(taken, 1)
         for name, taken in sorted(seconds.items())
-        if (TESTS / name).is_file() and name.split("/")[0] not in ALWAYS_SLOW
+        if (TESTS / name).is_file() and name.split("/")[0] not in UNMEASURED
     }
     FILE.write_text(json.dumps(kept, indent=0) + "\n")
+
+
+if __name__ == "__main__":
+    print(*(f"tests/{name}" for names in QUICK.values() for name in names))

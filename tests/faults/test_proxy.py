@@ -28,7 +28,6 @@ def files(folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(300)
 def test_people_work_through_a_proxy_on_two_servers_with_one_database_and_dask(
     tmp_path: Path,

@@ -19,7 +19,6 @@ FIRST = {
 """Names of scenarios by module."""
 
 
-@pytest.mark.slow
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("name", sorted({*FIRST.values(), *MORE}))
 def test_nothing_is_lost(name: str) -> None:
