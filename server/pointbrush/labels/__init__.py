@@ -1,6 +1,6 @@
 """Palettes, annotations and their history: the label database.
 
-``LabelStore`` is the whole interface; see docs/labels.md for what undo means and what survives.
+``LabelStore`` is the whole interface; docs/labels.md describes undo and durability.
 """
 
 from __future__ import annotations

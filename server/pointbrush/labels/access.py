@@ -1,4 +1,4 @@
-"""Roles of people in projects and their recordings, asked at every call."""
+"""Roles of people in projects and their recordings, checked at every call."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from pointbrush.names import SCRATCH
 from pointbrush.roles import Role, includes
 
 COMPARES: Role = "reviewer"
-"""Role that sees everybody's copies of a recording."""
+"""Role that sees the copies of all people."""
 REFRESH_SECONDS = 1.0
-"""Longest time for which a change by another server is not seen."""
+"""Longest delay until a change by another server takes effect."""
 
 
 @dataclass(slots=True)
 class _Original:
-    """A recording with copies: who has tasks of its own or of a copy; ``truth``: one is scored."""
+    """A recording with copies; ``people`` and ``copied`` have tasks in it and in its copies."""
 
     people: set[str] = field(default_factory=set)
     copied: set[str] = field(default_factory=set)
     truth: bool = False
 
     def hides_from(self, account: str) -> bool:
-        """Return whether an account has a copy in its place, or might look up its own score."""
+        """Return whether an account works on a copy instead, or could look up its own score."""
         return account not in self.people and (self.truth or account in self.copied)
 
 
@@ -48,12 +48,12 @@ class Sight:
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """Roles of each project that has any, and its recordings, as of a moment.
+    """Snapshot of the roles in each project and of its recordings.
 
-    ``numbers``: the recordings that had an id one after the other, each with the time of its
-    deletion.  All else is by their permanent number.  ``coming``: ids of imports that have not
-    ended, whose recordings are not shown before they have a number.  ``copies``: the people with
-    tasks in each copy for one person; ``homes``: its project.
+    ``numbers``: by id, the recordings that had it in turn, each with the time of its deletion.  The
+    other maps are by permanent number.  ``coming``: ids of unfinished imports; their recordings are
+    hidden until they have a number.  ``copies``: the people with tasks in each copy for one person;
+    ``homes``: its project.
     """
 
     roles: Mapping[str, Mapping[str, Role]] = field(default_factory=dict)
@@ -66,7 +66,7 @@ class _Known:
     read: float = -REFRESH_SECONDS
 
     def number(self, sequence: str, at: float | None) -> int | None:
-        """Return the recording that had an id at a time, None: has it now or had it last."""
+        """Return the recording that had an id at a time; None: the current or last one."""
         lives = self.numbers.get(sequence, ())
         when = math.inf if at is None else at
         return next(
@@ -79,7 +79,7 @@ class _Known:
         return lives is not None and lives[-1][0] == math.inf
 
     def hides(self, number: int, account: str) -> bool:
-        """Return whether it is another person's copy, or one that an account has a copy of."""
+        """Return whether it is another person's copy, or the original of the account's copy."""
         people, original = self.copies.get(number), self.originals.get(number)
         if people is not None:
             return account not in people
@@ -115,16 +115,15 @@ class Access:
     def to_sequence(
         self, sequence: str, account: str, role: Role, at: float | None = None
     ) -> Role | None:
-        """Role in a recording of an account that has ``role`` in the workspace; None: none.
+        """Return the role in a recording of an account with ``role`` in the workspace; None: none.
 
-        ``at``: in the recording that had the id at a time, seconds since the epoch, rather than in
-        the one that has it now.
+        ``at``: a time, seconds since the epoch; the recording is the one that had the id then.
         """
         if includes(role, OVERSEES) or sequence == SCRATCH:
             return role
         known = self._look()
         found = known.role_in(sequence, account, role, at)
-        if found is None or not known.has(sequence):  # a role or the recording may be a moment old
+        if found is None or not known.has(sequence):  # the snapshot may be out of date
             found = self._look_anew().role_in(sequence, account, role, at)
         return found
 
@@ -134,11 +133,11 @@ class Access:
         return known.number(sequence, at) == known.number(sequence, None)
 
     def to_number(self, number: int, account: str, role: Role) -> Role | None:
-        """Role in a recording by its permanent number, deleted or not."""
+        """Return the role in a recording by its permanent number, deleted or not."""
         return role if includes(role, OVERSEES) else self._look_anew().role(number, account, role)
 
     def to_sequences(self, wanted: Iterable[str], account: str, role: Role) -> dict[str, Role]:
-        """Roles in many recordings at once; those that are not for the account are left out."""
+        """Return the roles in many recordings; recordings hidden from the account are left out."""
         if includes(role, OVERSEES):
             return dict.fromkeys(wanted, role)
         known = self._look_anew()
@@ -161,13 +160,13 @@ class Access:
         return Sight(frozenset(hidden), own)
 
     def to_project(self, project: str, account: str, role: Role) -> Role | None:
-        """The same in a project."""
+        """Return the role of an account in a project."""
         if includes(role, OVERSEES):
             return role
         return role_in(self._look().roles.get(project, {}), account, role)
 
     def forget(self) -> None:
-        """Look anew at the next call."""
+        """Read the database again at the next call."""
         with self._lock:
             self._known = _Known()
 

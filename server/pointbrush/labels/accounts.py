@@ -1,13 +1,12 @@
 """Accounts, the tokens that open them, and sign-ins of the page.
 
-An account's id is what undo goes by; its name is what is shown.  The account of a token has the
-token's name as its id, and needs no row.  Of those who share the server's own token each browser
-has one, ``browser:…`` (``session:…`` where it was made before browsers kept theirs), with the name
-that was chosen.
+Undo works per account id; the page shows the account's name.  The account of a token has the
+token's name as its id, and needs no row.  Each browser that uses the server's own token has an
+account ``browser:…`` with a chosen name (``session:…`` if it was made by an older version).
 
-A token is a random secret and a role; of it, and of the random id in a sign-in's cookie, only the
-SHA-256 is stored.  A slow password hash would add nothing: the secret is 256 random bits, which
-nobody can guess from its digest at any speed; and every request pays for the check.
+A token is a random secret and a role.  Only the SHA-256 of the secret, and of the random id in a
+sign-in's cookie, is stored.  A slow password hash would not add security, as a secret of 256 random
+bits cannot be guessed from its digest, and every request would pay for it.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ LONGEST_NAME = 128
 OWNER = "owner"
 """The account of scripts that send the server's own token."""
 RESERVED = frozenset({OWNER, "command line", "import"})
-"""Names that are accounts of pointbrush's own; no token has one."""
+"""Names of built-in accounts; no token may have one."""
 ELSEWHERE = "elsewhere:"
-"""Begins what stands for a digest where there is no secret: none of a secret has such letters."""
+"""Prefix of the digest of a token without a secret; no hexadecimal digest has these letters."""
 MARK = ":"
-"""In the id of accounts whose name is in the table: no token made now is called so."""
+"""Separator in the id of an account with a name in the table; new tokens cannot have it."""
 
 _PUT = upsert(accounts)
 
@@ -55,7 +54,7 @@ class Accounts:
         self._lock = threading.Lock()
 
     def known(self, account: str) -> str | None:
-        """Return the name of an account where the database need not be asked for it."""
+        """Return the name of an account without a query; None: the database has to be queried."""
         if MARK not in account:
             return account
         with self._lock:
@@ -76,7 +75,7 @@ class Accounts:
         return name
 
     def rename(self, account: str, name: str) -> None:
-        """Give an account without a token the name that was chosen for it."""
+        """Set the chosen name of an account without a token."""
         require_name(name)
         if self.name(account) == name:
             return
@@ -115,11 +114,11 @@ class Token:
     expires: float | None
     revoked: float | None
     account: str
-    """The account that its edits are by."""
+    """Account id of the author of its edits."""
 
     @property
     def valid(self) -> bool:
-        """Return whether it lets somebody in now."""
+        """Return whether it gives access now."""
         return self.revoked is None and (self.expires is None or time.time() < self.expires)
 
 
@@ -132,11 +131,12 @@ class Tokens:
     def add(
         self, role: str, name: str = "", expires: float | None = None, *, another: bool = False
     ) -> str:
-        """Make a token and return its secret, which is shown this once.
+        """Make a token and return its secret, which is not stored.
 
-        ``name`` is whom it is for; without one the token is an account of its own.  ``expires``:
-        seconds since the epoch.  Raises BadInputError for an unknown role or a name that no token
-        may have, ConflictError for the name of a valid token unless it is ``another`` one of it.
+        ``name`` is the person's account; without a name the token is an account of its own.
+        ``expires``: seconds since the epoch.  Raises BadInputError for an unknown role or a name
+        that no token may have, ConflictError for the name of a valid token unless ``another`` token
+        of it is wanted.
         """
         if role not in ROLES:
             raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
@@ -170,10 +170,10 @@ class Tokens:
         return write_once(self._database, make, find)
 
     def of_person(self, subject: str, names: Iterable[str], role: Role) -> Token:
-        """Return the token that stands for a person who signs in elsewhere, made the first time.
+        """Return the token of a person of an identity provider; make it at the first sign-in.
 
-        It has no secret.  ``subject`` tells the person from all others; their account is the first
-        of ``names`` that a token may have and none has had.
+        It has no secret.  ``subject`` identifies the person; their account is the first of
+        ``names`` that is valid and that no token ever had.
         """
         digest = f"{ELSEWHERE}{digest_of(subject)}"[: len(digest_of(""))]
         number = secrets.token_hex(4)
@@ -191,14 +191,14 @@ class Tokens:
             return token_of(connection.execute(here).one())
 
     def put_role(self, token_id: str, role: Role) -> Token:
-        """Change the role of a token, also of those who are signed in by it."""
+        """Change the role of a token and of its current sign-ins."""
         here = tokens.c.id == token_id
         with self._database.write() as connection:
             connection.execute(update(tokens).where(here).values(role=role))
             return token_of(connection.execute(select(tokens).where(here)).one())
 
     def list(self) -> list[Token]:
-        """All tokens, oldest first, revoked and expired ones too."""
+        """Return all tokens, oldest first, including revoked and expired ones."""
         with self._database.read() as connection:
             rows = connection.execute(select(tokens).order_by(tokens.c.created)).all()
         return [token_of(row) for row in rows]
@@ -215,11 +215,11 @@ class Tokens:
             return token_of(connection.execute(select(tokens).where(here)).one())
 
     def check(self, secret: str) -> Token | None:
-        """The valid token with this secret, or None."""
+        """Return the valid token with this secret, or None."""
         digest = digest_of(secret)
         row = self._database.look(_OF_DIGEST, {"digest": digest})
-        # The look-up compares digests, from whose timing no secret can be built; the comparison
-        # that decides is constant in time all the same.
+        # The timing of the look-up by digest reveals nothing of a secret; the final comparison
+        # takes constant time nevertheless.
         if row is None or not hmac.compare_digest(row.digest.encode(), digest.encode()):
             return None
         token = token_of(row)
@@ -230,7 +230,7 @@ _OF_DIGEST = Statement(select(tokens).where(tokens.c.digest == bindparam("digest
 
 
 def digest_of(secret: str) -> str:
-    """Return the digest that is kept of a secret."""
+    """Return the stored digest of a secret."""
     return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
 
 
@@ -253,8 +253,8 @@ def _free(names: Iterable[str], number: str, taken: Container[str]) -> Iterator[
 class SignIn:
     """Identity behind a cookie: a person's ``token``, or the server's own (None).
 
-    ``account`` is the one that its edits are by; ``owner`` is the digest of the server's own token
-    that it was made with, or "".
+    ``account`` is the author of its edits; ``owner`` is the digest of the server's own token at the
+    time of the sign-in, or "".
     """
 
     account: str
@@ -272,7 +272,7 @@ class SignIns:
         """Make a sign-in and return its id for the cookie.
 
         ``token``: a token's id; ``owner``: the digest of the server's own; ``expires``: seconds
-        since the epoch.  Those that have expired go.
+        since the epoch.  Expired sign-ins are removed.
         """
         secret = secrets.token_urlsafe(32)
         row = {
@@ -285,7 +285,7 @@ class SignIns:
         return secret
 
     def check(self, secret: str) -> SignIn | None:
-        """Return the sign-in of a cookie, or None once it, or its token, lets nobody in."""
+        """Return the sign-in of a cookie; None: it or its token is no longer valid."""
         joined = sign_ins.outerjoin(tokens, tokens.c.id == sign_ins.c.token)
         chosen = (sign_ins.c.account, sign_ins.c.owner, sign_ins.c.token.label("of"), tokens)
         valid = and_(sign_ins.c.digest == digest_of(secret), sign_ins.c.expires > time.time())
@@ -299,6 +299,6 @@ class SignIns:
         return SignIn(row.account, token, "") if token is not None and token.valid else None
 
     def end(self, secret: str) -> None:
-        """End a sign-in; an unknown one is no error."""
+        """End a sign-in; an unknown secret is no error."""
         with self._database.write() as connection:
             connection.execute(delete(sign_ins).where(sign_ins.c.digest == digest_of(secret)))

@@ -1,4 +1,4 @@
-"""Copies of a live database, always as one SQLite file, and the way back."""
+"""Backups of a live database as one SQLite file, and restoring them."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ _CONTINUE_NUMBERS = (
 )
 
 _INTERRUPT = "UPDATE jobs SET state = 'failed', error = ? WHERE state IN (?, ?)"
-"""End jobs in a copy: those that ran as it was made do not run there."""
+"""End the jobs in a copy that were running when it was made."""
 
 
 def back_up(database: Database, target: Path) -> None:
     """Write a consistent copy of a database in use to ``target``, a new SQLite file.
 
-    Appears whole or not at all.  Raises ConflictError when ``target`` is there already,
+    The file appears complete or not at all.  Raises ConflictError when ``target`` exists,
     UnavailableError when it cannot be written.
     """
     if target.exists():
@@ -58,7 +58,7 @@ def back_up(database: Database, target: Path) -> None:
         else:
             _copy_to_file(database, partial)
         with contextlib.closing(sqlite3.connect(partial)) as copy:
-            copy.execute("PRAGMA journal_mode=DELETE")  # one file, nothing beside it
+            copy.execute("PRAGMA journal_mode=DELETE")  # no files beside the database
             copy.execute(_INTERRUPT, (INTERRUPTED, *UNDER_WAY))
             copy.execute("DELETE FROM works")
             copy.commit()
@@ -73,9 +73,9 @@ def back_up(database: Database, target: Path) -> None:
 
 
 def move(source_url: str, target_url: str) -> None:
-    """Copy the database at one URL into the empty one at another, whole or not at all.
+    """Copy the database at one URL into the empty database at another, in one transaction.
 
-    Nobody can write to a SQLite source meanwhile.  Raises ConflictError when the target has
+    A SQLite source is locked for writing meanwhile.  Raises ConflictError when the target has
     sequences or tokens already, UnavailableError.
     """
     source, target = Database(source_url), Database(target_url)
@@ -100,12 +100,12 @@ def restore_sequence(
     identity: str,
     put: Callable[[], object],
 ) -> dict[str, dict[str, int]]:
-    """Bring one sequence of a backup back as ``target``, an import of its own, with its history.
+    """Restore one sequence of a backup with its history as the separate import ``target``.
 
-    Its labels get the classes with the same key here, or else with the same name.  Returns the
-    numbers that the backup has for these classes in known datasets, by their names here.
-    ``put`` runs before the commit: what it raises leaves the database as it was.  Raises
-    BadInputError when ``source`` is no backup, NotFoundError when it does not know the sequence.
+    Its labels get the classes with the same key in this database, or else with the same name.
+    Returns the numbers of these classes in known datasets in the backup, by their names in this
+    database.  ``put`` runs before the commit; an error it raises rolls the restore back.  Raises
+    BadInputError when ``source`` is no backup, NotFoundError when the sequence is not in it.
     """
     with _opened(source) as original, original.read() as reader, database.write() as writer:
         here = select(sequences).where(sequences.c.id == sequence, LIVE)
@@ -114,8 +114,8 @@ def restore_sequence(
             raise NotFoundError(f"backup: expected labels of {sequence!r}, there are none")
         fields = {name: value for name, value in row.items() if name != "number"}
         there = select(projects.c.id).where(projects.c.id == row["project"])
-        fields |= {"copy_of": None, "copy_kind": None}  # numbers of another database
-        fields["project"] = writer.execute(there).scalar()  # else it joins the first one
+        fields |= {"copy_of": None, "copy_kind": None}  # they refer to the other database
+        fields["project"] = writer.execute(there).scalar()  # None: the first project
         made = writer.execute(insert(sequences), fields | {"id": target, "identity": identity})
         key = made.inserted_primary_key
         assert key is not None  # noqa: S101 - of an autoincrement column
@@ -140,7 +140,7 @@ def restore_sequence(
 
 
 def _numbers_of(reader: Connection, names: dict[str, str]) -> dict[str, dict[str, int]]:
-    """Read the numbers of classes in known datasets; ``names``: by key."""
+    """Read the numbers of classes in known datasets; ``names``: class names by key."""
     found: dict[str, dict[str, int]] = {}
     rows = select(categories.c.key, dataset_numbers.c.dataset, dataset_numbers.c.number).join(
         dataset_numbers, dataset_numbers.c.category == categories.c.number
@@ -170,13 +170,13 @@ def restore(source: Path, url: str) -> None:
 
 
 def restore_file(source: Path, target: Path) -> None:
-    """Copy a backup to the new SQLite file ``target``, brought up to date; raises BadInputError."""
+    """Copy a backup to the new SQLite file ``target`` and migrate it; raises BadInputError."""
     _copied(source, target).close()
 
 
 @contextlib.contextmanager
 def _opened(source: Path) -> Iterator[Database]:
-    """A copy of a backup, brought up to date: the backup stays as it is itself."""
+    """Yield a migrated copy of a backup; the backup itself is not changed."""
     with tempfile.TemporaryDirectory() as folder:
         original = _copied(source, Path(folder) / "copy.sqlite")
         try:
@@ -186,9 +186,9 @@ def _opened(source: Path) -> Iterator[Database]:
 
 
 def _copied(source: Path, target: Path) -> Database:
-    """Copy a backup, bring it up to date and end its jobs.
+    """Copy a backup, migrate the copy and end its jobs.
 
-    Raises BadInputError for a file that is no backup, or ids in it that lead to other folders.
+    Raises BadInputError for a file that is no backup, or for ids in it that escape the folder.
     """
     _require_backup(source)
     try:
@@ -241,8 +241,8 @@ def _copy_rows(reader: Connection, writer: Connection) -> None:
     for table in (sequences, tokens):
         if writer.execute(select(func.count()).select_from(table)).scalar():
             raise ConflictError(f"restore: expected an empty database, it has {table.name}")
-    # A server that ran here may have made a key; the source's are those that its browsers know.
-    # Every database begins with a project, which the source has too.
+    # The target may have a signing key and has the first project; the source's rows replace both,
+    # as its browsers use its key.
     for table in (signing_keys, projects):
         writer.execute(delete(table))
     for table in metadata.sorted_tables:
@@ -256,7 +256,7 @@ def _copy_table(
     wanted: Select[Any],
     changed: Callable[[Any], dict[str, Any]],
 ) -> None:
-    """Copy the rows that are ``wanted``, with ``changed`` applied to each."""
+    """Copy the ``wanted`` rows, with ``changed`` applied to each."""
     rows = reader.execution_options(yield_per=ROWS).execute(wanted)
     for part in rows.mappings().partitions(ROWS):
         writer.execute(insert(table), list(map(changed, part)))

@@ -1,4 +1,4 @@
-"""Blocks of point states: a bounded cache in memory, and how a block is read from the database."""
+"""Blocks of point states: a bounded cache in memory, and reading blocks from the database."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from pointbrush.labels.schema import edit_blocks, snapshots
 Place = tuple[int, int, int]
 """Frame, layer, block."""
 SNAPSHOT_EVERY = 64
-"""Edits of a block after which it is kept whole again, so that reading it stays quick."""
+"""Edits of a block between two snapshots, which bounds the time to read it."""
 CACHE_BYTES = 256 << 20
 ENTRY_BYTES = 512
-"""Bytes of memory that a block costs beside its states."""
+"""Memory overhead of a cached block, bytes."""
 
 
 @dataclass(slots=True, eq=False)
@@ -31,16 +31,16 @@ class Block:
     states: States | None
     age: int
     queued: bool = False
-    """A snapshot of it is on its way."""
+    """A snapshot of the block is queued."""
 
     def words(self, indices: np.ndarray[tuple[int], np.dtype[np.int64]]) -> States:
-        """A copy of the words at ``indices``."""
+        """Return a copy of the words at ``indices``."""
         if self.states is None:
             return np.zeros(len(indices), np.uint64)
         return self.states[indices]
 
     def apply(self, change: Change, size: int) -> None:
-        """Take over what an edit made of this block of ``size`` points."""
+        """Apply an edit's change to this block of ``size`` points."""
         if self.states is None:
             self.states = np.zeros(size, np.uint64)
         self.states[change.indices] = change.after
@@ -57,7 +57,7 @@ class BlockCache:
         self._lock = threading.Lock()
 
     def get(self, number: int, place: Place) -> Block | None:
-        """The block, if it is here."""
+        """Return a cached block, or None."""
         with self._lock:
             found = self._blocks.get((number, place))
             if found is None:
@@ -66,7 +66,7 @@ class BlockCache:
             return found[0]
 
     def put(self, number: int, place: Place, block: Block) -> None:
-        """Keep a block, or weigh it again; the least recently used ones make room."""
+        """Cache a block or update its size; the least recently used blocks are evicted."""
         cost = ENTRY_BYTES + (0 if block.states is None else block.states.nbytes)
         with self._lock:
             previous = self._blocks.pop((number, place), None)
@@ -84,7 +84,7 @@ class BlockCache:
 
 
 def block_size(points: int, block: int) -> int:
-    """Points in block ``block`` of a frame of ``points``."""
+    """Return the number of points in block ``block`` of a frame of ``points``."""
     return min(BLOCK, points - block * BLOCK)
 
 
@@ -103,8 +103,8 @@ _JOURNAL = select(edit_blocks.c.block, edit_blocks.c.data).where(_of_frame(edit_
 _WHOLE = _JOURNAL.where(
     edit_blocks.c.block.between(bindparam("first"), bindparam("last"))
 ).order_by(edit_blocks.c.block, edit_blocks.c.revision)
-# One block at a time, by equality: over a range, or joined to the snapshots, the database would
-# look through the whole history of each block.
+# One block per query, by equality: for a range, or a join with the snapshots, the database would
+# scan the whole history of each block.
 _SINCE = _JOURNAL.where(
     edit_blocks.c.block == bindparam("block"), edit_blocks.c.revision > bindparam("after")
 ).order_by(edit_blocks.c.revision)
@@ -113,9 +113,9 @@ _SINCE = _JOURNAL.where(
 def load_blocks(
     connection: Connection, number: int, frame: int, layer: int, first: int, last: int, points: int
 ) -> dict[int, Block]:
-    """Blocks first..last of a frame: their snapshots, and the journal since.
+    """Read blocks first..last of a frame from their snapshots and the later journal.
 
-    Absent from the result: blocks that nothing ever wrote.
+    The result lacks blocks without edits.
     """
     here = {"of_sequence": number, "frame": frame, "layer": layer}
     blocks: dict[int, Block] = {}
@@ -134,7 +134,7 @@ def load_blocks(
 
 
 def _gaps(first: int, last: int, present: list[int]) -> Iterator[tuple[int, int]]:
-    """The runs of first..last between the numbers in ``present``."""
+    """Yield the runs of first..last between the numbers in ``present``."""
     for before, after in itertools.pairwise([first - 1, *present, last + 1]):
         if after - before > 1:
             yield before + 1, after - 1

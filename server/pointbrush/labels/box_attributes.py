@@ -1,4 +1,4 @@
-"""Attributes that boxes of a workspace may have: defined in its taxonomy, checked when given."""
+"""Attributes of boxes: defined in the workspace's taxonomy, checked in each request."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_CHOICES = 60
 
 @dataclass(frozen=True, slots=True)
 class BoxAttribute:
-    """An attribute of boxes: ``scope`` "track" has one value, "frame" one in each frame.
+    """An attribute of boxes: with ``scope`` "track" it has one value, with "frame" one per frame.
 
     ``choices`` are the values of the kind "choice".
     """
@@ -63,7 +63,7 @@ BUILT_IN = {
     "truncated": "expected 0 (fully in the picture) to 1 (outside)",
     "parked": "expected true or false",
 }
-"""Attributes that every box may have, for the track or in a frame: the first two are KITTI's."""
+"""Built-in attributes of boxes, for the track or a frame; the first two are from KITTI."""
 
 
 def _check_built_in(name: str, value: Any) -> None:
@@ -78,9 +78,9 @@ def _check_built_in(name: str, value: Any) -> None:
 
 
 def check_given(known: Sequence[BoxAttribute], given: Mapping[str, Any], scope: Scope) -> None:
-    """Check attributes that somebody gives a box, or its pose in a frame; None removes one.
+    """Check attributes of a request for a box, or its pose in a frame; None removes one.
 
-    Raises BadInputError for one that is not defined, of another scope, or of another kind.
+    Raises BadInputError for an undefined attribute, another scope or another kind.
     """
     defined = {each.name: each for each in known}
     for name, value in given.items():
@@ -103,7 +103,7 @@ def check_given(known: Sequence[BoxAttribute], given: Mapping[str, Any], scope: 
 
 
 def read_attributes(connection: Connection) -> list[BoxAttribute]:
-    """Read the definitions, in their order."""
+    """Read the definitions, ordered by position."""
     rows = connection.execute(select(box_attributes).order_by(box_attributes.c.position))
     return [
         BoxAttribute(row.name, row.kind, row.scope, tuple(json.loads(row.choices))) for row in rows

@@ -1,6 +1,6 @@
-"""Boxes in an edit and in the journal: what an edit changes of them, and what edits make of them.
+"""Boxes in an edit and in the journal: changes by an edit, and boxes folded from edits.
 
-The journal has the change of each box by each edit; a box is what the edits in force make of it.
+The journal has the change of each box by each edit; a box is the fold of the edits in force.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def stored(
     ids: Collection[int] | None = None,
     labels: Collection[int] | None = None,
 ) -> dict[int, Fields]:
-    """Read the fields of boxes by id, also of those whose label is gone; None: of all."""
+    """Read the fields of boxes by id, including boxes of deleted labels; None: all boxes."""
     query = select(boxes.c.id, boxes.c.data).where(boxes.c.sequence == number).order_by(boxes.c.id)
     if labels is not None:
         query = query.where(boxes.c.label.in_(sorted(labels)))
@@ -49,7 +49,7 @@ def stored(
 
 
 def of_labels(connection: Connection, number: int, labels: Collection[int]) -> dict[int, int]:
-    """Find the boxes of some labels: the label by the box's id."""
+    """Return the boxes of some labels, as a map from box id to label."""
     if not labels:
         return {}
     query = select(boxes.c.id, boxes.c.label).where(boxes.c.sequence == number)
@@ -75,9 +75,9 @@ def fold(
     ids: Collection[int] | None = None,
     last: int | None = None,
 ) -> dict[int, Fields | None]:
-    """Fold the changes of boxes by edits in force; None: there is no such box.
+    """Fold the changes of boxes by the edits in force; None: the box does not exist.
 
-    ``last``: the edit that counts in any case, and none after it.
+    ``last``: the last edit to fold, which counts even if it is not in force.
     """
     query = _changes(number)
     if last is None:
@@ -99,7 +99,7 @@ def fold(
 def as_at(
     connection: Connection, number: int, revision: int, undone: Collection[int]
 ) -> dict[int, Fields]:
-    """Fold the changes of boxes up to a revision, without those ``undone`` by then."""
+    """Fold the changes of boxes up to a revision, except edits ``undone`` by then."""
     query = (
         select(edit_boxes.c.box, edit_boxes.c.revision, edit_boxes.c.data)
         .where(edit_boxes.c.sequence == number, edit_boxes.c.revision <= revision)
@@ -114,7 +114,7 @@ def as_at(
 
 
 def _whole(fields: Fields) -> Fields | None:
-    """Return the fields of a box that exists, in their order, else None."""
+    """Return the ordered fields of a box, or None if it does not exist."""
     if not fields.pop("exists", False) or "size" not in fields:
         return None
     poses = fields["poses"]
@@ -129,7 +129,7 @@ def _whole(fields: Fields) -> Fields | None:
 
 
 def changed_in(connection: Connection, row: Row[Any]) -> set[int]:
-    """List the boxes that an edit, or the one it undoes or redoes, changed."""
+    """Return the boxes changed by an edit, or by the edit that it undoes or redoes."""
     query = select(edit_boxes.c.box).where(
         edit_boxes.c.sequence == row.sequence,
         edit_boxes.c.revision.in_([row.revision, row.target or row.revision]),
@@ -141,9 +141,9 @@ def changed_in(connection: Connection, row: Row[Any]) -> set[int]:
 
 
 def put(draft: Draft, news: Iterable[OrientedBox], removed: Iterable[int] = ()) -> list[int]:
-    """Set boxes, those of id 0 as new ones, and remove others; returns the ids of those set.
+    """Set boxes (id 0: a new box) and remove others; return the ids of the boxes that were set.
 
-    Raises NotFoundError for a frame or label that is not there, ConflictError for too many boxes,
+    Raises NotFoundError for an unknown frame or label, ConflictError for too many boxes,
     LockedLabelError.
     """
     after: dict[int, Fields | None] = dict.fromkeys(removed)
@@ -162,7 +162,7 @@ def put(draft: Draft, news: Iterable[OrientedBox], removed: Iterable[int] = ()) 
 
 
 def _set(draft: Draft, after: dict[int, Fields | None]) -> None:
-    """Set whole boxes, and note the change of each for the journal."""
+    """Set whole boxes, and record the change of each for the journal."""
     before = stored(draft.connection, draft.state.number, ids=after)
     for number, fields in after.items():
         old = before.get(number)
@@ -176,7 +176,7 @@ def _set(draft: Draft, after: dict[int, Fields | None]) -> None:
 
 
 def _first_free(draft: Draft, more: int) -> int:
-    """Return an id that no box ever had; raises ConflictError where ``more`` are too many boxes."""
+    """Return an id that no box ever had; raises ConflictError if ``more`` boxes are too many."""
     connection, number = draft.connection, draft.state.number
     count = select(func.count()).where(boxes.c.sequence == number)
     if connection.execute(count).scalar_one() + more > MOST_BOXES:
@@ -186,7 +186,7 @@ def _first_free(draft: Draft, more: int) -> int:
 
 
 def require_unlocked(labels: dict[int, Label], *states: Fields | None) -> None:
-    """Raise LockedLabelError where a box has a label that is locked."""
+    """Raise LockedLabelError if a state of a box has a locked label."""
     for fields in states:
         label = fields and fields["label"]
         if label in labels and labels[label].locked:
@@ -194,21 +194,21 @@ def require_unlocked(labels: dict[int, Label], *states: Fields | None) -> None:
 
 
 def remove_of(draft: Draft, labels: Collection[int]) -> None:
-    """Remove the boxes of labels, seen or not."""
+    """Remove the boxes of labels, including hidden boxes."""
     mine = stored(draft.connection, draft.state.number, labels=labels)
     _set(draft, dict.fromkeys(mine))
 
 
 def give(draft: Draft, labels: Collection[int], to: int) -> None:
-    """Give the boxes of labels to another one."""
+    """Move the boxes of labels to another label."""
     mine = stored(draft.connection, draft.state.number, labels=labels)
     _set(draft, {number: {**fields, "label": to} for number, fields in mine.items()})
 
 
 def turn(draft: Draft, edit: Row[Any], kind: str) -> None:
-    """Make the boxes of an edit that was undone or redone what the edits in force make of them.
+    """Recompute the boxes of an undone or redone edit from the edits in force.
 
-    A box that somebody else has changed since stays when its making is undone.  Raises
+    If a later edit of another author changed a box, undoing its creation keeps the box.  Raises
     LockedLabelError.
     """
     if not edit.boxes:
@@ -229,7 +229,7 @@ def turn(draft: Draft, edit: Row[Any], kind: str) -> None:
 
 
 def _by_others(draft: Draft, box: int, edit: Row[Any]) -> bool:
-    """Look whether somebody else's edit in force has changed a box and not removed it."""
+    """Return whether another author's edit in force has changed a box and not removed it."""
     query = _changes(draft.state.number).where(
         edit_boxes.c.box == box, edits.c.author != edit.author, edits.c.state.in_(IN_FORCE)
     )
@@ -238,14 +238,14 @@ def _by_others(draft: Draft, box: int, edit: Row[Any]) -> bool:
 
 
 def labels_used(draft: Draft, among: Collection[int]) -> set[int]:
-    """Find the labels, of some, that boxes have as an edit leaves them."""
+    """Return the labels of ``among`` that boxes have after an edit."""
     kept = of_labels(draft.connection, draft.state.number, among)
     used = {label for box, label in kept.items() if box not in draft.boxes}
     return used | {fields["label"] for fields in draft.boxes.values() if fields is not None}
 
 
 def changed_by_edit(draft: Draft) -> tuple[int, ...]:
-    """List the boxes that an edit changes, or whose label comes or goes with it."""
+    """Return the boxes that an edit changes, and the boxes of labels it creates or deletes."""
     exists = draft.state.exists
     turned = {n for n, label in draft.labels.items() if (label is not None) != exists[n]}
     mine = of_labels(draft.connection, draft.state.number, turned)
@@ -253,5 +253,5 @@ def changed_by_edit(draft: Draft) -> tuple[int, ...]:
 
 
 def read_boxes(found: dict[int, Fields], palette: Collection[int]) -> list[OrientedBox]:
-    """Make boxes of fields, without those whose label is not in the palette."""
+    """Build boxes from fields, except boxes of labels that are not in the palette."""
     return [box_of(n, fields) for n, fields in found.items() if fields["label"] in palette]

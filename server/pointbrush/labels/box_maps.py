@@ -1,4 +1,4 @@
-"""Boxes as maps, which the journal, REST and the socket have in common."""
+"""Boxes as maps, the form shared by the journal, REST and the socket."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from pointbrush.oriented_box import AttributeValue, BoxPose, OrientedBox
 
 Fields = dict[str, Any]
 """``label``, ``size``, ``poses`` by frame, ``attributes``, ``provenance`` and ``heading_known`` of
-a box, as JSON has them; a change of it has some of these, None for what goes, and ``exists`` where
-it came or went."""
+a box, as in JSON.  A change of it has some of these, None for a removed value, and ``exists`` if it
+creates or removes the box."""
 
 LONGEST_SIDE = 1_000.0
 """Metres."""
 FARTHEST = 1e12
 """The largest coordinate of a centre, metres."""
 MOST_ATTRIBUTES = 64
-"""Of a box, or of one of its poses."""
+"""Limit for a box, or for one of its poses."""
 NAME_LIMIT, TEXT_LIMIT = 64, 200
-"""Characters of an attribute's name, and of a text that it has."""
+"""Longest name and longest text value of an attribute, characters."""
 _MAPS = ("poses", "attributes")
 _POSE_FIELDS = ("centre", "quaternion", "provenance", "confidence", "attributes")
 
 
 def fields_of(box: OrientedBox) -> Fields:
-    """Describe a box by its fields, its poses in the order of frames."""
+    """Return the fields of a box, with poses in the order of frames."""
     return {
         "label": box.label,
         "size": box.size.tolist(),
@@ -51,7 +51,7 @@ def _pose_fields(pose: BoxPose) -> Fields:
 
 
 def box_of(number: int, fields: Mapping[str, Any]) -> OrientedBox:
-    """Make the box ``number`` of its fields; raises BadInputError."""
+    """Build the box ``number`` from its fields; raises BadInputError."""
     poses = {int(frame): _pose_of(told) for frame, told in fields["poses"].items()}
     size = _floats("size", fields["size"])
     if not size.max(initial=0) <= LONGEST_SIDE:
@@ -120,7 +120,7 @@ def check_attributes(given: Mapping[str, Any]) -> dict[str, AttributeValue]:
 
 
 def difference(before: Fields | None, after: Fields | None) -> Fields:
-    """Find the change that makes ``before`` into ``after``; None: there is no box.  Empty: none."""
+    """Return the change from ``before`` to ``after`` (None: no box); empty if they are equal."""
     if before == after:
         return {}
     if before is None or after is None:
@@ -139,7 +139,7 @@ def difference(before: Fields | None, after: Fields | None) -> Fields:
 
 
 def changed_by(fields: Fields, change: Mapping[str, Any]) -> Fields:
-    """Do a change to the fields of a box; one that makes the box begins anew."""
+    """Apply a change to the fields of a box; a creation ignores the earlier fields."""
     made = {} if change.get("exists") else dict(fields)
     for name, value in change.items():
         made[name] = _merged(made.get(name, {}), value) if name in _MAPS else value
@@ -151,10 +151,11 @@ def _merged(old: Mapping[str, Any], news: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def asked(change: Mapping[str, Any]) -> Callable[[Fields], Fields]:
-    """Make a function from a box's fields to those that a request for a change leaves.
+    """Return a function that applies a requested change to the fields of a box.
 
-    A pose may have some of its fields, the others stay; its place is *drawn* unless said otherwise,
-    and so is the size.  Attributes are merged, None removes one, and a frame's pose.
+    A pose may have some of its fields; the others keep their values.  The provenance of a pose and
+    of the size is *drawn* by default.  Attributes are merged; None removes an attribute, or a
+    frame's pose.
     """
 
     def do(fields: Fields) -> Fields:

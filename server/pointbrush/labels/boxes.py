@@ -1,4 +1,4 @@
-"""Boxes of a recording: read, and changed; each change is one edit of the journal."""
+"""Reading and changing the boxes of a recording; each change is one edit of the journal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pointbrush.oriented_box import OrientedBox
 
 @dataclass(frozen=True, slots=True)
 class BoxList:
-    """Boxes by their ids, and the revision of the recording that they are of."""
+    """Boxes ordered by id, and the revision of the recording."""
 
     boxes: tuple[OrientedBox, ...]
     revision: int
@@ -30,7 +30,7 @@ class BoxList:
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """A box as an edit left it, and its commit."""
+    """A box after an edit, and the edit's commit."""
 
     box: OrientedBox
     commit: Commit
@@ -38,25 +38,25 @@ class Made:
 
 @dataclass(frozen=True, slots=True)
 class BoxEdit:
-    """Changes that an edit makes: boxes as they are to be, new ones with id 0; ids that go."""
+    """Changes of an edit: boxes to set (id 0: a new box), and ids of boxes to remove."""
 
     put: Sequence[OrientedBox] = ()
     removed: Collection[int] = ()
 
 
 Choose = Callable[[Mapping[int, OrientedBox]], BoxEdit]
-"""Chooses changes from the boxes, by id, that the edit commits on."""
+"""Chooses changes from the current boxes by id when the edit commits."""
 
 
 class Boxes:
     """Boxes of all recordings of a store; thread-safe.
 
     Every method raises NotFoundError for an unknown sequence, box, label or frame, BadInputError
-    for values that cannot be, LockedLabelError for boxes of locked labels, and UnavailableError.
+    for invalid values, LockedLabelError for boxes of locked labels, and UnavailableError.
     """
 
     def __init__(self, sessions: Sessions, writer: Writer, taxonomy: Taxonomy) -> None:
-        """``taxonomy``: defines the attributes that people may give."""
+        """``taxonomy`` defines the attributes that requests may set."""
         self._sessions, self._writer, self._taxonomy = sessions, writer, taxonomy
 
     def listing(
@@ -67,7 +67,7 @@ class Boxes:
         frame: int | None = None,
         label: int | None = None,
     ) -> BoxList:
-        """List the boxes, or those of some ids, with a pose in ``frame``, or of a label."""
+        """Return all boxes, or only boxes of some ids, with a pose in ``frame``, or of a label."""
         with self._sessions.reading(sequence) as (connection, state):
             if frame is not None:
                 state.frame_points(frame)
@@ -88,7 +88,7 @@ class Boxes:
     def add(
         self, sequence: str, author: str, box: OrientedBox, *, edit_id: str | None = None
     ) -> Made:
-        """Add a box, whatever its ``id`` says; its id is the recording's next."""
+        """Add a box with the recording's next free id; its own ``id`` is ignored."""
         self._check(box.attributes, [pose.attributes for pose in box.poses.values()])
 
         def draw(draft: Draft) -> str:
@@ -106,7 +106,7 @@ class Boxes:
         *,
         edit_id: str | None = None,
     ) -> Made:
-        """Change ``size``, ``label``, ``attributes`` or ``poses``, as ``box_maps.asked`` says."""
+        """Change ``size``, ``label``, ``attributes`` or ``poses``; see ``box_maps.asked``."""
         poses = [pose for pose in change.get("poses", {}).values() if pose is not None]
         attributes = [pose.get("attributes", {}) for pose in poses]
         self._check(change.get("attributes", {}), attributes)
@@ -140,11 +140,11 @@ class Boxes:
         identity: str | None = None,
         kind: str = "box",
     ) -> Commit:
-        """Change many boxes as one edit, by what there is when it commits.
+        """Change many boxes as one edit, chosen from the boxes at its commit.
 
-        Attributes need not be defined: files have their own.
-        ``commit.boxes`` has the ids of those that changed.  ``identity``: of the import that the
-        edit was made for.
+        Attributes need not be defined, as imported files may have other attributes.
+        ``commit.boxes`` has the ids of the changed boxes.  ``identity``: the import that the edit
+        was made for.
         """
 
         def draw(draft: Draft) -> str:
@@ -161,7 +161,7 @@ class Boxes:
         return self._commit(sequence, author, draw, edit_id, kind=kind, identity=identity)
 
     def _check(self, track: Mapping[str, Any], frames: Sequence[Mapping[str, Any]]) -> None:
-        """Check attributes against the taxonomy, those of a box and those of its poses."""
+        """Check the attributes of a box and of its poses against the taxonomy."""
         if track or any(frames):
             known = self._taxonomy.attributes()
             check_given(known, track, "track")
@@ -178,7 +178,7 @@ class Boxes:
         kind: str = "box",
         identity: str | None = None,
     ) -> Commit:
-        """Commit what ``draw`` does to a draft, with the sentence that it gives."""
+        """Commit the changes that ``draw`` makes to a draft, with the summary that it returns."""
         entry = new_entry(edit_id, author, kind, "")
 
         def plan(draft: Draft) -> Entry:
@@ -194,7 +194,7 @@ class Boxes:
         edit_id: str | None,
         box: int | None = None,
     ) -> Made:
-        """Commit a change of one box; the answer has it as the edit left it, also said again."""
+        """Commit a change of one box and return the box after the edit, also when it is retried."""
         commit = self._commit(sequence, author, draw, edit_id)
         ids = commit.boxes if box is None else [box]
         with self._sessions.reading(sequence) as (connection, state):
@@ -206,7 +206,7 @@ class Boxes:
 
 
 def _require(draft: Draft, box: int) -> OrientedBox:
-    """Read the box that an edit is about; raises NotFoundError."""
+    """Read the box of an edit; raises NotFoundError."""
     found = box_journal.stored(draft.connection, draft.state.number, ids=[box])
     boxes = box_journal.read_boxes(found, draft.palette)
     if not boxes:
