@@ -1,6 +1,6 @@
-"""Check that the database agrees with itself, and make anew what derives from the journal.
+"""Check the consistency of the database, and rebuild the tables derived from the journal.
 
-Everything is compared with a replay of the journal; snapshots, counts, palette, tracks, boxes and
+All tables are compared with a replay of the journal; snapshots, counts, palette, tracks, boxes and
 frame changes can be rebuilt from it.
 """
 
@@ -54,14 +54,14 @@ ROWS = 500
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Something that is wrong, in a sentence; ``derived``: it can be made anew by the journal."""
+    """A fault, in a sentence; ``derived``: it can be repaired from the journal."""
 
     text: str
     derived: bool
 
 
 def check(connection: Connection, state: SequenceState) -> list[Finding]:
-    """Check of a sequence for faults; nothing is repaired."""
+    """Return the faults of a sequence; nothing is repaired."""
     tally = Tally(connection, state)
     return [
         *_check_numbers(connection, state),
@@ -87,14 +87,14 @@ def _check_numbers(connection: Connection, state: SequenceState) -> Iterator[Fin
 
 
 class Tally:
-    """Counts of labels by a replay of the journal; ``findings`` makes them on its way."""
+    """Counts of labels by a replay of the journal, filled in by ``findings``."""
 
     def __init__(self, connection: Connection, state: SequenceState) -> None:
         self._connection, self._state = connection, state
         self.counts: dict[FrameLabel, tuple[int, ...]] = {}
 
     def findings(self) -> Iterator[Finding]:
-        """List faults of the journal of points and its snapshots, block by block."""
+        """Yield the faults of the journal of points and its snapshots, block by block."""
         connection, state = self._connection, self._state
         in_force = set(
             connection.execute(
@@ -121,7 +121,7 @@ class Tally:
 def _check_place(
     connection: Connection, state: SequenceState, place: Place, in_force: set[int]
 ) -> Generator[Finding, None, States]:
-    """Replay one place and compare what is kept of it; returns its states."""
+    """Replay one place and compare its stored and cached states; return the states."""
     states = np.zeros(block_size(state.frame_points(place[0]), place[2]), np.uint64)
     yield from _replay(connection, state, place, states)
     stale = set(np.unique(writer_of(states)).tolist()) - in_force - {0}
@@ -198,7 +198,7 @@ def _check_palette(connection: Connection, state: SequenceState) -> Iterator[Fin
 
 
 def expected_tracks(connection: Connection, state: SequenceState) -> dict[FrameLabel, str]:
-    """Return the tracks by the edits in force, as JSON by frame and label."""
+    """Return the tracks set by the edits in force, as JSON by frame and label."""
     query = (
         select(edit_tracks.c.frame, edit_tracks.c.label, edit_tracks.c.data)
         .join(
@@ -234,7 +234,7 @@ def _check_boxes(connection: Connection, state: SequenceState) -> Iterator[Findi
 
 
 def expected_frame_changes(connection: Connection, state: SequenceState) -> dict[int, int]:
-    """The revision of each frame's last change, as the journal has it."""
+    """Return the revision of each frame's last change, from the journal."""
     query = select(edits.c.revision, edits.c.frames).where(edits.c.sequence == state.number)
     expected: dict[int, int] = {}
     for revision, frames in connection.execute(query.order_by(edits.c.revision)):
@@ -267,7 +267,7 @@ def _sorted(keys: Set[Any]) -> list[Any]:
 
 
 def at(table: ReadOnlyColumnCollection[str, Any], number: int, place: Place) -> ColumnElement[bool]:
-    """The condition that rows of a table belong to one place of sequence ``number``."""
+    """Return the condition that rows of a table belong to one place of sequence ``number``."""
     return and_(
         table.sequence == number,
         table.frame == place[0],
@@ -282,10 +282,10 @@ def _where(place: Place) -> str:
 
 
 def repair(connection: Connection, state: SequenceState) -> tuple[list[str], list[str]]:
-    """Rebuild what of a sequence disagrees with its journal, in the caller's transaction.
+    """Rebuild tables of a sequence that disagree with its journal, in the caller's transaction.
 
-    Returns what was wrong and is rebuilt, and what cannot be.  If the journal itself is damaged
-    nothing is rebuilt: what was derived from it before may be all that is left.
+    Returns the faults that are repaired and the faults that cannot be.  If the journal itself is
+    damaged, nothing is rebuilt, as the derived tables may hold the only remaining data.
     """
     found = check(connection, state)
     lost = [finding.text for finding in found if not finding.derived]
@@ -312,7 +312,7 @@ def _replace(
 
 
 def _snapshots(connection: Connection, state: SequenceState) -> None:
-    """Make each block's snapshot anew, of now; one at a time is in memory."""
+    """Rebuild each block's snapshot from the current states, one block at a time."""
     table = snapshots.c
     kept = select(table.frame, table.layer, table.block).where(table.sequence == state.number)
     for place in sorted(tuple(row) for row in connection.execute(kept).all()):

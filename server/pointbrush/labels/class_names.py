@@ -48,7 +48,7 @@ class ClassNames:
         return key
 
     def meaning(self, word: str) -> str:
-        """Return the name of the class for a word in a file: its name now, or its first name."""
+        """Return the name of the class with the current or first name ``word`` in a file."""
         return word if word in self.keys else self.name(word)
 
     def stored(self, fields: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The classes of a workspace, read at once, changed in memory and written together."""
+"""The classes of a workspace, read together, changed in memory and written together."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ Size = tuple[float, float, float]
 class Category:
     """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
 
-    ``datasets`` are its numbers in the datasets that it is known from, ``stated`` the datasets
-    whose number a person set.  ``size``, length, width and height of its objects, and the standard
-    deviation ``spread``, metres; None: unknown.  The rest is as in the schema.
+    ``datasets`` are its numbers in known datasets, ``stated`` the datasets with a number that a
+    person set.  ``size`` is length, width and height of its objects, ``spread`` the standard
+    deviation, metres; None: unknown.  The other fields are as in the schema.
     """
 
     number: int
@@ -52,7 +52,7 @@ class Category:
         return replace(self, datasets={d: n for d, n in self.datasets.items() if d not in names})
 
     def is_called(self, word: str) -> bool:
-        """Return whether a word is the name or the first name, in any spelling."""
+        """Return whether ``word`` is the name or the first name, in any spelling."""
         return plain(word) in (plain(self.name), plain(self.key))
 
 
@@ -104,7 +104,7 @@ class Classes:
         return self.change(Category(number, name, key=key))
 
     def change(self, entry: Category) -> Category:
-        """Replace the category with this number, or add one."""
+        """Replace the category with this number, or add it."""
         before = self._rows.get(entry.number, entry)
         for there in before.datasets.items() - entry.datasets.items():
             del self._held[there]
@@ -150,7 +150,7 @@ class Classes:
     # ── names ────────────────────────────────────────────────────────────────────────────
 
     def put(self, wanted: Category) -> None:
-        """Add a category, or change that of its number; raises ConflictError."""
+        """Add a category or change the one with its number; raises ConflictError."""
         known = self._rows.get(wanted.number)
         if known is None:
             known = Category(wanted.number, wanted.name, key=self._free_key(wanted.name))

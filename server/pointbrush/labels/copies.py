@@ -1,4 +1,4 @@
-"""Copies of recordings for one person each, who does not see what others do with the points."""
+"""Copies of recordings, each for one person, independent of the labels of other people."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pointbrush.labels.project_tables import tasks
 from pointbrush.labels.schema import LIVE, PROJECT_OF, sequences
 
 CopyKind = Literal["agreement", "truth", "scratch"]
-"""Copies that are compared with each other, or with known truth, or not at all."""
+"""Copies that are compared with each other, with known ground truth, or not at all."""
 
 
 @dataclass(frozen=True, slots=True)
 class CopyTask:
-    """Frames ``first`` to ``last`` of a copy, whose they are (an account or ""), their state."""
+    """Frames ``first`` to ``last`` of a copy, their assignee (an account or ""), their state."""
 
     first: int
     last: int
@@ -42,7 +42,7 @@ class Copies:
         self._database = database
 
     def mark(self, copy: str, original: str, project: str, kind: CopyKind) -> None:
-        """Note that a recording that has just been registered is a copy."""
+        """Mark a newly registered recording as a copy."""
         number = select(sequences.c.number).where(sequences.c.id == original, LIVE)
         with self._database.write() as connection:
             values = {"copy_of": number.scalar_subquery(), "copy_kind": kind, "project": project}
@@ -50,7 +50,7 @@ class Copies:
             connection.execute(here.values(**values))
 
     def originals(self) -> dict[str, str]:
-        """Return the id of the recording that each copy is of, by the copy's."""
+        """Return the id of each copy's original, by the id of the copy."""
         whole = sequences.alias()
         chosen = (
             select(sequences.c.id, whole.c.id.label("original"))
@@ -61,7 +61,7 @@ class Copies:
             return {row.id: row.original for row in connection.execute(chosen)}
 
     def of(self, project: str, kind: CopyKind, original: str | None = None) -> list[Copy]:
-        """Return the copies of a project, of one recording or of all, by id."""
+        """Return the copies of one recording of a project, or of all its recordings, by id."""
         whole = sequences.alias()
         chosen = (
             select(sequences.c.number, sequences.c.id, whole.c.id.label("original"))
@@ -85,10 +85,10 @@ class Copies:
 
 
 def seen_elsewhere(account: str) -> ColumnElement[bool]:
-    """Return whether an account has a task of another copy of the recording of a task.
+    """Return the condition that an account has a task of another copy of a task's recording.
 
-    Or of the recording itself, where one of both has known truth.  It is asked of rows of
-    ``tasks`` that are joined with ``sequences``.
+    It also holds for a task of the recording itself if one of the two has known ground truth.  It
+    applies to rows of ``tasks`` joined with ``sequences``.
     """
     other, theirs = sequences.alias(), tasks.alias()
     there = (

@@ -1,4 +1,4 @@
-"""The engine: SQLite or PostgreSQL by URL, durable transactions, errors in our words."""
+"""The database engine: SQLite or PostgreSQL by URL, durable transactions, translated errors."""
 
 from __future__ import annotations
 
@@ -38,25 +38,25 @@ from pointbrush.labels.statements import (
 from pointbrush.permissions import file_writable, writable
 
 if TYPE_CHECKING:
-    import psycopg  # takes its time to import; SQLAlchemy does where it is PostgreSQL
+    import psycopg  # slow to import; SQLAlchemy imports it for PostgreSQL
 
 BUSY_SECONDS = 10.0
 """Longest wait of a SQLite writer for another process's transaction."""
 KEEPALIVE_PROBES = 3
 READ_ONLY_TRANSACTION = "25006"
-"""SQLSTATE of a write to a database that only can be read."""
+"""SQLSTATE of a write to a read-only database."""
 READ_ONLY = "the labels are read-only: they can be viewed and exported, not changed"
 CHUNK = 500
 """Values in one IN list; SQLite allows 32,766 parameters, older builds 999."""
 
-# FULL: every commit waits until the write-ahead log is on the disk (fsync), so that an answered
-# edit survives a power loss.  Checkpoints are made by the upkeep thread; the automatic one only
-# catches a log that has grown because that thread could not run.
+# FULL: every commit waits until the write-ahead log is on the disk (fsync), so that an acknowledged
+# edit survives a power loss.  The upkeep thread makes checkpoints; the automatic one only limits
+# the log if that thread could not run.
 BUSY_PAUSE_SECONDS = 0.01
 WRITE_AHEAD = "PRAGMA journal_mode=WAL"
 SQLITE_PRAGMAS = (
     "PRAGMA synchronous=FULL",
-    "PRAGMA fullfsync=ON",  # macOS: through the drive's own cache; elsewhere nothing
+    "PRAGMA fullfsync=ON",  # macOS: flushes the drive's cache; no effect on other systems
     "PRAGMA wal_autocheckpoint=16384",
     "PRAGMA cache_size=-8192",
     "PRAGMA temp_store=MEMORY",
@@ -65,12 +65,12 @@ SQLITE_PRAGMAS = (
 
 @dataclass(frozen=True)
 class Limits:
-    """Bounds on waiting for PostgreSQL; a parameter of that name in the URL wins."""
+    """Timeouts for PostgreSQL; a parameter in the URL has precedence."""
 
     statement_seconds: int = 60
-    """A statement that takes longer is cancelled, locks it waits for included."""
+    """Timeout of a statement, including the time it waits for locks."""
     keepalive_seconds: int = 30
-    """Silence until a connection is probed; after twice as long it counts as lost."""
+    """Idle time until a connection is probed; it counts as lost after twice this time."""
 
 
 class Database:
@@ -79,8 +79,8 @@ class Database:
     def __init__(self, url: str, limits: Limits | None = None) -> None:
         """Open ``sqlite:///path`` or ``postgresql://…``.
 
-        A SQLite file that may not be written is opened as a private copy, which can be brought up
-        to date; ``seal`` it before anybody edits.
+        A SQLite file without write permission is opened as a private copy, which can be migrated;
+        ``seal`` it before edits are accepted.
 
         Raises BadInputError for another URL, UnavailableError when it cannot be reached.
         """
@@ -90,21 +90,21 @@ class Database:
         self._sealed = False
         if self._copy is not None:
             self.url = self.url.set(database=str(self._copy.path))
-        # SQLite has one writer; waiting here is fair and immediate, its own waiting is polling.
+        # SQLite allows one writer.  This lock wakes the next thread at once; SQLite itself polls.
         self._writer: contextlib.AbstractContextManager[Any] = (
             threading.Lock() if self.sqlite else contextlib.nullcontext()
         )
         self.timed: Callable[[str, float], None] | None = None
-        """Is told of each transaction, "read" or "write", and the seconds that it took."""
+        """Callback for each transaction: "read" or "write", and its duration in seconds."""
         self.limits = limits or Limits()
         self.engine = (
             _sqlite_engine(self.url) if self.sqlite else _postgres_engine(self.url, self.limits)
         )
         dbapi: Any = self.engine.dialect.loaded_dbapi
         self.driver_error: type[Exception] = dbapi.Error
-        """Base of the errors that the database's driver raises."""
+        """Base class of the driver's errors."""
         self.failures = (exc.DBAPIError, exc.TimeoutError, self.driver_error)
-        """Errors of the database itself, after which a transaction is of no use to anybody."""
+        """Errors of the database itself, which make the transaction unusable."""
         self._look = Look(self._driver, self.driver_error)
 
     def ping(self) -> None:
@@ -128,12 +128,12 @@ class Database:
         return listener
 
     def look(self, statement: Statement, values: Values) -> Any:
-        """The row that a short question gives as of now, or None; raises UnavailableError."""
+        """Return the current row of a short query, or None; raises UnavailableError."""
         with self._translated():
             return self._look.one(statement, values)
 
     def _driver(self) -> Driver:
-        """A connection of the driver, each of whose statements is by itself."""
+        """Return a connection of the driver in autocommit mode."""
         if self.sqlite:
             return sqlite3.connect(
                 str(self.url.database),
@@ -146,11 +146,11 @@ class Database:
         return connection
 
     def seal(self) -> None:
-        """Refuse to write from now on, if this is a private copy: it would be lost."""
+        """Refuse writes to a private copy from now on, as they would be lost."""
         self._sealed = self._copy is not None
 
     def require_writable(self) -> None:
-        """Raise ReadOnlyError when nothing can be written; UnavailableError."""
+        """Raise ReadOnlyError if the database is read-only; raises UnavailableError."""
         if self._sealed:
             raise ReadOnlyError(READ_ONLY)
         if not self.sqlite:
@@ -160,7 +160,7 @@ class Database:
 
     @contextlib.contextmanager
     def read(self) -> Iterator[Connection]:
-        """A transaction that sees one consistent state; raises UnavailableError."""
+        """Open a transaction with a consistent snapshot; raises UnavailableError."""
         options = {} if self.sqlite else {"isolation_level": "REPEATABLE READ"}
         with self._timed("read"), self._translated(), self.engine.connect() as connection:
             connection = connection.execution_options(**options)
@@ -169,11 +169,11 @@ class Database:
 
     @contextlib.contextmanager
     def write(self, *, begun: bool = True) -> Iterator[Connection]:
-        """A transaction that is on the disk when this ends; raises UnavailableError.
+        """Open a transaction that is durable when the context ends; raises UnavailableError.
 
         Any error rolls it back.  ``begun`` False: it begins with ``statements.begin`` and commits
-        with ``statements.commit``, so that they leave together with others; what has not been
-        committed so is rolled back.  Raises ReadOnlyError where nothing can be written.
+        with ``statements.commit``, so that both can be sent with other statements; uncommitted
+        changes are rolled back.  Raises ReadOnlyError if the database is read-only.
         """
         if self._sealed:
             raise ReadOnlyError(READ_ONLY)
@@ -194,7 +194,7 @@ class Database:
                         if by_hand and not connection.invalidated:
                             driver_of(connection).rollback()
             except (exc.DBAPIError, self.driver_error):
-                # After a full disk or a lost server the connection's state is not to be trusted.
+                # After a full disk or a lost server the state of the connection is unknown.
                 connection.invalidate()
                 raise
 
@@ -218,13 +218,13 @@ class Database:
                 self.timed(kind, time.perf_counter() - begun)
 
     def now(self, connection: Connection) -> float:
-        """Seconds since the epoch, by one clock for all who share the database."""
+        """Return the time, seconds since the epoch, by a clock that all servers share."""
         if self.sqlite:
             return time.time()
         return float(connection.execute(text("SELECT extract(epoch FROM now())")).scalar_one())
 
     def insert_new(self, connection: Connection, index: Index, row: dict[str, Any]) -> bool:
-        """Insert a row unless the unique ``index`` has its like; tells whether it did."""
+        """Insert a row unless it violates the unique ``index``; return whether it was inserted."""
         table = cast(Table, index.table)
         where = index.dialect_options[dialect_of(sqlite=self.sqlite).name]["where"]
         statement: Any = insert(table, sqlite=self.sqlite)
@@ -244,18 +244,18 @@ class Database:
 
 
 def _private_copy(path: Path) -> PrivateCopy | None:
-    """A copy of a database that may not be written here; None when it may."""
+    """Return a copy of a database without write permission; None if it is writable."""
     if path.exists():
         return None if file_writable(path) else PrivateCopy(path)
     return PrivateCopy(path) if path.parent.is_dir() and not writable(path.parent) else None
 
 
 def _unavailable(error: Exception) -> UnavailableError:
-    """An error in our words; the address of a server that is away is for its operator only."""
+    """Translate an error; the address of an unreachable server is only for its operator."""
     cause = getattr(error, "orig", None) or error
     reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
     said, private = reason, ""
-    if getattr(cause, "sqlstate", "") is None:  # psycopg's: the server has said nothing
+    if getattr(cause, "sqlstate", "") is None:  # an error of psycopg itself
         said, private = "its server cannot be reached", reason
     return UnavailableError(
         f"the label database cannot be used now, nothing was changed: {said}", private=private
@@ -266,7 +266,7 @@ def _parse(url: str) -> URL:
     try:
         parsed = make_url(url)
         backend = parsed.get_backend_name()
-    except (exc.ArgumentError, ValueError):  # whose texts may quote a part of the password
+    except (exc.ArgumentError, ValueError):  # the error's text may quote a part of the password
         backend = ""
     if backend == "sqlite" and parsed.database and parsed.database != ":memory:":
         return parsed.set(drivername="sqlite+pysqlite")
@@ -288,7 +288,7 @@ def _sqlite_engine(url: URL) -> Engine:
 
     @event.listens_for(engine, "connect")
     def configure(connection: Any, _: Any) -> None:
-        connection.isolation_level = None  # transactions are begun below, never by the driver
+        connection.isolation_level = None  # transactions begin below, not in the driver
         _write_ahead(connection)
         for pragma in SQLITE_PRAGMAS:
             connection.execute(pragma)
@@ -302,7 +302,7 @@ def _sqlite_engine(url: URL) -> Engine:
 
 
 def _write_ahead(connection: sqlite3.Connection) -> None:
-    """Keep a log of writes, for which SQLite itself does not wait while another process asks it."""
+    """Enable the write-ahead log; SQLite does not wait if another process enables it meanwhile."""
     end = time.monotonic() + BUSY_SECONDS
     while True:
         try:
@@ -317,7 +317,7 @@ def _write_ahead(connection: sqlite3.Connection) -> None:
 
 
 def patience(url: URL, limits: Limits) -> dict[str, int]:
-    """Return libpq's parameters by which a connection without an answer is given up."""
+    """Return libpq's parameters for timeouts of a connection without an answer."""
     probes = {
         "connect_timeout": 10,
         "keepalives": 1,
@@ -341,7 +341,7 @@ def _postgres_engine(url: URL, limits: Limits) -> Engine:
     @event.listens_for(engine, "connect")
     def configure(connection: Any, _: Any) -> None:
         row = connection.execute("SHOW synchronous_commit").fetchone()
-        if row[0] == "off":  # an answered edit must be on the disk, whatever the server's default
+        if row[0] == "off":  # an acknowledged edit must be durable, despite the server's default
             connection.execute("SET synchronous_commit TO on")
         connection.execute(f"SET statement_timeout TO '{limits.statement_seconds}s'")
         connection.commit()

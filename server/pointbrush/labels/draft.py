@@ -1,6 +1,6 @@
-"""An edit before it is committed: what it would do to which points.
+"""An edit before its commit: the changes that it would make to points.
 
-Nothing here changes the state; a draft that is thrown away leaves no trace.
+A draft does not change the state; a discarded draft has no effect.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ from pointbrush.labels.types import PAINTED, PREDICTED, Label, Write
 from pointbrush.labels.writes import BlockWrite, cut, locked_error
 
 OPEN_POINTS = 4_000_000
-"""Points whose changes are kept unpacked, 24 bytes each."""
+"""Number of points with unpacked changes in memory, 24 bytes each."""
 
 
 class Changes(Mapping[Place, Change]):
-    """Changes by place, in the order of places; ``put`` adds or replaces one."""
+    """Changes by place, ordered by place; ``put`` adds or replaces one."""
 
     def __init__(self, packed: Mapping[Place, bytes] | None = None) -> None:
-        """``packed``: what the journal holds of an edit."""
+        """``packed``: an edit's changes as stored in the journal."""
         self._packed: dict[Place, bytes] = dict(packed or {})
         self._open: OrderedDict[Place, Change] = OrderedDict()
         self._points = 0
@@ -64,7 +64,7 @@ class Changes(Mapping[Place, Change]):
         return len(self._open) + len(self._packed)
 
     def put(self, place: Place, change: Change) -> None:
-        """Set what is done to a place."""
+        """Set the change of a place."""
         self._packed.pop(place, None)
         earlier = self._open.pop(place, None)
         self._points += len(change.indices) - (0 if earlier is None else len(earlier.indices))
@@ -75,12 +75,12 @@ class Changes(Mapping[Place, Change]):
             self._packed[oldest] = encode_change(old)
 
     def packed(self, place: Place) -> bytes:
-        """A place's change as the journal holds it."""
+        """Return the change of a place as stored in the journal."""
         change = self._open.get(place)
         return self._packed[place] if change is None else encode_change(change)
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Remove all changes."""
         self._packed.clear()
         self._open.clear()
         self._points = 0
@@ -94,38 +94,38 @@ class Draft:
     state: SequenceState
     changes: Changes = field(default_factory=Changes)
     labels: dict[int, Label | None] = field(default_factory=dict)
-    """Palette entries that it sets or, None, removes."""
+    """Palette entries that it sets; None: removes."""
     label_fields: dict[int, dict[str, Any]] = field(default_factory=dict)
-    """The part that the edit names itself, for the journal."""
+    """The fields of labels that the edit sets, for the journal."""
     doubtful: set[int] = field(default_factory=set)
-    """Labels that an undo or redo leaves out of the palette, unless points hold them."""
+    """Labels that an undo or redo removes from the palette unless points hold them."""
     tracks: dict[tuple[int, int], str | None] = field(default_factory=dict)
-    """Tracks by frame and label that it sets (JSON) or, None, removes."""
+    """Tracks by frame and label that it sets, as JSON; None: removes."""
     boxes: dict[int, dict[str, Any] | None] = field(default_factory=dict)
-    """Boxes that it sets, by their fields, or, None, removes."""
+    """Fields of boxes that it sets; None: removes."""
     box_changes: dict[int, dict[str, Any]] = field(default_factory=dict)
-    """The part that the edit changes itself, for the journal."""
+    """The fields of boxes that the edit changes, for the journal."""
     own_tracks: bool = False
-    """The tracks are of its own making, and not what an undo uncovered."""
+    """The edit sets the tracks itself, as opposed to an undo that restores earlier tracks."""
 
     @property
     def revision(self) -> int:
-        """The revision it will be committed as."""
+        """Return the revision of its commit."""
         return self.state.revision + 1
 
     @property
     def palette(self) -> dict[int, Label]:
-        """The palette as this edit leaves it."""
+        """Return the palette after this edit."""
         merged = {**self.state.palette, **self.labels}
         return {number: label for number, label in merged.items() if label is not None}
 
     @property
     def exists(self) -> NDArray[np.bool_]:
-        """Mask of the labels that exist as this edit leaves the palette."""
+        """Return the mask of the labels that exist after this edit."""
         return exists_table(self.palette) if self.labels else self.state.exists
 
     def words(self, place: Place, indices: NDArray[np.int64]) -> States:
-        """The words at ``indices`` of a place, with this draft's changes so far."""
+        """Return the words at ``indices`` of a place, including this draft's changes so far."""
         words = self.state.block(self.connection, place).words(indices)
         change = self.changes.get(place)
         if change is not None:
@@ -134,8 +134,7 @@ class Draft:
         return words
 
     def write(self, frame: int, write: Write) -> None:
-        """Add what a Write does, by the rules: locked labels keep, ``only``, ``living`` and
-        ``hidden`` limit.
+        """Add the changes of a Write, except points of locked labels and points it excludes.
 
         Raises BadInputError, NotFoundError, LockedLabelError, HiddenLabelError.
         """
@@ -145,7 +144,7 @@ class Draft:
             self._write_block(frame, piece, spared)
 
     def _spared(self, hidden: frozenset[int] | None) -> NDArray[np.bool_]:
-        """For each label, whether its points keep what they have."""
+        """Return for each label whether its points keep their values."""
         if hidden is None:
             return self.state.locked
         spared = self.state.locked | self.state.hidden
@@ -178,7 +177,7 @@ class Draft:
             self.put(place, indices, self.words(place, indices), after)
 
     def put(self, place: Place, indices: NDArray[np.int64], before: States, after: States) -> None:
-        """Set words; ``before`` are those there now, with this draft's changes so far."""
+        """Set words; ``before`` are the current ones, including this draft's changes so far."""
         if not len(indices):
             return
         earlier = self.changes.get(place)
@@ -189,13 +188,13 @@ class Draft:
         old, new = np.searchsorted(both, earlier.indices), np.searchsorted(both, indices)
         merged = Change(both, np.empty(len(both), np.uint64), np.empty(len(both), np.uint64))
         merged.before[new] = before
-        merged.before[old] = earlier.before  # before the edit, not before this part of it
+        merged.before[old] = earlier.before  # before the edit, not before this part
         merged.after[old] = earlier.after
         merged.after[new] = after
         self.changes.put(place, merged)
 
     def clear_label(self, label: int) -> None:
-        """Take a label from all points that hold it, seen or not."""
+        """Remove a label from all points that hold it, including hidden points."""
         stamp = written_by(self.revision)
         for frame, block, indices in holders(self.connection, self.state, label):
             place = (frame, LABELS, block)
@@ -203,7 +202,7 @@ class Draft:
             self.put(place, indices, words, np.full(len(indices), stamp))
 
     def give_label(self, label: int, to: int) -> None:
-        """Give all points that hold ``label``, seen or not, the label ``to``."""
+        """Give all points that hold ``label``, including hidden points, the label ``to``."""
         stamp = written_by(self.revision)
         for frame, block, indices in holders(self.connection, self.state, label):
             place = (frame, LABELS, block)
@@ -212,14 +211,14 @@ class Draft:
             self.put(place, indices, words, kept | np.uint64(to) | stamp)
 
     def foreign_writers(self) -> NDArray[np.uint64]:
-        """Revisions that the points it touches come from, each once."""
+        """Return the distinct revisions that wrote the points it changes."""
         found = [np.unique(change.before >> WRITER_SHIFT) for change in self.changes.values()]
         writers = np.unique(np.concatenate(found)) if found else np.empty(0, np.uint64)
         return writers[writers > 0]
 
 
 def _may_change(only: str, shown: States) -> NDArray[np.bool_]:
-    """Mark the words that a Write's ``only`` lets change, as users see them."""
+    """Return the mask of the shown words that a Write's ``only`` allows to change."""
     label, came = shown & LABEL_BITS, provenance_of(shown)
     rules: dict[str, Callable[[], Any]] = {
         "any": lambda: np.ones(len(shown), np.bool_),
@@ -234,7 +233,7 @@ def _may_change(only: str, shown: States) -> NDArray[np.bool_]:
 def holders(
     connection: Connection, state: SequenceState, label: int
 ) -> Iterator[tuple[int, int, NDArray[np.int64]]]:
-    """Frame, block and points in it that hold ``label`` in their word, deleted ones too."""
+    """Yield frame, block and its points that hold ``label``, including deleted points."""
     for frame, block in blocks_holding(state, {label}):
         found = holding(connection, state, frame, block, {label})
         if len(found):
@@ -242,7 +241,7 @@ def holders(
 
 
 def blocks_holding(state: SequenceState, labels: set[int]) -> Iterator[tuple[int, int]]:
-    """Frame and block wherever points may hold one of ``labels`` in their word, in order."""
+    """Yield frame and block of points that may hold one of ``labels``, in order."""
     frames = {
         frame for (frame, label), count in state.counts.items() if label in labels and count[2]
     }
@@ -254,7 +253,7 @@ def blocks_holding(state: SequenceState, labels: set[int]) -> Iterator[tuple[int
 def holding(
     connection: Connection, state: SequenceState, frame: int, block: int, labels: set[int]
 ) -> NDArray[np.int64]:
-    """Points of a block that hold one of ``labels`` in their word, deleted ones too."""
+    """Return the points of a block that hold one of ``labels``, including deleted points."""
     states = state.block(connection, (frame, LABELS, block)).states
     if states is None:
         return np.empty(0, np.int64)
@@ -264,7 +263,7 @@ def holding(
 def match_sorted(
     where: NDArray[np.int64], what: NDArray[np.int64]
 ) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Mark the members of sorted ``what`` in sorted ``where``, and give their places there."""
+    """Return the positions in sorted ``where`` of members of sorted ``what``, and their mask."""
     at = np.searchsorted(where, what)
     at[at == len(where)] = 0
     mine = where[at] == what if len(where) else np.zeros(len(what), np.bool_)

@@ -1,6 +1,6 @@
 """Effect of changes for viewers: deltas per frame, and counts per frame and label.
 
-Everything is worked out block by block, so that an edit of a whole scan takes the memory of a few.
+They are computed block by block, so that an edit of a whole scan needs the memory of a few blocks.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ from pointbrush.labels.types import PAINTED, Delta, Deltas
 Indices = NDArray[np.int64]
 
 LISTED_POINTS = 5_000_000
-"""Changed points that one edit lists at most; frames beyond are told without their points."""
+"""Limit of changed points that an edit lists; further frames are announced without points."""
 
 
 @dataclass(slots=True, eq=False)
 class Effect:
-    """``changed`` points, their values now by frame, and the counts that are new."""
+    """Number of changed points, their new values by frame, and the new counts."""
 
     changed: int = 0
     frames: Deltas = field(default_factory=dict)
@@ -47,14 +47,14 @@ class Effect:
 
 @dataclass(slots=True, eq=False)
 class _Listing:
-    """Gathers deltas in the order of frames and blocks."""
+    """Collects deltas in the order of frames and blocks."""
 
     changed: int = 0
     _listed: int = 0
     _pieces: dict[int, list[Delta] | None] = field(default_factory=dict)
 
     def add(self, frame: int, piece: Delta) -> None:
-        """Note changed points of a frame."""
+        """Add changed points of a frame."""
         self.changed += len(piece)
         self._listed += len(piece)
         pieces = self._pieces.setdefault(frame, [])
@@ -67,7 +67,7 @@ class _Listing:
         self._pieces[frame] = None
 
     def frames(self) -> Deltas:
-        """The delta of each frame, None for one with too many points."""
+        """Return the delta of each frame; None for a frame with too many points."""
         return {
             frame: None if pieces is None else _joined(pieces)
             for frame, pieces in self._pieces.items()
@@ -95,10 +95,10 @@ def deltas_of(
     changes: Mapping[Place, Change],
     labels: Iterable[int],
 ) -> Deltas:
-    """Deltas of an edit that ``state`` already contains, from its journal entry.
+    """Return the deltas of an edit already in ``state``, from its journal entry.
 
-    ``labels``: palette entries it changed; points that hold them are included, for whether
-    they are seen may have changed.
+    ``labels``: palette entries it changed; points that hold them are included, as their visibility
+    may have changed.
     """
     chosen, listing = set(labels), _Listing()
     for block in _touched(connection, state, changes, chosen):
@@ -111,7 +111,7 @@ def deltas_of(
 
 
 def labels_in(changes: Mapping[Place, Change], frames: Deltas) -> set[FrameLabel]:
-    """Frames and labels whose counts an edit may have changed."""
+    """Return the frames and labels with counts that an edit may have changed."""
     found: set[FrameLabel] = set()
     for (frame, layer, _), change in changes.items():
         if layer == LABELS:
@@ -125,7 +125,7 @@ def labels_in(changes: Mapping[Place, Change], frames: Deltas) -> set[FrameLabel
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Block:
-    """Points of one block that an edit is about: value bits of both layers, before and after."""
+    """Points of one block affected by an edit: value bits of both layers, before and after."""
 
     frame: int
     number: int
@@ -134,7 +134,7 @@ class _Block:
     after: States
 
     def delta(self, which: NDArray[np.bool_], shown: States) -> Delta:
-        """Return the points ``which`` changed, and their values as they are ``shown`` now."""
+        """Return the points that ``which`` marks, with their ``shown`` values."""
         indices = self.indices[which] + self.number * BLOCK
         values = shown[which]
         return Delta(
@@ -148,7 +148,7 @@ def _touched(
     changes: Mapping[Place, Change],
     labels: set[int],
 ) -> Iterator[_Block]:
-    """Blocks that changes, or points that hold one of ``labels``, lie in; in order."""
+    """Yield the blocks with changes or with points that hold one of ``labels``, in order."""
     holders = set(blocks_holding(state, labels)) if labels else set()
     for frame, block in sorted({(frame, block) for frame, _, block in changes} | holders):
         layers = {layer: changes.get((frame, layer, block)) for layer in (LABELS, DELETION)}
@@ -170,7 +170,7 @@ def _both_layers(
     block: int,
     indices: Indices,
 ) -> tuple[States, States]:
-    """Value bits of both layers together, before and after."""
+    """Return the combined value bits of both layers, before and after."""
     before = np.zeros(len(indices), np.uint64)
     after = np.zeros(len(indices), np.uint64)
     for layer, bits in ((LABELS, VALUE_BITS & ~DELETED_BIT), (DELETION, DELETED_BIT)):
@@ -198,7 +198,7 @@ def _count(counts: dict[FrameLabel, Count], state: SequenceState, block: _Block)
 
 
 def tally_labels(values: States) -> Iterable[tuple[int, Count]]:
-    """For each label in ``values`` (both layers): points, painted ones, all that hold it."""
+    """Yield for each label in ``values`` (both layers) its visible, painted and total points."""
     values = values[(values & LABEL_BITS) != 0]
     if not len(values):
         return

@@ -1,4 +1,4 @@
-"""Guards of work on a recording, kept in the database, where other servers see them."""
+"""Guards of work on a recording, stored in the database for all its servers."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from pointbrush.system import process_alive
 log = logging.getLogger(__name__)
 
 BEAT_SECONDS = 20.0
-"""Interval in which a process says that it still works."""
+"""Interval of a process's heartbeats."""
 EXPIRY_SECONDS = 180.0
-"""After how long a silence its work counts as given up."""
+"""Time without a heartbeat after which work counts as abandoned."""
 IMPORT, TRACKING = "import", "tracking"
 DOING = {IMPORT: "is being imported", TRACKING: "is being tracked"}
 _IMPORT_INDEX = next(i for i in works.indexes if i.name == "works_import")
@@ -53,7 +53,7 @@ class Guards:
         self._thread = threading.Thread(target=self._run, name="pointbrush-guards", daemon=True)
 
     def close(self) -> None:
-        """Give up what is held and end the thread."""
+        """Release the held guards and end the thread."""
         self._stop.set()
         if self._thread.ident is not None:
             self._thread.join()
@@ -61,9 +61,9 @@ class Guards:
                 self._remove(works.c.owner == self.owner)
 
     def reserve(self, ids: Iterable[str], free: Callable[[str], bool]) -> Guard:
-        """Keep the first of ``ids`` for an import that no recording or other import has.
+        """Reserve for an import the first of ``ids`` that no recording or other import has.
 
-        ``free(id)`` tells whether there are files of that id.
+        ``free(id)`` returns whether no files of that id exist.
         """
         for sequence in ids:
             guard = self._reserve(sequence, free)
@@ -79,7 +79,7 @@ class Guards:
             row = self._row(guard, IMPORT, now)
             if not self._database.insert_new(connection, _IMPORT_INDEX, row):
                 return None
-            # Looked at once it is reserved: whoever had it before has finished.
+            # Checked after the reservation: an earlier import of this id has finished by now.
             if find_revision(connection, sequence) is not None or not free(sequence):
                 connection.execute(delete(works).where(works.c.id == guard.id))
                 return None
@@ -87,7 +87,7 @@ class Guards:
         return guard
 
     def begin(self, sequence: str, kind: str) -> Guard:
-        """Say that work on a recording begins, so that nobody deletes it; raises NotFoundError."""
+        """Guard a recording against deletion during work on it; raises NotFoundError."""
         with self._database.write() as connection:
             if find_revision(connection, sequence, lock=True) is None:
                 raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
@@ -98,7 +98,7 @@ class Guards:
         return guard
 
     def end(self, guard: Guard) -> None:
-        """The work has ended; without the database it counts as given up a little later."""
+        """End a guard; if the database is unavailable, the guard expires later."""
         with self._lock:
             self._held.discard(guard.id)
         try:
@@ -107,7 +107,7 @@ class Guards:
             log.warning("%s stays guarded for %.0f s: %s", guard.sequence, EXPIRY_SECONDS, error)
 
     def importing(self) -> set[str]:
-        """Ids that imports have reserved and not finished."""
+        """Return the ids reserved by unfinished imports."""
         with self._database.read() as connection:
             return set(coming_in(connection, self._database.now(connection)))
 
@@ -147,7 +147,7 @@ class Guards:
 
 
 def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
-    """A sentence about who works on a recording, or None."""
+    """Return a sentence about the work on a recording, or None."""
     rows = connection.execute(select(works).where(works.c.sequence == sequence)).all()
     for row in rows:
         if not given_up(row, now, EXPIRY_SECONDS):
@@ -157,13 +157,13 @@ def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
 
 
 def coming_in(connection: Connection, now: float) -> frozenset[str]:
-    """Return the ids that imports have reserved and not finished."""
+    """Return the ids reserved by unfinished imports."""
     rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
     return frozenset(row.sequence for row in rows if not given_up(row, now, EXPIRY_SECONDS))
 
 
 def _clear(connection: Connection, now: float) -> None:
-    """Remove work that was given up."""
+    """Remove abandoned work."""
     rows = connection.execute(select(works).where(or_(works.c.host == host(), works.c.beat < now)))
     dead = [row.id for row in rows if given_up(row, now, EXPIRY_SECONDS)]
     if dead:
@@ -171,7 +171,7 @@ def _clear(connection: Connection, now: float) -> None:
 
 
 def given_up(row: Row[Any], now: float, seconds: float | None) -> bool:
-    """Return whether the process of a row has ended, or has not been heard of for ``seconds``."""
+    """Return whether the process of a row has ended, or had no heartbeat for ``seconds``."""
     if seconds is not None and row.beat < now - seconds:
         return True
     return bool(row.host == host() and not process_alive(row.process))
@@ -179,7 +179,7 @@ def given_up(row: Row[Any], now: float, seconds: float | None) -> bool:
 
 @cache
 def host() -> str:
-    """Return this machine and, where there are such, the name space that process numbers are of."""
+    """Return the name of this machine and, where it exists, the namespace of its process ids."""
     try:
         space = Path("/proc/self/ns/pid").stat().st_ino
     except OSError:
