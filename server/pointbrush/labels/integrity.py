@@ -1,4 +1,4 @@
-"""Is the database itself whole, whatever its rows mean?"""
+"""Integrity checks of the database file and its tables, without the meaning of the rows."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ MOST_FINDINGS = 100
 
 
 def integrity(database: Database) -> list[str]:
-    """List the faults of the database, one sentence each; all of it is read.
+    """Return the faults of the database, one sentence each, after reading all of it.
 
-    SQLite checks its pages, indexes and references.  Of PostgreSQL every row is read, in the order
-    of the table and of its primary key, which finds pages that cannot be read and rows that an
-    index has lost; the extension ``amcheck`` looks at tables and indexes too, where it is there.
+    SQLite checks its pages, indexes and references.  For PostgreSQL every row is read, in the order
+    of the table and of its primary key, which finds unreadable pages and rows that an index has
+    lost; the extension ``amcheck``, if installed, checks tables and indexes too.
     """
     if database.path is not None:
         return [f"database: {database.path.name}: {line}" for line in _sqlite(database)]
@@ -27,7 +27,7 @@ def integrity(database: Database) -> list[str]:
 
 
 def check_database(url: str) -> list[str]:
-    """The same of the database at ``url``, which need not be fit to be opened as a store."""
+    """Return the faults of the database at ``url``, even if a store cannot open it."""
     database = Database(url)
     try:
         return integrity(database)
@@ -36,7 +36,7 @@ def check_database(url: str) -> list[str]:
 
 
 def rebuild_indexes(database: Database) -> None:
-    """Make all indexes anew from the rows; raises ReadOnlyError, UnavailableError."""
+    """Rebuild all indexes from the rows; raises ReadOnlyError, UnavailableError."""
     with database.write() as connection:
         if database.sqlite:
             connection.execute(text("REINDEX"))
@@ -72,7 +72,7 @@ def _postgres(database: Database) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _telling(database: Database, findings: list[str], name: str) -> Iterator[Connection]:
-    """A transaction that may take its time; what it raises is a finding about ``name``."""
+    """Open a transaction without a timeout; its UnavailableError becomes a finding on ``name``."""
     try:
         with database.read() as connection:
             connection.execute(text("SET LOCAL statement_timeout = 0"))
@@ -82,7 +82,7 @@ def _telling(database: Database, findings: list[str], name: str) -> Iterator[Con
 
 
 def _read_rows(database: Database, table: Table, findings: list[str]) -> Iterator[int]:
-    """Read all rows whole, also what is kept apart from them (TOAST); how many there are."""
+    """Read all rows, including values in TOAST storage, and yield their number."""
     with _telling(database, findings, table.name) as connection:
         connection.execute(text("SET LOCAL enable_indexscan = off"))
         connection.execute(text("SET LOCAL enable_indexonlyscan = off"))
@@ -92,7 +92,7 @@ def _read_rows(database: Database, table: Table, findings: list[str]) -> Iterato
 
 
 def _read_index(database: Database, table: Table, findings: list[str]) -> Iterator[int]:
-    """Read all rows by the primary key; how many it lists."""
+    """Read all rows by the primary key and yield their number."""
     with _telling(database, findings, table.name) as connection:
         for other in ("seqscan", "bitmapscan", "indexonlyscan", "sort"):
             connection.execute(text(f"SET LOCAL enable_{other} = off"))

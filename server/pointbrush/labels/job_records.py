@@ -1,4 +1,4 @@
-"""Jobs in the database: all its servers see them, and they outlive the server that ran them."""
+"""Jobs in the database, shared by its servers; they outlive the server that ran them."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from pointbrush.labels.schema import jobs, works
 from pointbrush.labels.statements import insert
 
 STALE_SECONDS = 30.0
-"""After how long a silence a job's server counts as gone."""
+"""Time without a heartbeat after which a job's server counts as ended."""
 KEPT_JOBS = 1000
-"""Ended jobs that are kept; older ones are forgotten first."""
+"""Limit of stored ended jobs; the oldest are removed first."""
 UNDER_WAY = ("queued", "running")
 INTERRUPTED = "a backup was made while the job ran; start it again"
 Wish = Literal["", "cancel", "keep"]
-"""Wish of somebody at another server for a job: to stop, or to stop and keep what it found."""
+"""Request from another server for a job: to stop, or to stop and keep its results so far."""
 _JSON = ("result", "request")
 
 
 @dataclass(frozen=True, slots=True)
 class JobRecord:
-    """A job as the database has it; the first fields are those of ``pointbrush.jobs.Job``."""
+    """A job as stored; the first fields are the same as in ``pointbrush.jobs.Job``."""
 
     id: str
     kind: str
@@ -44,34 +44,34 @@ class JobRecord:
     author: str | None
     edit: str | None
     request: dict[str, Any] | None
-    """Request that begins it again on another server; None when nothing does."""
+    """Request that restarts it on another server; None: it cannot be restarted."""
     lost: int = 0
-    """Servers that have gone without a word while it ran."""
+    """Number of servers that ended unexpectedly while it ran."""
     wish: Wish = ""
     owner: str = ""
-    """The process that runs it; nobody's when empty."""
+    """The process that runs it; empty: none."""
 
 
 class JobRecords:
-    """The jobs of one database, as one of its servers writes them; thread-safe.
+    """The jobs of one database, for one of its servers; thread-safe.
 
-    Rows are locked in the order of their ids, or passed over where another server has locked them:
-    servers on one database never wait for each other in a circle.
+    Rows are locked in the order of their ids, and rows locked by another server are skipped, which
+    prevents deadlocks between servers of one database.
     """
 
     def __init__(self, database: Database, owner: str) -> None:
-        """``owner`` is this process, as in its guards."""
+        """``owner`` identifies this process, as in its guards."""
         self._database, self.owner = database, owner
 
     def add(self, record: JobRecord) -> None:
-        """Write a new job down, as this process's.
+        """Store a new job, owned by this process.
 
-        Raises ConflictError when there is a job of its id, UnavailableError.
+        Raises ConflictError if a job with its id exists, UnavailableError.
         """
 
         def make(connection: Connection) -> bool:
             row = _row(record) | self._mine(self._database.now(connection))
-            # Another server may write the same call down at this moment: it is waited for.
+            # Waits for another server that may store the same job at the same moment.
             new = insert(jobs, sqlite=self._database.sqlite).values(row).on_conflict_do_nothing()
             counted = {"preserve_rowcount": True}
             if connection.execute(new, execution_options=counted).rowcount == 0:
@@ -93,7 +93,7 @@ class JobRecords:
         write_once(self._database, make, find)
 
     def update(self, records: Iterable[JobRecord]) -> set[str]:
-        """Write how far jobs of this process are; return those that are another's by now."""
+        """Store the progress of this process's jobs; return jobs that another process has taken."""
         lost: set[str] = set()
         with self._database.write() as connection:
             now = self._database.now(connection)
@@ -113,7 +113,7 @@ class JobRecords:
             connection.execute(delete(jobs).where(own))
 
     def release(self, ids: Collection[str], message: str) -> None:
-        """Leave jobs of this process to the next server that sees them."""
+        """Release jobs of this process for another server to take."""
         own = jobs.c.id.in_(ids) & (jobs.c.owner == self.owner) & jobs.c.state.in_(UNDER_WAY)
         nobody = {"owner": "", "beat": 0.0, "state": "queued", "progress": 0.0, "message": message}
         with self._database.write() as connection:
@@ -121,13 +121,13 @@ class JobRecords:
             connection.execute(update(jobs).where(own).values(nobody))
 
     def under_way(self) -> list[JobRecord]:
-        """Return all jobs that are queued or run, the oldest first."""
+        """Return all queued and running jobs, oldest first."""
         chosen = select(jobs).where(jobs.c.state.in_(UNDER_WAY)).order_by(jobs.c.created)
         with self._database.read() as connection:
             return [_record(row) for row in connection.execute(chosen)]
 
     def all(self) -> list[JobRecord]:
-        """Return every job that is kept, the newest first."""
+        """Return all stored jobs, newest first."""
         with self._database.read() as connection:
             rows = connection.execute(select(jobs).order_by(jobs.c.created.desc()))
             return [_record(row) for row in rows]
@@ -144,10 +144,10 @@ class JobRecords:
             connection.execute(update(jobs).where(jobs.c.id == job_id).values(wish=wish))
 
     def claim(self, *, silent: bool) -> list[JobRecord]:
-        """Take over jobs whose server has gone, each once, whoever else asks at the same time.
+        """Take over jobs of ended servers, each job only once among concurrent servers.
 
-        ``silent``: also those whose server has only not been heard of for a while.  What the dead
-        server guarded is free again.
+        ``silent``: also jobs of servers without a recent heartbeat.  The guards of the ended
+        servers are released.
         """
         if not any(record.owner != self.owner for record in self.under_way()):
             return []
@@ -161,7 +161,7 @@ class JobRecords:
             chosen = others.where(jobs.c.id.in_(gone)).order_by(jobs.c.id)
             for row in connection.execute(chosen.with_for_update(skip_locked=True)).all():
                 if not _abandoned(row, now, seconds):
-                    continue  # it was heard of before its row was locked
+                    continue  # a heartbeat arrived before its row was locked
                 lost = row.lost + (1 if row.owner else 0)
                 mine = self._mine(now) | {"lost": lost}
                 connection.execute(update(jobs).where(jobs.c.id == row.id).values(mine))
@@ -182,12 +182,12 @@ class JobRecords:
 
 
 def _abandoned(row: Row[Any], now: float, seconds: float | None) -> bool:
-    """Return whether a job is nobody's or its server has gone (see ``given_up``)."""
+    """Return whether a job has no owner or its server has ended (see ``given_up``)."""
     return not row.owner or given_up(row, now, seconds)
 
 
 def _delete_unlocked(connection: Connection, table: Table, condition: ColumnElement[bool]) -> None:
-    """Delete rows by a condition, but for those that another transaction has locked."""
+    """Delete rows by a condition, except rows that another transaction has locked."""
     free = select(table.c.id).where(condition).with_for_update(skip_locked=True)
     ids = connection.execute(free).scalars().all()
     connection.execute(delete(table).where(table.c.id.in_(ids)))

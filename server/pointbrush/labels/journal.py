@@ -1,7 +1,7 @@
 """The journal: appending edits and reading them back; only an edit's ``state`` ever changes.
 
-Tables derived from it (palette, tracks, boxes, counts, each frame's last change) are kept beside
-it, so that nobody has to replay it.
+Tables derived from it (palette, tracks, boxes, counts, each frame's last change) are updated with
+each edit, so that reading them needs no replay.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _DROP_REDO = Statement(
     )
     .values(state=schema.DROPPED)
 )
-"""The author went on: what they had undone stays undone."""
+"""Drop the author's undone edits: after a new edit they cannot be redone."""
 _CHANGE_AT = select(edit_blocks.c.data).where(
     edit_blocks.c.sequence == bindparam("of_sequence"),
     edit_blocks.c.revision == bindparam("of_revision"),
@@ -86,7 +86,7 @@ BLOCKS_AT_ONCE = 256
 
 
 Told = str | Callable[[int, int], str]
-"""A sentence of the history, or what makes it of the numbers of points and frames changed."""
+"""A sentence of the history, or a function that makes it from the numbers of points and frames."""
 _PUT_LABEL, _PUT_TRACK = upsert(schema.labels), upsert(schema.tracks)
 _PUT_COUNT, _PUT_CHANGE = upsert(schema.counts), upsert(schema.frame_changes)
 _PUT_BOX = upsert(schema.boxes)
@@ -120,17 +120,17 @@ class Entry:
     summary: Told
     state: int = schema.ACTIVE
     target: int | None = None
-    """Revision of the edit that an undo or redo is about."""
+    """Revision of the edit that an undo or redo reverses."""
     label: Label | None = None
-    """The label that it makes or changes, as it leaves it."""
+    """The label that it creates or changes, after the edit."""
 
     def told(self, points: int, frames: int) -> str:
-        """The sentence of the history."""
+        """Return the sentence of the history."""
         return self.summary if isinstance(self.summary, str) else self.summary(points, frames)
 
 
 def append(driver: Driver, draft: Draft, entry: Entry, commit: Commit, effect: Effect) -> None:
-    """Write an edit and everything derived from it; nothing is read."""
+    """Write an edit and the tables derived from it, without reads."""
     number, revision = draft.state.number, draft.revision
     if entry.state == schema.ACTIVE:
         _DROP_REDO.run(driver, {"of_sequence": number, "of_author": entry.author})
@@ -210,18 +210,18 @@ def _append_parts(driver: Driver, draft: Draft, key: dict[str, Any]) -> None:
 
 
 def look_for(driver: Driver, number: int, edit_id: str) -> Any:
-    """Ask for the edit with this id: a cursor, whose row ``FIND.one`` gives."""
+    """Query the edit with this id; return a cursor for ``FIND.one``."""
     return FIND.run(driver, {"of_sequence": number, "edit_id": edit_id})
 
 
 def rows_since(connection: Connection, number: int, revision: int, limit: int) -> list[Row[Any]]:
-    """Rows after ``revision``, oldest first, at most ``limit``."""
+    """Return at most ``limit`` rows after ``revision``, oldest first."""
     query = select(edits).where(edits.c.sequence == number, edits.c.revision > revision)
     return list(connection.execute(query.order_by(edits.c.revision).limit(limit)))
 
 
 def edit_id_of(connection: Connection, number: int, revision: int | None) -> str | None:
-    """The id of the edit with this revision."""
+    """Return the id of the edit with this revision."""
     if revision is None:
         return None
     values = {"of_sequence": number, "of_revision": revision}
@@ -255,7 +255,7 @@ def change_at(connection: Connection, number: int, revision: int, place: Place) 
 
 
 def labels_that_came_or_went(connection: Connection, row: Row[Any]) -> set[int]:
-    """Labels that an edit, or the one it undoes or redoes, created or deleted."""
+    """Return the labels that an edit, or the one it undoes or redoes, created or deleted."""
     query = select(edit_labels.c.label, edit_labels.c.fields).where(
         edit_labels.c.sequence == row.sequence,
         edit_labels.c.revision.in_([row.revision, row.target or row.revision]),
@@ -264,7 +264,7 @@ def labels_that_came_or_went(connection: Connection, row: Row[Any]) -> set[int]:
 
 
 def by_others(connection: Connection, number: int, revisions: Sequence[int], author: str) -> bool:
-    """Whether any of ``revisions`` is not ``author``'s."""
+    """Return whether another author wrote any of ``revisions``."""
     for start in range(0, len(revisions), CHUNK):
         query = select(edits.c.revision).where(
             edits.c.sequence == number,
@@ -277,7 +277,7 @@ def by_others(connection: Connection, number: int, revisions: Sequence[int], aut
 
 
 def redone_since(connection: Connection, number: int, since: int) -> list[int]:
-    """Edits in force that were redone after revision ``since``, in order."""
+    """Return the edits in force that were redone after revision ``since``, in order."""
     rows = connection.execute(_REDONE, {"of_sequence": number, "since": since})
     return sorted(row.revision for row in rows)
 
@@ -286,11 +286,11 @@ def redone_since(connection: Connection, number: int, since: int) -> list[int]:
 
 
 Ask = Callable[[Statement, Mapping[str, Any]], Any]
-"""Gives the row of a statement, or None."""
+"""Returns the row of a statement, or None."""
 
 
 def top_of_stack(ask: Ask, number: int, author: str, state: int) -> Any:
-    """Return the edit that ``author``'s undo (ACTIVE) or redo (UNDONE) takes."""
+    """Return the next edit for ``author``'s undo (ACTIVE) or redo (UNDONE)."""
     statement = _LAST if state == schema.ACTIVE else _FIRST
     return ask(statement, {"of_sequence": number, "of_author": author, "in_state": state})
 
@@ -302,7 +302,7 @@ def set_state(connection: Connection, number: int, revision: int, **values: int)
 
 
 def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
-    """Bring the palette, tracks, boxes, counts and the frames' last changes up to date."""
+    """Update the palette, tracks, boxes, counts and last changes of frames."""
     here = {"sequence": draft.state.number}
 
     def row(**columns: Any) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Writes whose commit was sent and not answered: they are looked for once the database is back."""
+"""Writes with an unanswered commit: they are looked up when the database is available again."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pointbrush.labels.database import Database
 from pointbrush.system import shortages_in_words
 
 SETTLE_SECONDS = 10.0
-"""Time in which a lost database must be back for what it may have written to be answered."""
+"""Longest wait for a lost database until the result of a write can be looked up."""
 SETTLE_RETRY_SECONDS = 0.1
 T = TypeVar("T")
 
 
 def once_it_is_back(ask: Callable[[], T]) -> T:
-    """Ask a lost database until it answers; raises UnavailableError when it does not in time."""
+    """Query a lost database until it answers; raises UnavailableError after SETTLE_SECONDS."""
     end = time.monotonic() + SETTLE_SECONDS
     while True:
         try:
@@ -34,10 +34,10 @@ def once_it_is_back(ask: Callable[[], T]) -> T:
 def write_once(
     database: Database, make: Callable[[Connection], T], find: Callable[[Connection], T | None]
 ) -> T:
-    """Write what may not be written twice, and return what ``make`` or ``find`` does.
+    """Write exactly once and return the result of ``make`` or ``find``.
 
-    ``find`` gives what was written, or None, where PostgreSQL was lost before it answered the
-    commit.  Raises what ``make`` raises, and UnavailableError.
+    If PostgreSQL is lost before it answers the commit, ``find`` returns the written result, or
+    None.  Raises the errors of ``make``, and UnavailableError.
     """
     sent = False
     try:

@@ -1,4 +1,4 @@
-"""Telling subscribers of commits: this process's own at once, other processes' when heard of."""
+"""Notifying subscribers of commits: of this process at once, of others when they are noticed."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ log = logging.getLogger(__name__)
 
 CHANNEL = "pointbrush_commits"
 POLL_SECONDS = 0.1
-"""Interval of looks for another process's commits to a SQLite file."""
+"""Polling interval for commits of other processes to a SQLite file."""
 RETRY_SECONDS = 1.0
 
 Listener = Callable[[Commit], None]
 
 
 class Outbox:
-    """Commits on their way to subscribers: in the order they were put, each once."""
+    """Queue of commits for subscribers, each delivered once and in order."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -36,7 +36,7 @@ class Outbox:
         self._draining = False
 
     def subscribe(self, listener: Listener) -> Callable[[], None]:
-        """Call ``listener`` at every commit; returns what undoes it."""
+        """Call ``listener`` at every commit; returns a function that unsubscribes it."""
         with self._lock:
             self._listeners = [*self._listeners, listener]
 
@@ -48,7 +48,7 @@ class Outbox:
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody listens."""
+        """Return whether there are subscribers."""
         return bool(self._listeners)
 
     def put(self, commit: Commit) -> None:
@@ -58,7 +58,7 @@ class Outbox:
                 self._waiting.append(commit)
 
     def drain(self) -> None:
-        """Deliver what is queued; a thread that comes while another delivers goes on at once."""
+        """Deliver the queued commits; return at once if another thread is delivering."""
         while True:
             with self._lock:
                 if self._draining or not self._waiting:
@@ -74,7 +74,7 @@ class Outbox:
 
 
 def _call(listener: Listener, commit: Commit) -> None:
-    # A subscriber's fault must not fail an edit that is already durable.
+    # A subscriber's error must not fail an edit that is already durable.
     try:
         listener(commit)
     except Exception:
@@ -82,7 +82,7 @@ def _call(listener: Listener, commit: Commit) -> None:
 
 
 class Watcher:
-    """A thread that hears of other processes' commits and calls ``heard`` to catch up."""
+    """A thread that notices other processes' commits and calls ``heard`` to catch up."""
 
     def __init__(self, database: Database, heard: Callable[[], None]) -> None:
         self._database = database
@@ -93,13 +93,13 @@ class Watcher:
         self._thread = threading.Thread(target=self._run, name="pointbrush-watcher", daemon=True)
 
     def start(self) -> None:
-        """Begin to watch, once."""
+        """Start the thread once."""
         with self._starting:
             if self._thread.ident is None and not self._stop.is_set():
                 self._thread.start()
 
     def announce(self, driver: Driver) -> None:
-        """Tell other processes, when the transaction commits."""
+        """Notify other processes when the transaction commits."""
         if not self._database.sqlite:
             driver.execute("SELECT pg_notify(%s, %s)", (CHANNEL, self.origin))
 
@@ -110,9 +110,10 @@ class Watcher:
             self._thread.join()
 
     def _caught_up(self) -> bool:
-        """Take in what others have committed; False, after a pause, when that failed.
+        """Apply other processes' commits; return False, after a pause, if that failed.
 
-        Nobody tells of it again: who is behind stays so until another commit, unless it is tried.
+        There is no second notification, so without a retry the state stays behind until the next
+        commit.
         """
         try:
             self._heard()
@@ -137,7 +138,7 @@ class Watcher:
                 self._stop.wait(RETRY_SECONDS)
 
     def _watch_sqlite(self, path: Path) -> None:
-        """``PRAGMA data_version`` changes when another connection has committed."""
+        """Poll ``PRAGMA data_version``, which changes when another connection commits."""
         seen: int | None = None
         with contextlib.closing(sqlite3.connect(path, timeout=1)) as connection:
             while not self._stop.wait(POLL_SECONDS):
@@ -148,7 +149,7 @@ class Watcher:
     def _watch_postgres(self) -> None:
         with self._database.listener() as connection:
             connection.execute(f"LISTEN {CHANNEL}")
-            behind = True  # by what was committed while nobody listened
+            behind = True  # commits before LISTEN were not announced
             while not self._stop.is_set():
                 if behind and self._caught_up():
                     behind = False

@@ -1,4 +1,4 @@
-"""Keys that people gave to the page's commands: an account's, in every browser."""
+"""Keyboard shortcuts of the page's commands that an account has set, for all its browsers."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _PUT = upsert(own_keys)
 
 
 class OwnKeys:
-    """The own keys of one database's accounts; thread-safe."""
+    """The keyboard shortcuts of one database's accounts; thread-safe."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
     def get(self, account: str) -> dict[str, str] | None:
-        """Read an account's command → key; None before it has chosen any.
+        """Return an account's keys by command; None if it has not set any.
 
         Raises UnavailableError.
         """
@@ -31,7 +31,7 @@ class OwnKeys:
         return None if found is None else dict(json.loads(found))
 
     def put(self, account: str, keys: Mapping[str, str]) -> None:
-        """Store an account's command → key, in place of all that it had.
+        """Store an account's keys by command, replacing all earlier ones.
 
         Raises ReadOnlyError and UnavailableError.
         """

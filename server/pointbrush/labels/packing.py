@@ -1,8 +1,8 @@
 """A point's state in one 64-bit word, and its form on disk.
 
 Bits 0-15 label, 16-18 provenance, 19-23 confidence, 24 deleted, 25-63 writer: the revision of the
-edit that the value comes from, 0 for a point that nothing ever wrote.  Labels (with provenance)
-and deletion are separate *layers* of words, so that undoing one never touches the other.
+edit that wrote the value, 0 for a point without edits.  Labels (with provenance) and deletion are
+separate *layers* of words, so that undoing one never touches the other.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ PROVENANCE_BITS = np.uint64(0x7 << 16)
 CONFIDENCE_SHIFT = np.uint64(19)
 CONFIDENCE_BITS = np.uint64(0x1F << 19)
 SUREST = 31
-"""Confidence of a point, 0 to 255, is kept in steps of which there are so many."""
+"""Number of steps in which the confidence of a point, 0 to 255, is stored."""
 DELETED_SHIFT = np.uint64(24)
 WRITER_SHIFT = np.uint64(25)
 LABEL_BITS = np.uint64(0xFFFF)
@@ -34,8 +34,8 @@ DELETED_BIT = np.uint64(1 << 24)
 
 _HEAD = struct.Struct("<II")
 _LOW_BITS = np.uint64(19)
-"""Label and provenance: what differs within an edit's block, mostly."""
-_LEVEL = 1  # zlib: the fastest; these bytes are written while somebody waits
+"""Label and provenance; the other bits are mostly equal within an edit's block."""
+_LEVEL = 1  # zlib: the fastest, as an edit waits for this compression
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,44 +51,44 @@ class Change:
 
 
 def label_of(states: States) -> NDArray[np.uint16]:
-    """The label of each word."""
+    """Return the label of each word."""
     return (states & LABEL_BITS).astype(np.uint16)
 
 
 def provenance_of(states: States) -> NDArray[np.uint8]:
-    """The provenance of each word."""
+    """Return the provenance of each word."""
     return ((states & PROVENANCE_BITS) >> PROVENANCE_SHIFT).astype(np.uint8)
 
 
 def confidence_of(states: States) -> NDArray[np.uint8]:
-    """The confidence of each word, 0 to 255; 0 of what nobody predicted."""
+    """Return the confidence of each word, 0 to 255; 0 if it was not predicted."""
     steps = (states & CONFIDENCE_BITS) >> CONFIDENCE_SHIFT
     return ((steps * np.uint64(255) + np.uint64(SUREST // 2)) // np.uint64(SUREST)).astype(np.uint8)
 
 
 def confidence_bits(confidence: NDArray[np.uint64]) -> States:
-    """The bits of confidences 0 to 255."""
+    """Return the bits of confidences 0 to 255."""
     steps = (confidence * np.uint64(SUREST) + np.uint64(127)) // np.uint64(255)
     return steps << CONFIDENCE_SHIFT
 
 
 def deleted_of(states: States) -> NDArray[np.bool_]:
-    """The deletion flag of each word."""
+    """Return the deletion flag of each word."""
     return (states & DELETED_BIT).astype(np.bool_)
 
 
 def writer_of(states: States) -> NDArray[np.uint64]:
-    """The revision that each word comes from."""
+    """Return the revision that wrote each word."""
     return states >> WRITER_SHIFT
 
 
 def written_by(revision: int) -> np.uint64:
-    """The writer's bits of a word."""
+    """Return the writer bits of a word."""
     return np.uint64(revision) << WRITER_SHIFT
 
 
 def encode_change(change: Change) -> bytes:
-    """Bytes of a change: a table of its distinct words, gaps between points, codes."""
+    """Return the bytes of a change: a table of its distinct words, gaps between points, codes."""
     before, before_codes = _distinct(change.before)
     after, after_codes = _distinct(change.after)
     words = np.concatenate([before, after])
@@ -104,13 +104,13 @@ def encode_change(change: Change) -> bytes:
 
 
 def _distinct(states: States) -> tuple[States, NDArray[np.intp]]:
-    """The distinct words, and for each word its place among them."""
-    if len(states) and (states == states[0]).all():  # of most edits, at once
+    """Return the distinct words, and for each word its index among them."""
+    if len(states) and (states == states[0]).all():  # true for most edits
         return states[:1], np.zeros(len(states), np.intp)
     high = states >> _LOW_BITS
     if len(states) < BLOCK // 16 or not (high == high[0]).all():
         return np.unique(states, return_inverse=True)
-    # One writer: a table of the values there are is an eighth of the time of sorting words.
+    # One writer: a table of the present values takes an eighth of the time of sorting.
     low = (states & np.uint64((1 << int(_LOW_BITS)) - 1)).astype(np.intp)
     present = np.flatnonzero(np.bincount(low))
     codes = np.empty(present[-1] + 1, np.intp)
@@ -119,7 +119,7 @@ def _distinct(states: States) -> tuple[States, NDArray[np.intp]]:
 
 
 def decode_change(data: bytes) -> Change:
-    """The change that ``encode_change`` wrote."""
+    """Decode the result of ``encode_change``."""
     body = zlib.decompress(data)
     n, distinct = _HEAD.unpack_from(body)
     at = _HEAD.size
@@ -132,13 +132,13 @@ def decode_change(data: bytes) -> Change:
 
 
 def encode_states(states: States) -> bytes:
-    """Bytes of a whole block; planes of like bytes compress fast and well."""
+    """Return the bytes of a whole block; transposed byte planes compress fast and well."""
     planes = np.ascontiguousarray(states.view(np.uint8).reshape(-1, 8).T)
     return zlib.compress(planes.tobytes(), _LEVEL)
 
 
 def decode_states(data: bytes) -> States:
-    """The writable words that ``encode_states`` wrote."""
+    """Decode the result of ``encode_states`` to writable words."""
     planes = np.frombuffer(zlib.decompress(data), np.uint8).reshape(8, -1)
     return np.ascontiguousarray(planes.T).reshape(-1).view(np.uint64)
 

@@ -1,4 +1,4 @@
-"""The palette: check a label's fields, find free names and colours, fold what the journal says."""
+"""The palette: check a label's fields, find free names and colours, fold the journal."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ Called = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """The palette that an edit commits on, for choosing what labels it adds.
+    """The palette at the commit of an edit, used to choose labels to add.
 
     ``labels``   in their order.
-    ``given``    for each id that any edit ever gave, undone ones too: what its label was called.
-    ``highest``  the greatest id that was ever given.
+    ``given``    name and category by id, for all ids ever assigned, including undone edits.
+    ``highest``  the greatest id ever assigned.
     ``allowed``  categories that labels may have, None: all.
     ``classes``  names of all classes.
     """
@@ -65,10 +65,10 @@ class Palette:
 
 
 class FreeIds:
-    """Ids for the new labels of one edit, each of which is given once.
+    """Distinct ids for the new labels of one edit.
 
-    An id keeps its meaning: undo and redo can bring back points that were given it, so that it
-    is given again only to a label of the same name and category.
+    Undo and redo can restore points with an earlier label's id, so an id is reused only for a label
+    of the same name and category.
     """
 
     def __init__(self, palette: Palette) -> None:
@@ -80,9 +80,9 @@ class FreeIds:
             self._before.setdefault(called, []).append(number)
 
     def take(self, called: Called, wished: int = 0) -> int:
-        """Take the ``wished`` id, the one that a label called so had, or the next.
+        """Return the ``wished`` id, the id of an earlier label of this name, or the next one.
 
-        Raises ConflictError when there is none left.
+        Raises ConflictError if no id is left.
         """
         number = wished if self._fits(wished, called) else self._again(called) or self._next()
         self._taken.add(number)
@@ -132,7 +132,7 @@ def check_fields(fields: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _check_kind(name: str, value: object) -> None:
-    """Raise BadInputError unless a label has a field ``name`` of the kind of ``value``."""
+    """Raise BadInputError unless labels have a field ``name`` of the type of ``value``."""
     kind = FIELDS.get(name)
     if kind is None:
         raise BadInputError(f"label: expected fields {', '.join(FIELDS)}, got {name!r}")
@@ -146,7 +146,7 @@ def _check_kind(name: str, value: object) -> None:
 
 
 def check_id(label_id: int) -> int:
-    """``label_id`` if it can be a label's; raises BadInputError."""
+    """Return ``label_id`` if it is a valid id; raises BadInputError."""
     if isinstance(label_id, bool) or not isinstance(label_id, int):
         raise BadInputError(f"label id: expected an integer, got {type(label_id).__name__}")
     if not 1 <= label_id <= HIGHEST:
@@ -155,12 +155,12 @@ def check_id(label_id: int) -> int:
 
 
 def in_order(palette: Iterable[Label]) -> list[Label]:
-    """Return labels as a palette shows them: by position, and those without one by id behind."""
+    """Return labels in the palette's order: by position, then labels without one by id."""
     return sorted(palette, key=lambda one: (one.position is None, one.position or 0, one.id))
 
 
 def default_color(label_id: int) -> str:
-    """A colour of its own for each id: hues a golden ratio apart stay distinct the longest."""
+    """Return a colour for an id; hues at steps of the golden ratio stay distinct the longest."""
     hue = (0.58 + label_id * _GOLDEN) % 1.0
     lightness = (0.58, 0.66, 0.5)[label_id % 3]
     red, green, blue = colorsys.hls_to_rgb(hue, lightness, 0.78)
@@ -175,14 +175,14 @@ LABEL_EDITS = edit_labels.join(
 
 
 def require(palette: Mapping[int, Label], label_id: int) -> Label:
-    """The label with this id; raises NotFoundError."""
+    """Return the label with this id; raises NotFoundError."""
     if label_id not in palette:
         raise NotFoundError(f"label: expected the id of a label, got {label_id}")
     return palette[label_id]
 
 
 def fields_of(label: Label) -> dict[str, Any]:
-    """All fields of a label that exists, as the journal keeps them."""
+    """Return all fields of an existing label, as stored in the journal."""
     fields = {name: getattr(label, name) for name in FIELDS}
     return {"exists": True, **{k: value for k, value in fields.items() if value is not None}}
 
@@ -190,7 +190,7 @@ def fields_of(label: Label) -> dict[str, Any]:
 def fold(
     connection: Connection, number: int, label_ids: Iterable[int], classes: ClassNames
 ) -> dict[int, Label | None]:
-    """Fold the changes of each label by edits in force; None: it does not exist."""
+    """Fold the changes of each label by the edits in force; None: it does not exist."""
     wanted = list(label_ids)
     rows = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields)
@@ -212,9 +212,9 @@ def as_last_made(
     classes: ClassNames,
     until: int | None = None,
 ) -> Label | None:
-    """Fold the changes of a label by edits in force, and its last creation in any case.
+    """Fold the changes of a label by the edits in force and its last creation.
 
-    None: it was deleted since.  ``until``: the last edit that counts.
+    None: it was deleted since.  ``until``: the last edit to fold.
     """
     last = edit_labels.c.revision <= until if until is not None else true()
     rows = connection.execute(
@@ -233,7 +233,7 @@ def as_last_made(
 
 
 def given_ids(connection: Connection, number: int, classes: ClassNames) -> dict[int, Called]:
-    """Read the last name and class of the label of each id ever given."""
+    """Read the last name and class of the label of each id ever assigned."""
     rows = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields)
         .where(edit_labels.c.sequence == number)
@@ -248,7 +248,7 @@ def given_ids(connection: Connection, number: int, classes: ClassNames) -> dict[
 
 
 def created_by(connection: Connection, number: int, revision: int, classes: ClassNames) -> Label:
-    """The label that an edit made, as it made it; raises NotFoundError if it made none."""
+    """Return the label that an edit created; raises NotFoundError if it created none."""
     row = connection.execute(
         select(edit_labels.c.label, edit_labels.c.fields).where(
             edit_labels.c.sequence == number, edit_labels.c.revision == revision
@@ -276,7 +276,7 @@ def free_name_and_color(fields: Mapping[str, Any], others: Collection[Label]) ->
 
 
 def _free_name(name: str, taken: Collection[str]) -> str:
-    """Return ``name``, or with its number counted on: "pin 2" for "pin" or "pin 1"."""
+    """Return ``name``, with its number increased if it is taken: "pin 2" for "pin" or "pin 1"."""
     if name.strip().casefold() not in taken:
         return name
     numbered = _NUMBERED.fullmatch(name.strip())
@@ -290,7 +290,7 @@ def _free_name(name: str, taken: Collection[str]) -> str:
 
 
 def _free_color(color: str, taken: Collection[str]) -> str:
-    """Return ``color``, or the first of the palette's own that is not taken."""
+    """Return ``color``, or the first free default colour if it is taken."""
     if color not in taken:
         return color
     return next(

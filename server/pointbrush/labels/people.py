@@ -17,7 +17,7 @@ DAY = 86_400.0
 class Account:
     """An account with its tokens, oldest first.
 
-    ``role`` is the highest of its valid tokens, None if it has none and gives no access.
+    ``role`` is the highest role of its valid tokens, None if it has none.
     """
 
     account: str
@@ -25,21 +25,21 @@ class Account:
 
     @property
     def role(self) -> Role | None:
-        """Return the role that it gives now."""
+        """Return the current role."""
         return max((t.role for t in self.tokens if t.valid), key=ROLES.index, default=None)
 
 
 class People:
     """The accounts of one database that have, or had, tokens.
 
-    ``by`` is the role of the caller, who gives and takes no role above their own.
+    ``by`` is the role of the caller, the highest role that they can assign or revoke.
     """
 
     def __init__(self, tokens: Tokens) -> None:
         self._tokens = tokens
 
     def all(self) -> list[Account]:
-        """Return all accounts by name, also accounts without a valid token."""
+        """Return all accounts by name, including accounts without a valid token."""
         found: dict[str, list[Token]] = {}
         for token in self._tokens.list():
             found.setdefault(token.account, []).append(token)
@@ -55,8 +55,8 @@ class People:
     def create(self, account: str, role: Role, days: float | None, by: Role) -> tuple[Token, str]:
         """Make an account with its first token; return the token and its secret.
 
-        Raises BadInputError for a name that no account may have, ConflictError if the account has
-        a valid token, ForbiddenError.
+        Raises BadInputError for an invalid name, ConflictError if the account has a valid token,
+        ForbiddenError.
         """
         require(by, role)
         return self._added(self._tokens.add(role, account, expiry_of(days)))
@@ -66,8 +66,8 @@ class People:
     ) -> tuple[Token, str]:
         """Make another token of an account and return it with its secret.
 
-        ``role`` None: the account's role, else that of its last token.  Raises NotFoundError,
-        ForbiddenError.
+        ``role`` None: the account's role, or else the role of its last token.  Raises
+        NotFoundError, ForbiddenError.
         """
         known = self.get(account)
         role = role or known.role or known.tokens[-1].role

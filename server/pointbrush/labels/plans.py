@@ -31,7 +31,7 @@ Tracks = dict[tuple[int, int], str | None]
 
 
 def new_entry(edit_id: str | None, author: str, kind: str, summary: Told) -> Entry:
-    """An entry with checked texts; a new id when none is given.  Raises BadInputError."""
+    """Return an entry with checked texts, and a new id if none is given.  Raises BadInputError."""
     edit_id = str(uuid.uuid4()) if edit_id is None else check_text("edit id", edit_id, ID_LIMIT)
     check_text("author", author, AUTHOR_LIMIT)
     check_text("kind", kind, 32)
@@ -39,7 +39,7 @@ def new_entry(edit_id: str | None, author: str, kind: str, summary: Told) -> Ent
 
 
 def check_text(name: str, value: Any, limit: int) -> str:
-    """``value`` if it is text of 1 to ``limit`` characters; raises BadInputError."""
+    """Return ``value`` if it is text of 1 to ``limit`` characters; raises BadInputError."""
     if not isinstance(value, str):
         raise BadInputError(f"{name}: expected text, got {type(value).__name__}")
     if not 1 <= len(value) <= limit or "\0" in value:
@@ -51,9 +51,9 @@ def check_text(name: str, value: Any, limit: int) -> str:
 
 
 def create(entry: Entry, label_id: int | None, fields: dict[str, Any], distinct: bool) -> Plan:
-    """Add a label; ``fields`` are checked ones.  ConflictError when the id is taken.
+    """Add a label with checked ``fields``.  Raises ConflictError if the id is taken.
 
-    ``distinct``: a name or colour that another label has by now gives way to a free one.
+    ``distinct``: a name or colour that another label has is replaced by a free one.
     """
 
     def plan(draft: Draft) -> Entry:
@@ -89,9 +89,9 @@ def change(entry: Entry, label_id: int, fields: dict[str, Any]) -> Plan:
 
 
 def arrange(entry: Entry, order: Sequence[int]) -> Plan:
-    """Put labels in an order; those not named follow as they are.
+    """Reorder labels; the others follow in their current order.
 
-    Raises BadInputError for an id that comes twice, NotFoundError.
+    Raises BadInputError for a repeated id, NotFoundError.
     """
     if len(set(order)) < len(order):
         raise BadInputError("order: expected each label once, got one of them twice")
@@ -112,7 +112,7 @@ def arrange(entry: Entry, order: Sequence[int]) -> Plan:
 
 
 def remove(entry: Entry, label_id: int) -> Plan:
-    """Remove a label and take it from its points."""
+    """Delete a label and clear its points."""
 
     def plan(draft: Draft) -> Entry:
         label = palette.require(draft.palette, label_id)
@@ -128,9 +128,9 @@ def remove(entry: Entry, label_id: int) -> Plan:
 
 
 def merge(entry: Entry, label_id: int, others: Sequence[int]) -> Plan:
-    """Give the points of ``others`` to a label, and remove them.
+    """Move the points of ``others`` to a label, and delete the others.
 
-    Raises BadInputError where one comes twice or is the label itself.
+    Raises BadInputError if ``others`` has a repeated id or the label itself.
     """
     if not others or label_id in others or len(set(others)) < len(others):
         raise BadInputError(
@@ -154,7 +154,7 @@ def merge(entry: Entry, label_id: int, others: Sequence[int]) -> Plan:
 
 
 def add_label(draft: Draft, label: Label) -> None:
-    """Put a label into the palette; what an earlier one of its id left is freed."""
+    """Add a label to the palette; points and boxes of an earlier label of its id are cleared."""
     draft.clear_label(label.id)
     box_journal.remove_of(draft, {label.id})
     draft.labels[label.id] = label
@@ -167,7 +167,7 @@ def _next_id(draft: Draft) -> int:
 
 
 def palette_of(connection: Connection, state: SequenceState) -> Palette:
-    """Return the palette of now, for choosing labels to add."""
+    """Return the current palette, used to choose labels to add."""
     given = palette.given_ids(connection, state.number, state.classes)
     labels = tuple(state.palette.values())
     categories = allowed(connection, state.number, labels)
@@ -184,11 +184,11 @@ def _require_category(draft: Draft, fields: Mapping[str, Any]) -> None:
 
 
 Writes = Mapping[int, Write] | Iterable[tuple[int, Write]]
-"""Frames, and what is written to each."""
+"""Writes by frame."""
 Choose = Callable[[Palette], tuple[Sequence[Label], Writes]]
-"""Gives the labels that an edit adds, by ids of ``Palette.free_ids``, and its writes with them."""
+"""Returns the labels that an edit adds, with ids of ``Palette.free_ids``, and its writes."""
 NewBoxes = Sequence[OrientedBox] | Callable[[], Sequence[OrientedBox]]
-"""New boxes of an edit, or what gives them once its writes are done."""
+"""New boxes of an edit, or a function that returns them after its writes."""
 
 
 def write(
@@ -198,7 +198,7 @@ def write(
     if_match: tuple[int, int] | None,
     boxes: NewBoxes,
 ) -> Plan:
-    """Add labels where any are chosen, do the writes, set the tracks, add the boxes."""
+    """Add the chosen labels, apply the writes, set the tracks and add the boxes."""
 
     def plan(draft: Draft) -> Entry:
         if if_match is not None:
@@ -227,7 +227,7 @@ def write(
 
 
 def _require_unchanged(state: SequenceState, frame: int, revision: int) -> None:
-    """Raise ConflictError unless a frame is as it was at ``revision``."""
+    """Raise ConflictError if a frame has changed since ``revision``."""
     if revision > state.revision:
         raise ConflictError(f"revision: expected at most {state.revision}, got {revision}")
     changed = state.changed.get(frame, 0)
@@ -238,7 +238,7 @@ def _require_unchanged(state: SequenceState, frame: int, revision: int) -> None:
 
 
 def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:
-    """Tracks by frame and label, as JSON; raises BadInputError."""
+    """Return the tracks by frame and label, as JSON; raises BadInputError."""
     found: Tracks = {}
     for track in tracks:
         try:
@@ -269,7 +269,7 @@ def take_back(entry: Entry) -> Plan:
 
 
 def bring_back(entry: Entry) -> Plan:
-    """Redo the edit that the author's last undo took back."""
+    """Redo the edit that the author's last undo reversed."""
     return _turn(entry, schema.UNDONE, undo.redo, NOTHING_TO_REDO)
 
 

@@ -1,8 +1,8 @@
-"""A SQLite database that this process may not write: a copy in the temporary folder.
+"""A copy, in the temporary folder, of a SQLite database without write permission.
 
-SQLite needs files beside a database that has a write-ahead log, also for reading.  To open it as
-``immutable`` needs none, but gives wrong answers once somebody writes after all: the folder may be
-mounted for writing elsewhere.  So one consistent copy is made, and whoever writes is left alone.
+SQLite needs files beside a database with a write-ahead log, also for reading.  Opening it as
+``immutable`` needs no files, but gives wrong results if another machine writes to the folder.
+Therefore one consistent copy is made, without disturbing a writer.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from pathlib import Path
 from pointbrush.errors import UnavailableError
 
 TRIES = 5
-"""Somebody may write while it is copied; then it is copied again."""
+"""Attempts to copy; a write during the copy requires another attempt."""
 _PREFIX = "pointbrush-readonly-"
 _NAME = re.compile(rf"{_PREFIX}(\d+)-.*")
 
 
 class PrivateCopy:
-    """The copy of ``source``, at ``path``; an empty database when there is no source."""
+    """The copy of ``source``, at ``path``; an empty database if the source does not exist."""
 
     def __init__(self, source: Path) -> None:
-        """Raises UnavailableError when it cannot be read, or there is no room for a copy."""
+        """Copy the database; raises UnavailableError if it cannot be read or the disk is full."""
         _clean()
         self._folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{os.getpid()}-"))
         self.path = self._folder / source.name
@@ -56,13 +56,13 @@ def _copy(source: Path, target: Path) -> None:
         before = _state(source)
         log, index = before[1] is not None, before[2] is not None
         if log and index:
-            # Somebody has it open, or had: SQLite itself knows how to read beside a writer.
+            # Another process has, or had, it open: SQLite itself can read beside a writer.
             with contextlib.suppress(sqlite3.OperationalError):
                 _back_up(f"file:{_quoted(source)}?mode=ro", target)
                 return
         if not log and not _beside(source, "-journal").exists():
             _back_up(f"file:{_quoted(source)}?mode=ro&immutable=1", target)
-        else:  # what a crash has left: the copy takes the log in when it is opened
+        else:  # files of a crashed process: opening the copy applies its log
             for suffix in ("", "-wal", "-journal"):
                 with contextlib.suppress(FileNotFoundError):
                     shutil.copyfile(_beside(source, suffix), _beside(target, suffix))

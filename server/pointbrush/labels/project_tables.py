@@ -1,4 +1,4 @@
-"""The tables of projects, beside those of recordings in ``schema``: people's roles, the queue."""
+"""The tables of projects: people's roles, tasks, versions and webhooks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from sqlalchemy import (
 
 metadata = MetaData()
 FIRST = "default"
-"""The project of recordings that are given to no other; it cannot be deleted."""
+"""The project of recordings without another project; it cannot be deleted."""
 
 
 def _project() -> Column[str]:
@@ -54,11 +54,11 @@ tasks = Table(
     Column("assignee", String(256)),
     Column("reviewer", String(256)),
     Column("note", Text, nullable=False),
-    Column("frame", Integer),  # here and below: where the note is pinned
+    Column("frame", Integer),  # here and below: position of the note
     Column("place", Text),  # JSON [x, y, z], source coordinates
     Column("created", Double, nullable=False),
     Column("changed", Double, nullable=False),
-    Column("batch", String(36)),  # of the call that made it: repeated, it makes no others
+    Column("batch", String(36)),  # id of the request that made it, against duplicates
     Index("tasks_queue", "project", "state", "number"),
     Index("tasks_sequence", "sequence"),
 )
@@ -94,7 +94,7 @@ version_recordings = Table(
     Column("version", String(64), ForeignKey("versions.id"), primary_key=True),
     Column("sequence", Integer, ForeignKey("sequences.number"), primary_key=True),
     Column("revision", BigInteger, nullable=False),
-    Column("palette", Text, nullable=False),  # JSON list of the labels that there were
+    Column("palette", Text, nullable=False),  # JSON list of the labels at that time
 )
 
 webhooks = Table(
@@ -113,7 +113,7 @@ webhook_cursors = Table(
     metadata,
     Column("webhook", String(16), ForeignKey("webhooks.id"), primary_key=True),
     Column("sequence", Integer, primary_key=True, autoincrement=False),
-    Column("revision", BigInteger, nullable=False),  # up to which edits were told
+    Column("revision", BigInteger, nullable=False),  # last announced revision
 )
 
 webhook_events = Table(
@@ -124,7 +124,7 @@ webhook_events = Table(
     Column("topic", String(16), nullable=False),
     Column("body", Text, nullable=False),
     Column("created", Double, nullable=False),
-    Column("due", Double, nullable=False),  # to be sent, or sent again, from then on
+    Column("due", Double, nullable=False),  # earliest time of the next attempt
     Column("attempts", Integer, nullable=False),
     Column("delivered", Double),
     Column("error", Text, nullable=False),

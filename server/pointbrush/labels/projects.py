@@ -1,4 +1,4 @@
-"""Projects: recordings in groups, the people of each, and the categories that it uses."""
+"""Projects: groups of recordings with people, roles and selected categories."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from pointbrush.roles import ROLES, Role, includes
 
 LONGEST_NAME = 200
 MOST_PROJECTS = 1_000
-"""Of a workspace: the list of projects is read and sent as a whole."""
+"""Limit for a workspace, as the list of projects is read and sent as a whole."""
 OVERSEES: Role = "manager"
-"""Role in the workspace whose holders are in every project."""
+"""Role in the workspace that includes access to every project."""
 _ID = re.compile("[a-z0-9][a-z0-9._-]{0,63}")
 
 
@@ -41,8 +41,8 @@ _ID = re.compile("[a-z0-9][a-z0-9._-]{0,63}")
 class Project:
     """A group of recordings.
 
-    ``roles``: account → role in it; none: everybody has their role in the workspace.
-    ``categories``: numbers of the taxonomy's that it uses, None: all.  ``recordings``: their ids.
+    ``roles``: role in the project by account; if empty, all people have their workspace role.
+    ``categories``: numbers of the selected categories, None: all.  ``recordings``: their ids.
     """
 
     id: str
@@ -53,15 +53,15 @@ class Project:
     recordings: tuple[str, ...] = ()
 
     def role_of(self, account: str, role: Role) -> Role | None:
-        """Role in the project of an account that has ``role`` in the workspace; None: none."""
+        """Return the role in the project of an account with ``role`` in the workspace, or None."""
         return role_in(self.roles, account, role)
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Values to set; None keeps.  ``recordings`` come from the projects that they were in.
+    """Values to set; None keeps the value.  ``recordings`` move from their earlier projects.
 
-    ``all_categories``: no selection of them any more.
+    ``all_categories`` ends the selection of categories.
     """
 
     name: str | None = None
@@ -72,7 +72,7 @@ class Change:
 
 
 def role_in(roles: Mapping[str, Role], account: str, role: Role) -> Role | None:
-    """Role in a project with ``roles``: the lower of both.  Who leads the workspace leads it."""
+    """Return the lower of the roles in project and workspace; managers keep theirs everywhere."""
     if not roles or includes(role, OVERSEES):
         return role
     own = roles.get(account)
@@ -86,20 +86,20 @@ class Projects:
         self._database = database
 
     def all(self) -> list[Project]:
-        """Return all of them, by name."""
+        """Return all projects, by name."""
         with self._database.read() as connection:
             found = _projects(connection)
         return sorted(found, key=lambda each: (each.name.lower(), each.id))
 
     def get(self, project: str) -> Project:
-        """Return the project of an id; raises NotFoundError."""
+        """Return a project; raises NotFoundError."""
         with self._database.read() as connection:
             return _project(connection, project)
 
     def create(self, project: str, change: Change) -> Project:
-        """Make a project of a new id.
+        """Create a project with a new id.
 
-        Raises ConflictError where it is another's, BadInputError where there are too many.
+        Raises ConflictError if the id is taken, BadInputError for too many projects.
         """
         if not _ID.fullmatch(project):
             raise BadInputError(
@@ -111,7 +111,7 @@ class Projects:
         def make(connection: Connection) -> Project:
             if connection.execute(select(projects.c.id).where(projects.c.id == project)).first():
                 raise ConflictError(f"id: expected one of no project yet, got {project!r}")
-            lock_project(connection, FIRST)  # no two servers count at once
+            lock_project(connection, FIRST)  # serializes the count among servers
             held = connection.execute(select(func.count()).select_from(projects)).scalar_one()
             if held >= MOST_PROJECTS:
                 raise BadInputError(f"projects: expected at most {MOST_PROJECTS:,} in a workspace")
@@ -122,7 +122,7 @@ class Projects:
         return write_once(self._database, make, lambda connection: _found(connection, project))
 
     def change(self, project: str, change: Change) -> Project:
-        """Change what is given; raises NotFoundError (project, recording, category).
+        """Apply a change; raises NotFoundError (project, recording, category).
 
         Raises ConflictError for a recording that has tasks in another project.
         """
@@ -133,7 +133,7 @@ class Projects:
             return _project(connection, project)
 
     def remove(self, project: str) -> None:
-        """Delete a project without recordings; raises ConflictError for another."""
+        """Delete a project; raises ConflictError if it has recordings."""
         if project == FIRST:
             raise ConflictError(
                 f"project: expected another than {FIRST!r}, which cannot be deleted"
@@ -147,7 +147,7 @@ class Projects:
                     "move them to another project first"
                 )
             gone = update(sequences).where(sequences.c.project == project)
-            connection.execute(gone.values(project=None))  # deleted ones, which may come back
+            connection.execute(gone.values(project=None))  # deleted recordings
             forget_tasks(connection, tasks.c.project == project)
             named = select(versions.c.id).where(versions.c.project == project)
             held_then = version_recordings.c.version.in_(named)
@@ -158,7 +158,7 @@ class Projects:
             connection.execute(delete(projects).where(projects.c.id == project))
 
     def selection(self, sequence: str) -> frozenset[str] | None:
-        """Names of the categories that a recording's project has selected; None: all."""
+        """Return the names of the selected categories of a recording's project; None: all."""
         here = select(sequences.c.number).where(sequences.c.id == sequence, LIVE)
         with self._database.read() as connection:
             return selected(connection, connection.execute(here).scalar() or 0)
