@@ -1,4 +1,4 @@
-"""Read the labels: values of points, counts, tracks, the history, and the view a stroke has."""
+"""Read labels: values of points, counts, tracks, the history, and the view of a stroke."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from pointbrush.labels.writes import require_paintable
 from pointbrush.ranges import by_block
 
 MOST_NAMED = 1_000
-"""Sequences that a statement names; of more, all are asked for."""
+"""Limit of sequences named in a statement; for more, the statement selects all."""
 HISTORY_LIMIT = 1_000
-"""Lines in one answer."""
+"""Limit of lines in one response."""
 SINCE_EDITS = 2_000
 SINCE_POINTS = 5_000_000
-"""Beyond so many edits or changed points, whole annotations are the shorter way to catch up."""
+"""Limits above which sending whole annotations is shorter than sending the changes."""
 FRESH_SECONDS = 0.02
-"""After a look at the database another one is made at the earliest."""
+"""Minimum interval between two looks at the database."""
 
 
 def values(
@@ -48,9 +48,9 @@ def values(
     first: int,
     count: int | None,
 ) -> FrameValues:
-    """Annotation of points [first, first + count) of a frame, as far as it has them.
+    """Return the annotation of points [first, first + count) of a frame, if they exist.
 
-    Raises NotInMemoryError where a block must be read, and there is no ``connection``.
+    Raises NotInMemoryError if a block must be read without a ``connection``.
     """
     points = state.frame_points(frame)
     if first < 0 or (count is not None and count < 0):
@@ -89,7 +89,7 @@ def values(
 def at(
     connection: Connection | None, state: SequenceState, frame: int, numbers: NDArray[np.int64]
 ) -> FrameValues:
-    """Annotation of sorted point ``numbers`` (n,) of a frame; raises as ``values`` does."""
+    """Return the annotation of sorted point ``numbers`` (n,) of a frame; raises like ``values``."""
     words = {layer: np.empty(len(numbers), np.uint64) for layer in (LABELS, DELETION)}
     for first, mine in by_block(numbers, BLOCK):
         for layer, found in words.items():
@@ -107,7 +107,7 @@ def at(
 
 
 def counts(state: SequenceState) -> dict[tuple[int, int], tuple[int, int]]:
-    """For each frame and label that has any: points, and painted ones among them."""
+    """Return the number of points, and of painted points, by frame and label."""
     return {
         key: (points, painted)
         for key, (points, painted, _) in state.counts.items()
@@ -116,7 +116,7 @@ def counts(state: SequenceState) -> dict[tuple[int, int], tuple[int, int]]:
 
 
 def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]:
-    """Tracks of the labels that exist, by frame and label."""
+    """Return the tracks of existing labels, by frame and label."""
     table = schema.tracks.c
     query = (
         select(table.label, table.data)
@@ -127,7 +127,7 @@ def tracks(connection: Connection, state: SequenceState) -> list[dict[str, Any]]
 
 
 def progress(connection: Connection, wanted: Collection[str] | None = None) -> dict[str, Progress]:
-    """Count what is labelled of ``wanted`` sequences at least, None: of all with labels."""
+    """Count labelled frames and labels of ``wanted`` sequences at least; None: all."""
     counts, palette, sequences = schema.counts, schema.labels, schema.sequences
     labels = (
         select(sequences.c.id, func.count())
@@ -162,7 +162,7 @@ def progress(connection: Connection, wanted: Collection[str] | None = None) -> d
 
 
 def having(connection: Connection, wanted: Mapping[str, str]) -> set[str]:
-    """Live sequences of ``wanted`` whose journal has the edit of the id there."""
+    """Return the live sequences of ``wanted`` with an edit of the id there in their journal."""
     pairs, found = list(wanted.items()), set()
     sequences = schema.sequences.c
     for start in range(0, len(pairs), CHUNK):
@@ -179,7 +179,7 @@ def having(connection: Connection, wanted: Mapping[str, str]) -> set[str]:
 def history_lines(
     connection: Connection, number: int, before: int | None, limit: int, after: int | None = None
 ) -> list[EditInfo]:
-    """Lines of the history, newest first, or those ``after`` a revision, oldest first.
+    """Return lines of the history, newest first, or lines ``after`` a revision, oldest first.
 
     Raises BadInputError for a limit below 1.
     """
@@ -205,13 +205,13 @@ def history_lines(
 
 
 def authors(connection: Connection, number: int) -> set[str]:
-    """The accounts that edited the sequence."""
+    """Return the accounts that edited the sequence."""
     query = select(edits.c.author).where(edits.c.sequence == number).distinct()
     return set(connection.execute(query).scalars())
 
 
 def edit_info(row: Row[Any], target: str | None = None) -> EditInfo:
-    """A row as a line of the history."""
+    """Return a row as a line of the history."""
     return EditInfo(
         id=row.id,
         revision=row.revision,
@@ -227,14 +227,14 @@ def edit_info(row: Row[Any], target: str | None = None) -> EditInfo:
 
 
 def stacks(ask: journal.Ask, number: int, author: str) -> tuple[EditInfo | None, EditInfo | None]:
-    """Return the edits that ``author``'s undo, and redo, would take."""
+    """Return the next edits for ``author``'s undo and redo."""
     last = journal.top_of_stack(ask, number, author, schema.ACTIVE)
     undone = journal.top_of_stack(ask, number, author, schema.UNDONE)
     return last and edit_info(last), undone and edit_info(undone)
 
 
 def rows_to_resend(connection: Connection, state: SequenceState, revision: int) -> list[Row[Any]]:
-    """Rows after ``revision``, oldest first; raises GapError when whole is shorter."""
+    """Return rows after ``revision``, oldest first; raises GapError above the limits."""
     missed = state.revision - revision
     if not 0 <= missed <= SINCE_EDITS:
         raise GapError(
@@ -249,24 +249,24 @@ def rows_to_resend(connection: Connection, state: SequenceState, revision: int) 
 
 
 class View:
-    """Labels of a sequence as this process knows them, its own commits included; thread-safe.
+    """Labels of a sequence in the memory of this process, with its own commits; thread-safe.
 
-    Other processes' commits are seen after ``look``.  An edit that commits looks by itself.
+    Other processes' commits are visible after ``look``, which a commit of an edit includes.
     """
 
     def __init__(self, sessions: Sessions, sequence: str) -> None:
-        """``sequence`` has just been looked at."""
+        """``sequence`` must be up to date."""
         self._sessions, self._sequence = sessions, sequence
         self._looked = time.monotonic()
 
     def look(self) -> None:
-        """Take in what other processes committed; raises NotFoundError, UnavailableError."""
+        """Apply other processes' commits; raises NotFoundError, UnavailableError."""
         if time.monotonic() - self._looked > FRESH_SECONDS:
             with self._sessions.knowing(self._sequence):
                 self._looked = time.monotonic()
 
     def values(self, frame: int, first: int, count: int | None) -> FrameValues:
-        """Annotation of points [first, first + count) of a frame, as far as it has them."""
+        """Return the annotation of points [first, first + count) of a frame, if they exist."""
         try:
             with self._sessions.knowing(self._sequence, look=False) as state:
                 return values(None, state, frame, first, count)
@@ -275,7 +275,7 @@ class View:
                 return values(connection, state, frame, first, count)
 
     def at(self, frame: int, numbers: NDArray[np.int64]) -> FrameValues:
-        """Annotation of sorted point ``numbers`` (n,) of a frame."""
+        """Return the annotation of sorted point ``numbers`` (n,) of a frame."""
         try:
             with self._sessions.knowing(self._sequence, look=False) as state:
                 return at(None, state, frame, numbers)
@@ -284,15 +284,15 @@ class View:
                 return at(connection, state, frame, numbers)
 
     def palette(self) -> dict[int, Label]:
-        """The labels by their ids."""
+        """Return the labels by id."""
         with self._sessions.knowing(self._sequence, look=False) as state:
             return state.palette
 
     def hidden(self) -> NDArray[np.bool_]:
-        """For each label id 0..65535, whether the palette hides it."""
+        """Return for each label id 0..65535 whether the palette hides it."""
         with self._sessions.knowing(self._sequence, look=False) as state:
             return state.hidden
 
     def require_paintable(self, label: int, hidden: frozenset[int] | None = None) -> None:
-        """Raise as ``LabelStore.require_paintable`` does."""
+        """Raise the errors of ``LabelStore.require_paintable``."""
         require_paintable(self.palette(), label, hidden)

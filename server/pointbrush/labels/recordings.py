@@ -1,4 +1,4 @@
-"""Recordings as the database knows them: by their import, deleted and restored by one decision."""
+"""Recordings in the database: identified by their import, deleted and restored as a whole."""
 
 from __future__ import annotations
 
@@ -22,10 +22,9 @@ from pointbrush.labels.statements import driver_of
 from pointbrush.labels.tasks import forget_tasks
 
 KEPT_SECONDS = 30 * 86_400.0
-"""Time in which a deleted recording can be restored."""
+"""Time for which a deleted recording can be restored."""
 SURE_SECONDS = 86_400.0
-"""Time for which it must have been over until what is left is purged: a clock that jumped ahead is
-set right before."""
+"""Additional time until an expired recording is purged, so that a wrong clock can be corrected."""
 _SET_ASIDE = re.compile(r"\.labels-\d+")
 _SEQUENCES = schema.sequences.c
 _LIVE_INDEX = next(i for i in schema.sequences.indexes if i.name == "sequences_live")
@@ -35,7 +34,7 @@ _LIVE_INDEX = next(i for i in schema.sequences.indexes if i.name == "sequences_l
 class Known:
     """A recording's row; times are seconds since the epoch.
 
-    ``identity`` is the import's, None for labels of schema 0001 whose recording was never seen.
+    ``identity`` is the import's, None for labels of schema 0001 without a registered recording.
     """
 
     number: int
@@ -46,12 +45,12 @@ class Known:
 
     @property
     def until(self) -> float | None:
-        """Moment from which it can no longer be restored."""
+        """Return the time until which it can be restored."""
         return None if self.deleted is None else self.deleted + KEPT_SECONDS
 
 
 class Recordings:
-    """Recordings that have labels, and those that were deleted."""
+    """Recordings with labels, including deleted recordings."""
 
     def __init__(self, database: Database, sessions: Sessions) -> None:
         self._database, self._sessions = database, sessions
@@ -63,13 +62,12 @@ class Recordings:
         identity: str | None = None,
         project: str = FIRST,
     ) -> None:
-        """Make a recording known, with the number of points of each frame; again is no change.
+        """Register a recording with the number of points of each frame; a repetition has no effect.
 
-        A new one is in ``project`` from the first moment, so that no one else ever sees it.
-        Labels of this id that belong to another import are set aside, under an id of their own;
-        those of this import that were set aside come back.  Without ``identity`` nothing is told
-        of the import.  Raises ConflictError when it is known with other points, NotFoundError for
-        an unknown project.
+        A new recording is in ``project`` from the start, so that only its people see it.  Labels of
+        another import with this id are set aside under a separate id; labels of this import that
+        were set aside are restored.  ``identity`` None: the import is unknown.  Raises
+        ConflictError if it is registered with other points, NotFoundError for an unknown project.
         """
         plans.check_text("sequence", sequence, plans.ID_LIMIT)
         counts = [int(n) for n in points]
@@ -101,7 +99,7 @@ class Recordings:
         counts: list[int],
         identity: str | None,
     ) -> Row[Any]:
-        """A row of this import's own; what is there is set aside."""
+        """Return a row for this import; a row of another import is set aside."""
         if there is not None and identity is None:
             return there
         if there is not None:
@@ -119,12 +117,12 @@ class Recordings:
             "identity": identity,
         }
         self._database.insert_new(connection, _LIVE_INDEX, fields)
-        # Inserted just now, or by somebody else in the same moment.
+        # Inserted here, or by another process at the same moment.
         here = select(schema.sequences).where(_SEQUENCES.id == sequence, LIVE)
         return connection.execute(here).one()
 
     def forget(self, sequence: str) -> None:
-        """Remove a recording's labels with their whole history; an unknown one is no error."""
+        """Remove a recording's labels with their history; an unknown recording is no error."""
         with self._sessions.listing(), self._database.write() as connection:
             row = _find(connection, sequence, lock=True)
             if row is not None:
@@ -132,16 +130,16 @@ class Recordings:
         self._sessions.forget(sequence)
 
     def live(self) -> list[Known]:
-        """All that are not deleted."""
+        """Return all recordings that are not deleted."""
         with self._database.read() as connection:
             return [_known(row) for row in connection.execute(select(schema.sequences).where(LIVE))]
 
     # ── deleted ones ─────────────────────────────────────────────────────────────────────
 
     def delete(self, sequence: str) -> Known:
-        """Mark a recording as deleted: from here on it is, whatever happens to its files.
+        """Mark a recording as deleted, independent of the removal of its files.
 
-        Raises NotFoundError, ConflictError while somebody imports or tracks it.
+        Raises NotFoundError, ConflictError while it is imported or tracked.
         """
         with self._sessions.listing(), self._database.write() as connection:
             row = _find(connection, sequence, lock=True)
@@ -160,15 +158,15 @@ class Recordings:
         return _known(row)
 
     def deleted(self) -> list[Known]:
-        """Return the recordings that are deleted and not yet purged, the newest first."""
+        """Return the recordings that are deleted and not yet purged, newest first."""
         query = select(schema.sequences).where(~LIVE).order_by(_SEQUENCES.deleted.desc())
         with self._database.read() as connection:
             return [_known(row) for row in connection.execute(query)]
 
     def restore(self, number: int, sequence: str) -> Known:
-        """Bring a deleted recording back under the id ``sequence``, which the caller has reserved.
+        """Restore a deleted recording under the id ``sequence``, which the caller has reserved.
 
-        Raises NotFoundError when it is not deleted, or was for too long.
+        Raises NotFoundError if it is not deleted, or expired.
         """
         with self._sessions.listing(), self._database.write() as connection:
             oldest = self._database.now(connection) - KEPT_SECONDS
@@ -181,9 +179,9 @@ class Recordings:
         return _known(row)
 
     def expired(self) -> list[Known]:
-        """Deleted ones that could no longer be restored a day ago either, by when they were seen.
+        """Return the recordings that expired at least SURE_SECONDS ago.
 
-        Looking notes when that is first so, and forgets it when the clock has been set back.
+        This call stores when an expiry is first seen, and clears it if the clock was set back.
         """
         with self._database.read() as connection:
             now = self._database.now(connection)
@@ -197,7 +195,7 @@ class Recordings:
         return [_known(row) for row in rows if _is_over(noted[row.number], now)]
 
     def purge(self, number: int) -> None:
-        """Remove all that is left of a recording whose time to be restored is over."""
+        """Remove the rows of a recording that expired at least SURE_SECONDS ago."""
         with self._database.write() as connection:
             now = self._database.now(connection)
             row = connection.execute(_of(number).with_for_update()).one_or_none()
@@ -227,7 +225,7 @@ def _erase(connection: Connection, number: int) -> None:
 
 
 def _first_seen(row: Row[Any], now: float) -> float | None:
-    """Return the moment at which its time to be restored was first seen to be over, or None."""
+    """Return the time at which its expiry was first seen, or None."""
     if row.deleted is None or row.deleted >= now - KEPT_SECONDS:
         return None
     return now if row.expired is None or row.expired > now else float(row.expired)
@@ -242,7 +240,7 @@ def _has(row: Row[Any], counts: list[int]) -> bool:
 
 
 def _fits(row: Row[Any], counts: list[int], identity: str | None) -> bool:
-    """Whether a row is of this import; one of schema 0001 is when its frames are as large."""
+    """Return whether a row is of this import; rows of schema 0001 match by their points."""
     if identity is None or row.identity is None:
         return _has(row, counts)
     return bool(row.identity == identity)

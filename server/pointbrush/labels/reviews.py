@@ -1,4 +1,4 @@
-"""The log of reviews: each decision about frames or a label, in the order they were made."""
+"""The log of reviews: decisions about frames or a label, in chronological order."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ Place = tuple[float, float, float]
 class Review:
     """A line of the log.
 
-    ``first``, ``last``  the frames it is about, both included; None: the label as a whole.
-    ``label``            the label it is about, or 0: the frames themselves.
-    ``state``, ``note``, ``assignee``  what it sets; None keeps, "" takes a note or a person away.
-    ``place``            source coordinates, metres, that the note is pinned to, or None.
-    ``number``, ``time``, ``author``, ``revision``  given when it is added: its place in the log,
-    seconds since the epoch, an account, the sequence's revision that was looked at.
+    ``first``, ``last``  the reviewed frames, both included; None: the label as a whole.
+    ``label``            the reviewed label, or 0: the frames themselves.
+    ``state``, ``note``, ``assignee``  values to set; None keeps, "" removes a note or a person.
+    ``place``            position of the note in source coordinates, metres, or None.
+    ``number``, ``time``, ``author``, ``revision``  set when it is added: its number in the log,
+    seconds since the epoch, an account, the reviewed revision of the sequence.
     """
 
     first: int | None
@@ -56,11 +56,11 @@ class Reviews:
         review: Review,
         require: Callable[[Sequence[Review]], object] | None = None,
     ) -> Review:
-        """Append a review to the log; durable when this returns.
+        """Append a review to the log and return it once it is durable.
 
-        ``identity`` is that of the import which was looked at.  ``require`` raises what speaks
-        against it in the log that it is appended to: nobody adds to that meanwhile.  Raises
-        NotFoundError where another import has the id by now, UnavailableError, ReadOnlyError.
+        ``identity``: of the reviewed import.  ``require`` checks the locked log before the review
+        is appended, and raises an error to refuse it.  Raises NotFoundError if another import has
+        the id now, UnavailableError, ReadOnlyError.
         """
 
         def make(connection: Connection) -> Review:

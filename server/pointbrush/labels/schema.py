@@ -1,7 +1,7 @@
-"""The tables, and the migrations that bring a database of any version to them.
+"""The tables, and the migrations of older databases to them.
 
-The journal (``edits`` and ``edit_*``) is the truth; the rest is derived from it.  A migration must
-go with every change here (``migrations/versions``); a test compares the two.
+The journal (``edits`` and ``edit_*``) is authoritative; the other tables are derived from it.
+Every change here needs a migration (``migrations/versions``); a test compares the two.
 """
 
 from __future__ import annotations
@@ -36,17 +36,17 @@ from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.project_tables import metadata as metadata
 
 HEAD = "0023"
-"""The migration that these tables are at."""
+"""The migration that results in these tables."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
 ACTIVE = 0
 UNDONE = 1
 DROPPED = 2
-"""Undone, and its author has gone on: it stays undone."""
+"""Undone, and followed by a new edit of its author: it cannot be redone."""
 KEPT = 3
-"""In force, but no longer its author's to undo (a label that others use)."""
+"""In force, but its author can no longer undo it (a label that others use)."""
 INERT = 4
-"""Nothing of its own to undo: it changed nothing, or it is itself an undo or redo."""
+"""Nothing to undo: it changed nothing, or it is itself an undo or redo."""
 
 IN_FORCE = (ACTIVE, KEPT)
 
@@ -69,11 +69,11 @@ sequences = Table(
     Column("revision", BigInteger, nullable=False),
     Column("highest_label", Integer, nullable=False),
     Column("points", LargeBinary, nullable=False),
-    Column("identity", String(16)),  # of the import; NULL until its recording has been seen
+    Column("identity", String(16)),  # of the import; NULL until it is registered
     Column("deleted", Double),  # seconds since the epoch, or NULL
-    Column("expired", Double),  # when its time to be restored was first seen to be over, or NULL
+    Column("expired", Double),  # when its expiry was first seen, or NULL
     Column("project", String(64)),  # NULL: the first one, "default"
-    Column("copy_of", Integer),  # here and below of a copy for one person; else NULL
+    Column("copy_of", Integer),  # here and below: for a copy for one person; else NULL
     Column("copy_kind", String(16)),
     Index("sequences_project", "project"),
     Index("sequences_live", "id", unique=True, sqlite_where=LIVE, postgresql_where=LIVE),
@@ -99,7 +99,7 @@ edits = Table(
     Column("frames", Text, nullable=False),  # JSON list of frame numbers
     Column("labels", Text, nullable=False),  # JSON list of palette entries it changed
     Column("tracks", Boolean, nullable=False),
-    Column("target", BigInteger),  # revision that an undo or redo is about
+    Column("target", BigInteger),  # revision that an undo or redo reverses
     Column("state", SmallInteger, nullable=False),
     Column("redone", BigInteger, nullable=False),  # revision of its last redo, or 0
     Column("boxes", Boolean, nullable=False, server_default=false()),  # whether it changed any
@@ -147,7 +147,7 @@ edit_boxes = Table(
     _sequence(),
     Column("revision", BigInteger, primary_key=True, autoincrement=False),
     Column("box", Integer, primary_key=True, autoincrement=False),
-    Column("data", Text, nullable=False),  # JSON object of what it changed
+    Column("data", Text, nullable=False),  # JSON object of the changes
     Index("edit_boxes_box", "sequence", "box", "revision"),
 )
 
@@ -202,7 +202,7 @@ counts = Table(
     Column("label", Integer, primary_key=True, autoincrement=False),
     Column("points", BigInteger, nullable=False),
     Column("painted", BigInteger, nullable=False),
-    Column("held", BigInteger, nullable=False),  # points, deleted ones too
+    Column("held", BigInteger, nullable=False),  # points, including deleted ones
 )
 
 frame_changes = Table(
@@ -210,23 +210,23 @@ frame_changes = Table(
     metadata,
     _sequence(),
     Column("frame", Integer, primary_key=True, autoincrement=False),
-    Column("revision", BigInteger, nullable=False),  # of the last edit that changed what it shows
+    Column("revision", BigInteger, nullable=False),  # of the last visible change
 )
 
 reviews = Table(
     "reviews",
     metadata,
     _sequence(),
-    Column("number", Integer, primary_key=True, autoincrement=False),  # 1, 2, … as they came
+    Column("number", Integer, primary_key=True, autoincrement=False),  # 1, 2, … by time
     Column("time", Double, nullable=False),
     Column("author", String(256), nullable=False),
-    Column("revision", BigInteger, nullable=False),  # of the sequence that was looked at
+    Column("revision", BigInteger, nullable=False),  # reviewed revision of the sequence
     Column("first", Integer),  # frames first to last; NULL: a label as a whole
     Column("last", Integer),
     Column("label", Integer, nullable=False),  # 0: the frames themselves
-    Column("state", String(16)),  # here and below NULL keeps what was there
+    Column("state", String(16)),  # here and below: NULL keeps the value
     Column("note", Text),
-    Column("place", Text),  # JSON [x, y, z] that the note is pinned to
+    Column("place", Text),  # JSON [x, y, z], position of the note
     Column("assignee", String(256)),
 )
 
@@ -258,8 +258,8 @@ categories = Table(
     Column("color", String(7), nullable=False),
     Column("size", Text),  # JSON [length, width, height], mean of its objects, or NULL
     Column("spread", Text),  # the same, standard deviation
-    Column("key", String(512), nullable=False, server_default=""),  # kept by labels: the first name
-    Column("merged", Integer),  # NULL: as it is; 0: deleted; else the number of the one it is now
+    Column("key", String(512), nullable=False, server_default=""),  # in labels; the first name
+    Column("merged", Integer),  # NULL: no; 0: deleted; else the number of the target
     Column("renamed", BigInteger, nullable=False, server_default="0"),  # number of the last change
     Index("categories_key", "key", unique=True),
 )
@@ -288,7 +288,7 @@ sign_ins = Table(
     "sign_ins",
     metadata,
     Column("digest", String(64), primary_key=True),
-    Column("token", String(16)),  # of a person; none of the server's own
+    Column("token", String(16)),  # of a person; NULL: the server's own
     Column("owner", String(64), nullable=False),  # digest of the server's own token
     Column("account", String(256), nullable=False),
     Column("created", Double, nullable=False),
@@ -306,7 +306,7 @@ own_keys = Table(
     "own_keys",
     metadata,
     Column("account", String(256), primary_key=True),
-    Column("keys", Text, nullable=False),  # of commands of the page: JSON
+    Column("keys", Text, nullable=False),  # JSON object: key by command of the page
 )
 
 headset_reports = Table(
@@ -322,12 +322,12 @@ works = Table(
     "works",
     metadata,
     Column("id", String(32), primary_key=True),
-    Column("sequence", String(128), nullable=False),  # an id that may not be there yet
+    Column("sequence", String(128), nullable=False),  # an id that may not exist yet
     Column("kind", String(16), nullable=False),
     Column("host", Text, nullable=False),
     Column("process", Integer, nullable=False),
-    Column("owner", String(16), nullable=False),  # tells a process from an earlier one
-    Column("beat", Double, nullable=False),  # seconds since the epoch: the owner lived then
+    Column("owner", String(16), nullable=False),  # random id of the process
+    Column("beat", Double, nullable=False),  # last heartbeat, seconds since the epoch
     Index(
         "works_import", "sequence", unique=True, sqlite_where=_IMPORTS, postgresql_where=_IMPORTS
     ),
@@ -338,7 +338,7 @@ jobs = Table(
     metadata,
     Column("id", String(36), primary_key=True),
     Column("kind", String(16), nullable=False),
-    Column("sequence", String(128)),  # an id that may not be there yet
+    Column("sequence", String(128)),  # an id that may not exist yet
     Column("state", String(16), nullable=False),
     Column("progress", Double, nullable=False),
     Column("message", Text, nullable=False),
@@ -347,12 +347,12 @@ jobs = Table(
     Column("created", Double, nullable=False),
     Column("author", String(256)),
     Column("edit", String(128)),  # id of the edit that it makes
-    Column("request", Text),  # JSON object that begins it again, or NULL
+    Column("request", Text),  # JSON object that restarts it, or NULL
     Column("lost", Integer, nullable=False),  # servers that died while it ran
-    Column("wish", String(8), nullable=False),  # of somebody at another server
+    Column("wish", String(8), nullable=False),  # request from another server
     Column("host", Text, nullable=False),  # here and below as in works
     Column("process", Integer, nullable=False),
-    Column("owner", String(16), nullable=False),  # "": nobody's, free to be begun again
+    Column("owner", String(16), nullable=False),  # "": none, free to be restarted
     Column("beat", Double, nullable=False),
     Index("jobs_state", "state", "created"),
 )
@@ -371,11 +371,11 @@ PER_SEQUENCE = (
     reviews,
     edits,
 )
-"""Everything that goes when a sequence is forgotten, children first."""
+"""Tables with rows of a sequence, child tables first."""
 
 
 def migrate(database: Database) -> None:
-    """Run the migrations that are missing, in one transaction.
+    """Run the missing migrations in one transaction.
 
     Raises BadInputError for a database of a newer pointbrush, UnavailableError.
     """
@@ -384,7 +384,8 @@ def migrate(database: Database) -> None:
             return
     with database.write() as connection:
         if not database.sqlite:
-            # A migration rewrites tables, and waits for another process's: both may take long.
+            # A migration rewrites tables and waits for another process's migration: both can be
+            # slow.
             connection.execute(text("SET LOCAL statement_timeout TO 0"))
             connection.execute(text("SELECT pg_advisory_xact_lock(:n)"), {"n": _ADVISORY_LOCK})
         if _version(connection) != HEAD:
@@ -399,7 +400,7 @@ def _version(connection: Connection) -> str | None:
 
 
 def _upgrade(connection: Connection) -> None:
-    # Imported here: a database that is up to date opens without Alembic's start-up time.
+    # Imported here: an up-to-date database opens without the time to import Alembic.
     from alembic import command
     from alembic.config import Config
     from alembic.script import ScriptDirectory

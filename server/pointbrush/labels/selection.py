@@ -1,4 +1,4 @@
-"""The categories that a project has selected of the workspace's, asked for its recordings."""
+"""The categories of the workspace that a recording's project has selected."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from pointbrush.labels.schema import PROJECT_OF, categories, sequences
 from pointbrush.labels.types import Label
 
 TOLD = 20
-"""Categories that an error names."""
+"""Limit of categories listed in an error."""
 
 
 def selected(connection: Connection, sequence: int) -> frozenset[str] | None:
-    """Names of the categories that the project of a recording has selected; None: all."""
+    """Return the names of the selected categories of a recording's project; None: all."""
     here = select(projects.c.categories).join(sequences, projects.c.id == PROJECT_OF)
     chosen = connection.execute(here.where(sequences.c.number == sequence)).scalar()
     if chosen is None:
@@ -31,13 +31,13 @@ def selected(connection: Connection, sequence: int) -> frozenset[str] | None:
 def allowed(
     connection: Connection, sequence: int, labels: Iterable[Label]
 ) -> frozenset[str] | None:
-    """Categories that labels of a recording may have: selected ones and those in use; None: all."""
+    """Return the categories that labels of a recording may have; None: all."""
     found = selected(connection, sequence)
     return None if found is None else found | {label.category for label in labels} | {""}
 
 
 def require_allowed(categories: frozenset[str] | None, wanted: str) -> None:
-    """Raise BadInputError unless ``wanted`` is one of those that labels may have."""
+    """Raise BadInputError unless labels may have the category ``wanted``."""
     if categories is not None and wanted not in categories:
         named = ", ".join(sorted(categories - {""})[:TOLD]) or "none"
         raise BadInputError(

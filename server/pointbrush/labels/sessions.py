@@ -35,7 +35,7 @@ from pointbrush.labels.upkeep import Upkeep
 log = logging.getLogger(__name__)
 
 GAP = 2_000
-"""Edits of another process beyond which everything is read anew instead."""
+"""Number of edits of other processes above which the whole state is read again."""
 
 
 class Sessions:
@@ -52,12 +52,12 @@ class Sessions:
         self._opening = threading.RLock()
         self._listing = threading.Lock()
         self._live = self._read_live()
-        # By number: another sequence of the same id has revisions of its own.
+        # By number, as another sequence with the same id has separate revisions.
         self._seen = {number: revision for number, revision, _ in self._live.values()}
         self.came_or_went: Callable[[str], None] = lambda _: None
         """Called with the id of a sequence that another process added, deleted or replaced."""
         self.listed: Callable[[], None] = lambda: None
-        """Called after a change of which sequences there are, by this process or another."""
+        """Called after a sequence is added or removed, by this process or another."""
         self.classes_renamed: Callable[[str], None] = lambda _: None
         """Called with the id of an open sequence after classes were renamed."""
         self.outbox = Outbox()
@@ -73,10 +73,10 @@ class Sessions:
 
     @contextlib.contextmanager
     def knowing(self, sequence: str, *, look: bool = True) -> Iterator[SequenceState]:
-        """Yield the state in memory of the sequence at its newest revision, without a transaction.
+        """Yield the sequence's state in memory at its newest revision, without a transaction.
 
-        ``look``: ask the database whether there is a newer one; else what is known will do.
-        Raises NotFoundError, UnavailableError.
+        ``look``: query the database for a newer revision; False: use the state in memory.  Raises
+        NotFoundError, UnavailableError.
         """
         state = self.state(sequence)
         try:
@@ -91,12 +91,12 @@ class Sessions:
             self.outbox.drain()
 
     def look_for(self, sequence: str, edit_id: str) -> Commit | None:
-        """The commit of an edit by its id, ``repeated``, or None; looks at the newest revision."""
+        """Return the commit of an edit by its id, marked ``repeated``, or None."""
         state = self.state(sequence)
         row = self._database.look(LOOK_FOR, {"sequence_id": state.id, "edit_id": edit_id})
         if row is not None and row.edit is None:
             with state.lock:
-                # What this process has committed since is in memory.
+                # Commits of this process since then are in memory.
                 newest = state.number == row.number and state.revision >= row.revision
                 if newest and not state.stale:
                     return None
@@ -105,7 +105,7 @@ class Sessions:
 
     @contextlib.contextmanager
     def reading(self, sequence: str) -> Iterator[tuple[Connection, SequenceState]]:
-        """The sequence at its newest revision; raises NotFoundError, UnavailableError."""
+        """Yield the sequence at its newest revision; raises NotFoundError, UnavailableError."""
         state = self.state(sequence)
         try:
             with state.lock, self._database.read() as connection:
@@ -119,7 +119,7 @@ class Sessions:
         sequence: str,
         make: Callable[[Connection, SequenceState], tuple[list[str], list[str]]],
     ) -> tuple[list[str], list[str]]:
-        """Have ``make`` write what is derived from the journal, and read everything anew."""
+        """Let ``make`` rebuild the derived tables, and drop the state in memory."""
         state = self.state(sequence)
         with state.lock, self._database.write() as connection:
             self.refresh(connection, state, find_revision(connection, state.id, lock=True))
@@ -129,7 +129,7 @@ class Sessions:
         return made
 
     def forget(self, sequence: str) -> None:
-        """Drop what is in memory of a sequence."""
+        """Drop the state of a sequence in memory."""
         with self._opening:
             state = self._states.pop(sequence, None)
             if state is not None:
@@ -138,9 +138,9 @@ class Sessions:
             self._cache.drop(state.number)
 
     def catch_up(self) -> None:
-        """Take in what other processes committed, and tell the subscribers.
+        """Apply other processes' commits, and notify the subscribers.
 
-        Raises UnavailableError; then it is to be called again.
+        Raises UnavailableError; the caller has to retry.
         """
         with self._listing:
             newest = self._read_live()
@@ -165,7 +165,7 @@ class Sessions:
                 self._look_into(sequence)
 
     def _look_into(self, sequence: str) -> None:
-        """Bring a sequence up to date; a fault of its own keeps no other from it."""
+        """Update a sequence; log its errors, so that other sequences are still updated."""
         try:
             with self.reading(sequence):
                 pass
@@ -178,11 +178,11 @@ class Sessions:
 
     @contextlib.contextmanager
     def listing(self) -> Iterator[None]:
-        """A change of which sequences there are, made by this process, which tells of it itself."""
+        """Guard a change of the list of sequences by this process, and notify of it."""
         with self._listing:
             yield
             self.listed()
-            with contextlib.suppress(UnavailableError):  # then it is told of a second time
+            with contextlib.suppress(UnavailableError):  # then a second notification follows
                 self._live = self._read_live()
 
     def _read_live(self) -> dict[str, Found]:
@@ -190,7 +190,7 @@ class Sessions:
             return revisions(connection)
 
     def state(self, sequence: str) -> SequenceState:
-        """The sequence's state in memory, read when it is asked for first; NotFoundError."""
+        """Return the sequence's state in memory, read at first use; raises NotFoundError."""
         state = self._states.get(sequence)
         if state is not None:
             return state
@@ -207,27 +207,27 @@ class Sessions:
                 missed = self._missed(
                     connection, state, self._seen.get(state.number, 0), state.revision
                 )
-            # Before anybody can commit on it, or these would come after.
+            # Before new commits are possible, so that the order is kept.
             for commit in missed:
                 self.outbox.put(commit)
             self._states[sequence] = state
             return state
 
     def refresh(self, connection: Connection, state: SequenceState, found: Found | None) -> None:
-        """Bring ``state`` to the numbers that ``connection`` has ``found`` for it."""
+        """Update ``state`` to the number and revisions that ``connection`` has ``found``."""
         if found is None:
             self.forget(state.id)
             raise NotFoundError(f"sequence: {state.id!r} was deleted")
         number, revision, classes = found
         renamed = classes != state.classes.revision
         if number != state.number or revision < state.revision or state.stale:
-            # Another process made it anew, or put a backup in its place; or a commit failed here.
+            # Another process replaced it or restored a backup, or a commit failed in this process.
             row, before = find_sequence(connection, state.id), (state.number, state.revision)
             if row is not None:
                 state.forget_blocks()
                 state.reset(connection, row)
                 if state.number == before[0] and state.revision > before[1]:
-                    # The failed commit had reached the database after all.
+                    # The failed commit was stored.
                     for commit in self._missed(connection, state, before[1], state.revision):
                         self.outbox.put(commit)
         elif revision > state.revision:
@@ -237,7 +237,7 @@ class Sessions:
             self.classes_renamed(state.id)
 
     def _take_in(self, connection: Connection, state: SequenceState, revision: int) -> None:
-        """Catch up to ``revision``; if it fails on the way, it starts again from where it was."""
+        """Catch up to ``revision``; an error leaves the revision as it was, for a retry."""
         first = state.revision
         if revision - first > GAP:
             state.forget_blocks()
@@ -256,9 +256,9 @@ class Sessions:
     def _missed(
         self, connection: Connection, state: SequenceState, after: int, revision: int
     ) -> list[Commit]:
-        """Commits made elsewhere; after a long absence only the last one.
+        """Return other processes' commits; above GAP only the last one.
 
-        Those who listen see the gap between its base and what they have.
+        Subscribers notice the gap by its base revision.
         """
         if not self.outbox.wanted:
             return []
@@ -269,13 +269,13 @@ class Sessions:
     # ── from the journal ─────────────────────────────────────────────────────────────────
 
     def find(self, connection: Connection, state: SequenceState, edit_id: str) -> Commit | None:
-        """The commit of an edit by its id, marked as repeated, or None."""
+        """Return the commit of an edit by its id, marked as repeated, or None."""
         values = {"of_sequence": state.number, "edit_id": edit_id}
         row = journal.FIND.ask(driver_of(connection), values)
         return None if row is None else replace(self.load(connection, state, row), repeated=True)
 
     def load(self, connection: Connection, state: SequenceState, row: Row[Any]) -> Commit:
-        """A past commit, whose deltas hold the values of *now* where later edits matter."""
+        """Return a past commit; where later edits matter, its deltas have the *current* values."""
         labels = json.loads(row.labels)
         changes = journal.changes_of(connection, state.number, row.revision)
         turned = journal.labels_that_came_or_went(connection, row) if labels else set()

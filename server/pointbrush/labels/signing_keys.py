@@ -1,4 +1,4 @@
-"""Secret keys that sign what clients keep, shared by all servers on one database."""
+"""Secret keys for signed cookies of clients, shared by all servers of one database."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ class SigningKeys:
         self._lock = threading.Lock()
 
     def get(self, purpose: str) -> bytes:
-        """Return the key (32 random bytes) of ``purpose``, the same to every server.
+        """Return the key (32 random bytes) of ``purpose``, the same for every server.
 
-        A database that has none and may not be written gives one that lasts as long as this
-        object.  Raises UnavailableError.
+        For a read-only database without a key, the key is valid for the lifetime of this object.
+        Raises UnavailableError.
         """
         with self._lock:
             key = self._known.get(purpose)
@@ -49,5 +49,5 @@ class SigningKeys:
                 connection.execute(new, {"purpose": purpose, "key": key})
         except ReadOnlyError:
             return key
-        # Another server may have been first: its key is in the table then.
+        # Another server may have stored a key first.
         return self._stored(purpose) or key

@@ -37,15 +37,15 @@ from pointbrush.labels.statements import Statement
 from pointbrush.labels.types import Cell, Label
 
 Count = tuple[int, int, int]
-"""Points, painted ones among them (both without deleted points), and all that hold the label."""
+"""Points and painted points (both without deleted points), and all points that hold the label."""
 FrameLabel = tuple[int, int]
 NONE: Count = (0, 0, 0)
 DELETION_RUN = 64
-"""Blocks of the deletion layer that are read together."""
+"""Number of blocks of the deletion layer that are read together."""
 
 
 class NotInMemoryError(LookupError):
-    """A block is wanted that only the database has, and there is no connection to read it."""
+    """A block is not in memory, and there is no connection to read it."""
 
 
 class SequenceState:
@@ -54,18 +54,18 @@ class SequenceState:
     def __init__(self, connection: Connection, row: Row[Any], blocks: BlockCache) -> None:
         self.lock = threading.RLock()
         self.stale = False
-        """Memory has what the database may not: it must be read anew."""
+        """The state may differ from the database and must be read again."""
         self.classes = ClassNames()
         """Names of the classes of its labels."""
         self.palette: dict[int, Label] = {}
         self.counts: dict[FrameLabel, Count] = {}
         self.changed: dict[int, int] = {}
-        """For each frame that was ever changed, the revision of its last change."""
+        """Revision of the last change by frame, for changed frames."""
         self._blocks = blocks
         self.reset(connection, row)
 
     def reset(self, connection: Connection, row: Row[Any]) -> None:
-        """Start again from the sequence's row."""
+        """Read the whole state for the sequence's row."""
         self.number: int = row.number
         self.id: str = row.id
         self.identity: str | None = row.identity
@@ -85,11 +85,11 @@ class SequenceState:
 
     @property
     def known(self) -> Found:
-        """Number, revision and class names that memory has."""
+        """Return the number, revision and class revision of this state."""
         return self.number, self.revision, self.classes.revision
 
     def undone(self, connection: Connection) -> set[int]:
-        """Revisions of the edits that are out of force."""
+        """Return the revisions of undone edits."""
         if self._undone is None:
             query = select(edits.c.revision).where(
                 edits.c.sequence == self.number, edits.c.state.in_((UNDONE, DROPPED))
@@ -98,14 +98,14 @@ class SequenceState:
         return self._undone
 
     def turn(self, kind: str, target: int | None) -> None:
-        """Take note of a committed undo or redo of ``target``."""
+        """Update the undone edits for a committed undo or redo of ``target``."""
         if self._undone is not None and target is not None:
             (self._undone.add if kind == "undo" else self._undone.discard)(target)
 
     # ── palette and counts ───────────────────────────────────────────────────────────────
 
     def reload_palette(self, connection: Connection) -> None:
-        """Read the palette again, and which ids were ever given: also to labels that are gone."""
+        """Read the palette and the highest id ever assigned, including deleted labels."""
         highest = select(sequences.c.highest_label).where(sequences.c.number == self.number)
         self.highest_label = connection.execute(highest).scalar_one()
         self.classes = read_names(connection)
@@ -125,7 +125,7 @@ class SequenceState:
         )
 
     def set_palette(self, palette: Iterable[Label]) -> None:
-        """Take over a palette."""
+        """Set the palette and its lookup tables."""
         self.palette = {label.id: label for label in in_order(palette)}
         self.exists = exists_table(self.palette)
         self.locked = np.zeros(1 << 16, np.bool_)
@@ -135,7 +135,7 @@ class SequenceState:
         self.highest_label = max([self.highest_label, *self.palette])
 
     def reload_counts(self, connection: Connection, frames: Sequence[int] | None = None) -> None:
-        """Read the counts again, of some frames or all."""
+        """Read the counts of some frames, or of all."""
         query = select(counts).where(counts.c.sequence == self.number)
         if frames is not None:
             query = query.where(counts.c.frame.in_(frames))
@@ -145,7 +145,7 @@ class SequenceState:
         )
 
     def reload_changed(self, connection: Connection, after: int) -> None:
-        """Read which frames were changed after revision ``after``, and when last."""
+        """Read the last change of each frame that changed after revision ``after``."""
         table = frame_changes.c
         query = select(table.frame, table.revision).where(
             table.sequence == self.number, table.revision > after
@@ -153,11 +153,11 @@ class SequenceState:
         self.changed.update((frame, last) for frame, last in connection.execute(query))
 
     def cell(self, key: FrameLabel) -> Cell:
-        """The visible count of a label in a frame."""
+        """Return the visible count of a label in a frame."""
         return cell_of(key, self.counts.get(key, NONE), self.palette)
 
     def counts_of(self, labels: Iterable[int]) -> dict[FrameLabel, Count]:
-        """Counts of some labels in all frames."""
+        """Return the counts of some labels in all frames."""
         wanted = set(labels)
         if not wanted:
             return {}
@@ -166,20 +166,20 @@ class SequenceState:
     # ── points ───────────────────────────────────────────────────────────────────────────
 
     def frame_points(self, frame: int) -> int:
-        """Points of a frame; raises NotFoundError."""
+        """Return the number of points of a frame; raises NotFoundError."""
         if not 0 <= frame < len(self.points):
             raise NotFoundError(f"frame: expected 0 to {len(self.points) - 1}, got {frame}")
         return int(self.points[frame])
 
     def block(self, connection: Connection | None, place: Place) -> Block:
-        """A block, from memory or the database; raises NotInMemoryError without a connection."""
+        """Return a block; raises NotInMemoryError if it must be read without a connection."""
         found = self._blocks.get(self.number, place)
         if found is not None:
             return found
         frame, layer, block = place
         if layer == LABELS:
             return self.block_run(connection, frame, layer, block, block)[0]
-        # Deletions are rare: to learn of many blocks at once that they have none costs nothing.
+        # Deletions are rare, so one query for many blocks without any is cheap.
         first = block - block % DELETION_RUN
         last = min(first + DELETION_RUN, -(-self.frame_points(frame) // BLOCK)) - 1
         return self.block_run(connection, frame, layer, first, last)[block - first]
@@ -187,9 +187,9 @@ class SequenceState:
     def block_run(
         self, connection: Connection | None, frame: int, layer: int, first: int, last: int
     ) -> list[Block]:
-        """Blocks first..last of a frame; those not in memory are read at once.
+        """Return blocks first..last of a frame; missing blocks are read with one query.
 
-        Raises NotInMemoryError for those without a connection.
+        Raises NotInMemoryError for missing blocks without a connection.
         """
         places = [(frame, layer, block) for block in range(first, last + 1)]
         found = [self._blocks.get(self.number, place) for place in places]
@@ -208,7 +208,7 @@ class SequenceState:
         return [block for block in found if block is not None]
 
     def adopt(self, changes: Mapping[Place, Change]) -> None:
-        """Bring blocks in memory up to date."""
+        """Apply changes to blocks in memory."""
         for place in changes:
             block = self._blocks.get(self.number, place)
             if block is not None:
@@ -216,20 +216,20 @@ class SequenceState:
                 self._blocks.put(self.number, place, block)
 
     def cached(self, place: Place) -> Block | None:
-        """A block, if it is in memory."""
+        """Return a block in memory, or None."""
         return self._blocks.get(self.number, place)
 
     def forget_blocks(self) -> None:
-        """Drop all blocks in memory, and what is known of single edits."""
+        """Drop all blocks and the undone edits from memory."""
         self._undone = None
         self._blocks.drop(self.number)
 
 
 def visible(states: States, exists: NDArray[np.bool_]) -> States:
-    """Value bits as users see them: a label that is not in the palette is no label.
+    """Return the value bits that users see: a label that is not in the palette is no label.
 
-    Points keep the label they were given while it is deleted, so that undoing the deletion
-    brings back also those that were covered at the time.
+    Points keep the id of a deleted label in their word, so that undoing the deletion also restores
+    points that were painted over at that time.
     """
     values = states & VALUE_BITS
     known = exists[(states & LABEL_BITS).astype(np.intp)]
@@ -239,25 +239,25 @@ def visible(states: States, exists: NDArray[np.bool_]) -> States:
 
 
 def cell_of(key: FrameLabel, count: Count, palette: Container[int]) -> Cell:
-    """A count as users see it: points of a label that does not exist are not seen."""
+    """Return the count that users see: labels that are not in the palette have no points."""
     points, painted, _ = count if key[1] in palette else NONE
     return Cell(*key, points, painted)
 
 
 def exists_table(palette: Iterable[int]) -> NDArray[np.bool_]:
-    """For each number 0..65535, whether points may show it as their label."""
+    """Return for each number 0..65535 whether it is a visible label or 0."""
     table = _only_unlabeled()
     table[list(palette)] = True
     return table
 
 
 def encode_points(points: Sequence[int]) -> bytes:
-    """Points per frame as they are kept in the database."""
+    """Encode points per frame for the database."""
     return zlib.compress(np.asarray(points, "<i8").tobytes(), 1)
 
 
 def decode_points(data: bytes) -> NDArray[np.int64]:
-    """Points per frame, (frames,)."""
+    """Decode points per frame, (frames,)."""
     return np.frombuffer(zlib.decompress(data), "<i8")
 
 
@@ -270,7 +270,7 @@ _LOOK = select(sequences.c.number, sequences.c.revision, REVISION.label("classes
 )
 _LOCK = _LOOK.with_for_update()
 LOOK, LOCK = Statement(_LOOK), Statement(_LOCK)
-"""``Found`` of a sequence; locked: no other process commits to it meanwhile."""
+"""Queries for ``Found`` of a sequence; LOCK also locks it against other processes' commits."""
 LOOK_FOR = Statement(
     _LOOK.add_columns(edits.c.revision.label("edit")).join(
         edits,
@@ -278,17 +278,17 @@ LOOK_FOR = Statement(
         isouter=True,
     )
 )
-"""The same, and the revision of an edit if it is there."""
+"""Query for ``Found``, and the revision of an edit if it exists."""
 
 
 def find_sequence(connection: Connection, sequence: str) -> Row[Any] | None:
-    """The whole row of a sequence that is not deleted."""
+    """Return the row of a sequence that is not deleted."""
     query = select(sequences).where(sequences.c.id == sequence, LIVE)
     return connection.execute(query).one_or_none()
 
 
 def find_revision(connection: Connection, sequence: str, *, lock: bool = False) -> Found | None:
-    """Return ``Found`` of a sequence; ``lock``: no other process commits to it meanwhile."""
+    """Return ``Found`` of a sequence; ``lock`` blocks commits of other processes."""
     row = connection.execute(_LOCK if lock else _LOOK, {"sequence_id": sequence}).one_or_none()
     return found_in(row)
 

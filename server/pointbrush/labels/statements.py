@@ -1,8 +1,8 @@
-"""Statements of every stroke and read: compiled once, run by the database's driver itself.
+"""Frequent statements: compiled once and run directly by the database's driver.
 
 Composing a statement and fetching its rows through SQLAlchemy takes ten times as long as SQLite
-takes to run it.  The tables stay defined in one place.  ``Look`` asks single ones outside
-transactions: whether a recording has a newer revision.
+takes to run it.  ``Look`` runs single queries outside transactions, for example for a newer
+revision of a recording.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ Driver = Any
 """A connection of the driver: ``sqlite3.Connection`` or ``psycopg.Connection``."""
 Values = Mapping[str, Any]
 KEPT = 8
-"""Connections that are kept; more are open while more threads look at once."""
+"""Limit of idle connections; more are open while more threads run queries."""
 
 
 @cache
 def dialect_of(*, sqlite: bool) -> Any:
-    """Return a dialect of SQLAlchemy, with named parameters as the drivers take them."""
+    """Return a dialect of SQLAlchemy, with the drivers' style of named parameters."""
     how = {"paramstyle": "named"} if sqlite else {}
     return make_url("sqlite://" if sqlite else "postgresql+psycopg://").get_dialect()(**how)
 
 
 def insert(table: Table, *, sqlite: bool) -> Any:
-    """Return an INSERT that can say what happens to rows that are there."""
-    # Here, since a server needs one of them, and PostgreSQL's takes its time to import.
+    """Return an INSERT with support for ON CONFLICT."""
+    # Imported here, as a server needs only one, and PostgreSQL's is slow to import.
     name = "sqlite" if sqlite else "postgresql"
     return import_module(f"sqlalchemy.dialects.{name}").insert(table)
 
@@ -44,31 +44,31 @@ class Statement:
     """One statement with named parameters."""
 
     def __init__(self, make: ClauseElement | Callable[[bool], ClauseElement]) -> None:
-        """``make``: the statement, or what makes it for SQLite (True) or PostgreSQL (False)."""
+        """``make``: the statement, or a function of it for SQLite (True) or PostgreSQL (False)."""
         self._make = make
         self._compiled: dict[bool, tuple[str, dict[str, Any]]] = {}
         self._columns: list[str] = []
 
     def run(self, driver: Driver, values: Values) -> Any:
-        """Run it; returns the driver's cursor."""
+        """Run the statement and return the driver's cursor."""
         text, constants = self._text(of_sqlite=_is_sqlite(driver))
         return driver.execute(text, {**constants, **values})
 
     def run_each(self, driver: Driver, rows: Sequence[Values]) -> None:
-        """Run it once for each of ``rows``."""
+        """Run the statement for each of ``rows``."""
         if rows:
             text, constants = self._text(of_sqlite=_is_sqlite(driver))
             driver.cursor().executemany(text, [{**constants, **row} for row in rows])
 
     def one(self, cursor: Any) -> Any:
-        """The row that a cursor of this statement has, by its columns' names, or None."""
+        """Return the row of this statement's cursor, by column names, or None."""
         row = cursor.fetchone()
         return (
             None if row is None else SimpleNamespace(**dict(zip(self._columns, row, strict=True)))
         )
 
     def ask(self, driver: Driver, values: Values) -> Any:
-        """Run it; returns its row, or None."""
+        """Run the statement and return its row, or None."""
         return self.one(self.run(driver, values))
 
     def _text(self, *, of_sqlite: bool) -> tuple[str, dict[str, Any]]:
@@ -85,7 +85,7 @@ class Statement:
 
 
 def upsert(table: Table) -> Statement:
-    """Insert rows, replacing those with the same primary key."""
+    """Return a statement that inserts rows or replaces rows with the same primary key."""
     keys = [column.name for column in table.primary_key]
 
     def make(of_sqlite: bool) -> ClauseElement:
@@ -98,18 +98,18 @@ def upsert(table: Table) -> Statement:
 
 
 def driver_of(connection: Connection) -> Driver:
-    """The driver's connection under one of SQLAlchemy's, in the same transaction."""
+    """Return the driver's connection of an SQLAlchemy connection, in the same transaction."""
     return connection.connection.dbapi_connection
 
 
 def begin(driver: Driver) -> None:
-    """Begin a transaction of ``Database.write``; SQLite's has begun."""
+    """Begin a transaction of ``Database.write``; for SQLite it has already begun."""
     if not _is_sqlite(driver):
         driver.execute("BEGIN")
 
 
 def commit(driver: Driver) -> None:
-    """Commit a transaction: it is on the disk once ``together`` ends."""
+    """Commit a transaction; it is durable after ``together`` ends."""
     if _is_sqlite(driver):
         driver.commit()
     else:
@@ -118,9 +118,9 @@ def commit(driver: Driver) -> None:
 
 @contextlib.contextmanager
 def together(driver: Driver) -> Iterator[None]:
-    """Send the statements run inside in one piece, and wait for the database once.
+    """Send the statements of this context together, and wait for the database once.
 
-    What they give may be fetched when this ends.
+    Their results can be fetched after the context ends.
     """
     with contextlib.nullcontext() if _is_sqlite(driver) else driver.pipeline():
         yield
@@ -131,12 +131,12 @@ def _is_sqlite(driver: Driver) -> bool:
 
 
 class Look:
-    """Connections of their own that answer single questions; thread-safe."""
+    """Separate connections for single queries; thread-safe."""
 
     def __init__(self, connect: Callable[[], Driver], failure: type[Exception]) -> None:
         """``connect``: opens a connection of the driver that commits each statement by itself.
 
-        ``failure``: raised by the driver for a connection that was lost.
+        ``failure``: the driver's error for a lost connection.
         """
         self._connect = connect
         self._failure = failure
@@ -144,9 +144,9 @@ class Look:
         self._idle: list[Driver] = []
 
     def one(self, statement: Statement, values: Values) -> object:
-        """The row that a statement gives, or None; raises the driver's errors.
+        """Return the row of a statement, or None; raises the driver's errors.
 
-        A kept connection may have been lost since: then a new one is asked.
+        If an idle connection was lost, the query is repeated on a new one.
         """
         with self._lock:
             driver = self._idle.pop() if self._idle else None
@@ -173,7 +173,7 @@ class Look:
         return row
 
     def close(self) -> None:
-        """Close the connections that are kept."""
+        """Close the idle connections."""
         with self._lock:
             idle, self._idle = self._idle, []
         for driver in idle:

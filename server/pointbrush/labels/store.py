@@ -33,17 +33,17 @@ from pointbrush.labels.writer import Writer, require_import
 
 
 class LabelStore:
-    """All labels of a workspace; thread-safe.  Whatever it answers is on the disk.
+    """All labels of a workspace; thread-safe.  Results of all methods are durable.
 
-    Every method raises NotFoundError for an unknown sequence, frame or label, BadInputError for
-    a value that cannot be, and UnavailableError when the disk is full or the database away: then
-    nothing has changed, and trying again can work.
+    Every method raises NotFoundError for an unknown sequence, frame or label, BadInputError for an
+    invalid value, and UnavailableError if the disk is full or the database is unreachable; then
+    nothing has changed, and a retry can succeed.
     """
 
     def __init__(
         self, url: str, *, cache_bytes: int = CACHE_BYTES, limits: Limits | None = None
     ) -> None:
-        """Open ``sqlite:///path`` or ``postgresql://…`` and bring its schema up to date.
+        """Open ``sqlite:///path`` or ``postgresql://…`` and migrate its schema.
 
         ``cache_bytes`` bounds the memory for blocks of points.
         """
@@ -71,15 +71,15 @@ class LabelStore:
         self.jobs = JobRecords(self.database, self.guards.owner)
 
     def seal(self) -> None:
-        """Refuse edits from now on, where the database may not be written: see ``Database``."""
+        """Refuse edits from now on if the database is read-only; see ``Database``."""
         self.database.seal()
 
     def time_transactions(self, told: Callable[[str, float], None]) -> None:
-        """Tell each transaction's kind, "read" or "write", and the seconds that it took."""
+        """Set a callback for each transaction: "read" or "write", and its duration in seconds."""
         self.database.timed = told
 
     def require_writable(self) -> None:
-        """Raise ReadOnlyError where no edit can be made."""
+        """Raise ReadOnlyError if the database is read-only."""
         self.database.require_writable()
 
     def close(self) -> None:
@@ -92,16 +92,16 @@ class LabelStore:
         """Call ``listener`` after every commit, in the order of the revisions, each once.
 
         It is called from any thread, also for commits of other processes on the same database.
-        Returns what undoes it.
+        Returns a function that unsubscribes it.
         """
         unsubscribe = self._sessions.outbox.subscribe(listener)
         self._sessions.watcher.start()
         return unsubscribe
 
     def watch_sequences(self, listener: Callable[[str], None]) -> None:
-        """Call ``listener`` with the id of each sequence that came, went or became another.
+        """Call ``listener`` with the id of each sequence that is added, deleted or replaced.
 
-        It is told of other processes' changes, as far as somebody has subscribed to commits.
+        Changes of other processes are noticed only if there is a subscriber to commits.
         """
         self._sessions.came_or_went = listener
 
@@ -112,30 +112,30 @@ class LabelStore:
     # ── sequences ────────────────────────────────────────────────────────────────────────
 
     def require_import(self, sequence: str, identity: str) -> None:
-        """Raise NotFoundError when the sequence has gone, or another import has its id by now."""
+        """Raise NotFoundError if the sequence was deleted, or another import has its id now."""
         with self._sessions.knowing(sequence) as state:
             require_import(state, identity)
 
     def revision(self, sequence: str) -> int:
-        """The number of edits so far, undos and redos among them."""
+        """Return the number of edits so far, including undos and redos."""
         with self._sessions.knowing(sequence) as state:
             return state.revision
 
     def changed(self, sequence: str, frame: int) -> int:
-        """The revision of a frame's last change; 0: none so far."""
+        """Return the revision of a frame's last change; 0: none so far."""
         with self._sessions.knowing(sequence) as state:
             state.frame_points(frame)
             return state.changed.get(frame, 0)
 
     def frame_changes(self, sequence: str) -> dict[int, int]:
-        """For each frame that was ever changed, the revision of its last change."""
+        """Return the revision of the last change of each changed frame."""
         with self._sessions.knowing(sequence) as state:
             return dict(state.changed)
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
     def palette(self, sequence: str) -> list[Label]:
-        """The labels, in their order."""
+        """Return the labels in their order."""
         with self._sessions.knowing(sequence) as state:
             return list(state.palette.values())
 
@@ -145,19 +145,19 @@ class LabelStore:
             return read_names(connection)
 
     def label(self, sequence: str, label_id: int) -> Label:
-        """One label; raises NotFoundError."""
+        """Return a label; raises NotFoundError."""
         with self._sessions.knowing(sequence) as state:
             return palette.require(state.palette, label_id)
 
     def choosing(self, sequence: str) -> Palette:
-        """Return the palette of now, for saying what labels an edit would add."""
+        """Return the current palette, used to choose labels that an edit would add."""
         with self._sessions.reading(sequence) as (connection, state):
             return plans.palette_of(connection, state)
 
     def require_paintable(
         self, sequence: str, label: int, hidden: frozenset[int] | None = None
     ) -> None:
-        """Raise NotFoundError, LockedLabelError or HiddenLabelError unless it may be painted with.
+        """Raise NotFoundError, LockedLabelError or HiddenLabelError unless a label can be painted.
 
         ``hidden``: as of a Write.
         """
@@ -176,16 +176,16 @@ class LabelStore:
         distinct: bool = False,
         **fields: Any,
     ) -> Label:
-        """Add a label (also ``locked``, ``visible``); ConflictError when ``id`` is taken.
+        """Add a label (also ``locked``, ``visible``); raises ConflictError if ``id`` is taken.
 
-        ``distinct``: a name or colour that another label has gives way to a free one.
+        ``distinct``: a name or colour that another label has is replaced by a free one.
         """
         given = fields | {"name": name, "category": category, "color": color}
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
         plan = plans.create(entry, number, palette.check_fields(given), distinct)
         commit = self._writer.commit(sequence, entry.id, plan)
-        if commit.label:  # without another look at a database that may have gone away meanwhile
+        if commit.label:  # without another query, which could fail
             return commit.label
         with self._sessions.reading(sequence) as (connection, state):
             return palette.created_by(connection, state.number, commit.revision, state.classes)
@@ -199,12 +199,12 @@ class LabelStore:
         edit_id: str | None = None,
         **fields: Any,
     ) -> Label:
-        """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``; None keeps."""
+        """Change ``name``, ``category``, ``color``, ``locked`` or ``visible``; None: no change."""
         given = palette.check_fields(fields)
         entry = new_entry(edit_id, author, "label", "change a label")
         plan = plans.change(entry, label_id, given)
         commit = self._writer.commit(sequence, entry.id, plan)
-        if commit.label:  # and not the palette of now, from which it may be gone already
+        if commit.label:  # it may be deleted from the current palette
             return commit.label
         with self._sessions.reading(sequence) as (connection, state):
             number, made = state.number, commit.revision
@@ -214,9 +214,9 @@ class LabelStore:
     def arrange_labels(
         self, sequence: str, author: str, order: Sequence[int], *, edit_id: str | None = None
     ) -> Commit:
-        """Put the palette in an order of label ids, as one edit; the others follow.
+        """Reorder the palette by label ids, as one edit; the others follow.
 
-        Raises BadInputError (an id twice), NotFoundError.
+        Raises BadInputError (a repeated id), NotFoundError.
         """
         entry = new_entry(edit_id, author, "label", "arrange labels")
         plan = plans.arrange(entry, [palette.check_id(number) for number in order])
@@ -225,7 +225,7 @@ class LabelStore:
     def delete_label(
         self, sequence: str, author: str, label_id: int, *, edit_id: str | None = None
     ) -> Commit:
-        """Remove a label; its points become unlabeled in the same edit.
+        """Delete a label; its points become unlabeled in the same edit.
 
         Raises LockedLabelError.
         """
@@ -241,7 +241,7 @@ class LabelStore:
         *,
         edit_id: str | None = None,
     ) -> Commit:
-        """Give the points of ``others`` in all frames to a label and remove them, as one edit.
+        """Move the points of ``others`` in all frames to a label and delete them, as one edit.
 
         Raises LockedLabelError.
         """
@@ -253,34 +253,34 @@ class LabelStore:
     def values(
         self, sequence: str, frame: int, first: int = 0, count: int | None = None
     ) -> FrameValues:
-        """Annotation of points [first, first + count) of a frame, as far as it has them."""
+        """Return the annotation of points [first, first + count) of a frame, if they exist."""
         return self.view(sequence).values(frame, first, count)
 
     def view(self, sequence: str) -> View:
-        """Return a view of the labels as of now, which a stroke asks again and again."""
+        """Return a view of the current labels for the many reads of a stroke."""
         with self._sessions.knowing(sequence):
             return View(self._sessions, sequence)
 
     def begin(self, sequence: str, edit_id: str) -> Commit | View:
-        """The commit of an edit that is there already, or else a view for making it."""
+        """Return the commit of an existing edit, or else a view for making the edit."""
         return self._sessions.look_for(sequence, edit_id) or View(self._sessions, sequence)
 
     def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
-        """Annotation of a whole frame in runs of ``size`` points, all of one revision.
+        """Yield the annotation of a whole frame in runs of ``size`` points of one revision.
 
-        Nobody can commit before the last one is taken: do little in between.
+        Commits wait until the last run is taken, so the caller should do little in between.
         """
         with self._sessions.reading(sequence) as (connection, state):
             for first in range(0, max(state.frame_points(frame), 1), size):
                 yield reading.values(connection, state, frame, first, size)
 
     def counts(self, sequence: str) -> dict[tuple[int, int], tuple[int, int]]:
-        """For each frame and label that has any: points, and painted ones among them."""
+        """Return the number of points, and of painted points, by frame and label."""
         with self._sessions.knowing(sequence) as state:
             return reading.counts(state)
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
-        """The tracks as they were given to ``apply``, by frame and label."""
+        """Return the tracks as passed to ``apply``, by frame and label."""
         with self._sessions.reading(sequence) as (connection, state):
             return reading.tracks(connection, state)
 
@@ -300,19 +300,18 @@ class LabelStore:
     ) -> Commit:
         """Commit one edit: its writes in order, its tracks, and its new boxes.
 
-        Rules are evaluated on the state that the edit commits on.  An ``edit_id`` that is there
-        already gives its first commit again, ``repeated``.  Each of ``tracks`` is a JSON map
-        with at least ``frame`` and ``label``.  ``if_match``: a frame, and a revision since
-        which it must not have changed.
-        ``writes`` are taken one by one while the sequence is locked: those of a frame larger than
-        memory come as they are made.  Writes with labels that are new come from a function of the
-        palette that the edit commits on, which gives these labels beside them.
-        ``identity``: of the import that the edit was made for.
-        ``summary`` may be made of the numbers of points and of frames that the edit changes.
+        Rules are evaluated on the state at the commit.  For an existing ``edit_id`` the first
+        commit is returned, marked ``repeated``.  Each of ``tracks`` is a JSON map with at least
+        ``frame`` and ``label``.  ``if_match``: a frame, and a revision since which it must not have
+        changed.  ``writes`` are taken one by one while the sequence is locked, so that a generator
+        can produce the writes of a frame larger than memory.  To add labels, ``writes`` is a
+        function from the palette at the commit to the new labels and the writes.  ``identity``: of
+        the import that the edit was made for.  ``summary`` can be a function of the numbers of
+        changed points and frames.
 
-        Raises LockedLabelError when the label to write is locked, HiddenLabelError when it is
-        hidden and that matters to a write, ConflictError when ``if_match`` does not hold,
-        NotFoundError when another import has the id by now.
+        Raises LockedLabelError if the label to write is locked, HiddenLabelError if it is hidden
+        and a write has ``hidden``, ConflictError if ``if_match`` does not hold, NotFoundError if
+        another import has the id now.
         """
         entry = new_entry(edit_id, author, kind, summary)
         plan = plans.write(entry, writes, plans.check_tracks(tracks or ()), if_match, boxes)
@@ -321,7 +320,7 @@ class LabelStore:
     # ── history ──────────────────────────────────────────────────────────────────────────
 
     def undo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
-        """Take back the author's last edit that is in force, as if it had never been.
+        """Undo the author's last edit in force; later edits stay.
 
         Raises ConflictError when there is none, LockedLabelError.
         """
@@ -329,7 +328,7 @@ class LabelStore:
         return self._writer.commit(sequence, entry.id, plans.take_back(entry))
 
     def redo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
-        """Put the edit of the author's last undo back where it was; a new edit ends that.
+        """Redo the edit of the author's last undo; a new edit of the author prevents it.
 
         Raises ConflictError when there is none, LockedLabelError.
         """
@@ -337,7 +336,7 @@ class LabelStore:
         return self._writer.commit(sequence, entry.id, plans.bring_back(entry))
 
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
-        """Return the edits that the author's undo, and redo, would take."""
+        """Return the next edits for the author's undo and redo."""
         with self._sessions.knowing(sequence) as state:
             return reading.stacks(self.database.look, state.number, author)
 
@@ -349,26 +348,26 @@ class LabelStore:
         after: int | None = None,
         limit: int = 100,
     ) -> list[EditInfo]:
-        """The history, newest first, from below revision ``before``; at most 1,000 lines.
+        """Return at most 1,000 lines of the history below revision ``before``, newest first.
 
-        With ``after`` the lines of later revisions than that, oldest first.
+        With ``after``, return lines of later revisions, oldest first.
         """
         with self._sessions.reading(sequence) as (connection, state):
             return reading.history_lines(connection, state.number, before, limit, after)
 
     def authors(self, sequence: str) -> set[str]:
-        """The accounts that edited a sequence."""
+        """Return the accounts that edited a sequence."""
         with self._sessions.reading(sequence) as (connection, state):
             return reading.authors(connection, state.number)
 
     def find(self, sequence: str, edit_id: str) -> Commit | None:
-        """The commit of an edit by its id, ``repeated``, or None."""
+        """Return the commit of an edit by its id, marked ``repeated``, or None."""
         return self._sessions.look_for(sequence, edit_id)
 
     def since(self, sequence: str, revision: int) -> list[Commit]:
-        """The commits after ``revision``; applying them in order gives the state of now.
+        """Return the commits after ``revision``; applied in order they give the current state.
 
-        Raises GapError when there are too many, or ``revision`` lies in the future.
+        Raises GapError for too many commits, or a ``revision`` in the future.
         """
         with self._sessions.reading(sequence) as (connection, state):
             rows = reading.rows_to_resend(connection, state, revision)
@@ -377,17 +376,17 @@ class LabelStore:
     # ── care ─────────────────────────────────────────────────────────────────────────────
 
     def sequences(self) -> dict[str, int]:
-        """Every sequence that is known, and its revision."""
+        """Return the revision of each known sequence."""
         with self.database.read() as connection:
             return {name: revision for name, (_, revision, _) in revisions(connection).items()}
 
     def progress(self, wanted: Collection[str] | None = None) -> dict[str, Progress]:
-        """Count what is labelled of ``wanted`` sequences at least, None: of all with labels."""
+        """Count labelled frames and labels of ``wanted`` sequences at least; None: all."""
         with self.database.read() as connection:
             return reading.progress(connection, wanted)
 
     def having(self, edits: Mapping[str, str]) -> set[str]:
-        """Sequences whose history has the edit whose id ``edits`` gives for them."""
+        """Return the sequences with the edit in their history that ``edits`` has for them."""
         with self.database.read() as connection:
             return reading.having(connection, edits)
 
@@ -396,21 +395,21 @@ class LabelStore:
         self.database.ping()
 
     def check(self, sequence: str) -> list[str]:
-        """List the places of a sequence that disagree with its journal, one sentence each."""
+        """Return the differences of a sequence from its journal, one sentence each."""
         with self._sessions.reading(sequence) as (connection, state):
             return [finding.text for finding in check.check(connection, state)]
 
     def integrity(self) -> list[str]:
-        """List faults of the database itself, one sentence each; all of it is read."""
+        """Return the faults of the database itself, one sentence each, after reading all of it."""
         return integrity.integrity(self.database)
 
     def rebuild_indexes(self) -> None:
-        """Make the database's indexes anew from its rows."""
+        """Rebuild the database's indexes from its rows."""
         integrity.rebuild_indexes(self.database)
 
     def repair(self, sequence: str) -> tuple[list[str], list[str]]:
-        """Make anew what disagrees with the journal: what was wrong, and what cannot be mended.
+        """Rebuild tables that disagree with the journal; return repaired and irreparable faults.
 
-        Other processes that have the sequence open go on with what they know: stop them first.
+        Stop other processes first, as they would continue with outdated state in memory.
         """
         return self._sessions.rebuild(sequence, check.repair)

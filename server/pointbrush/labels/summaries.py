@@ -1,4 +1,4 @@
-"""Questions over all recordings: which ones match a search, and a project's figures."""
+"""Queries over all recordings: matches of a search, and a project's statistics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pointbrush.labels.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, lab
 from pointbrush.labels.tasks import TaskState
 
 _CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
-"""The key of a label's class; one without a category is a class of its own."""
+"""The key of a label's class; a label without a category has its own class."""
 _OF_LABEL = and_(
     counts.c.sequence == labels.c.sequence, counts.c.label == labels.c.id, counts.c.points > 0
 )
@@ -23,10 +23,10 @@ _OF_LABEL = and_(
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """Recordings that are looked for; None: whatever.
+    """Conditions on recordings; None: any.
 
-    ``project``  the one that they are in.
-    ``category``, ``label``  a class, or the name of a label, that has points in them.
+    ``project``  the project of the recordings.
+    ``category``, ``label``  a class, or the name of a label, with points in them.
     ``state``    of a task.
     ``person``   account of a task's assignee or an edit's author.
     """
@@ -40,9 +40,9 @@ class Search:
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """A recording that was found: the revision of its labels, its project.
+    """A matching recording: the revision of its labels, its project.
 
-    ``copy_of``: the recording that it is one person's copy of, or None.
+    ``copy_of``: the original of a copy for one person, or None.
     """
 
     revision: int
@@ -52,7 +52,7 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class ClassFigures:
-    """Points and objects of a class: labels that have any."""
+    """Points and objects (labels with points) of a class."""
 
     name: str
     points: int
@@ -62,7 +62,7 @@ class ClassFigures:
 
 @dataclass(frozen=True, slots=True)
 class PersonFigures:
-    """Time that an account's edits took, how many they were, and the points of its strokes."""
+    """Working time, number of edits and points of strokes of an account."""
 
     account: str
     seconds: float
@@ -74,7 +74,7 @@ class PersonFigures:
 class Figures:
     """Figures of a project: recordings, frames with labels, and by class and person.
 
-    A class has the share of each recording's time that it has of its painted points.
+    A class gets the same share of each recording's time as of its painted points.
     """
 
     recordings: int
@@ -85,10 +85,10 @@ class Figures:
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """Rules by which times of edits become time that was spent.
+    """Parameters of the estimate of working time from the times of edits.
 
-    ``idle`` seconds without an edit are a pause; ``first``: what an edit after one counts.
-    ``machine``: kinds that a person waits for; ``strokes``: kinds that are of the hand.
+    ``idle`` seconds without an edit are a pause; ``first``: seconds counted for an edit after a
+    pause.  ``machine``: kinds of automatic edits, not counted; ``strokes``: kinds of manual edits.
     """
 
     idle: float
@@ -98,17 +98,17 @@ class Effort:
 
 
 Counts = dict[str, dict[tuple[str, TaskState], int]]
-"""Tasks of each project by assignee, "" for nobody, and state."""
+"""Number of tasks of each project by assignee ("": none) and state."""
 
 
 class Summaries:
-    """Questions over all recordings of one database; thread-safe."""
+    """Queries over all recordings of one database; thread-safe."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
     def tasks(self, without: Collection[str] = ()) -> Counts:
-        """Count tasks, but for those of recordings ``without``."""
+        """Count tasks, except tasks of the recordings ``without``."""
         chosen = (
             select(tasks.c.project, tasks.c.assignee, tasks.c.state, func.count())
             .join(sequences, sequences.c.number == tasks.c.sequence)
@@ -128,13 +128,13 @@ class Summaries:
             return {row.id: row.project for row in connection.execute(chosen)}
 
     def project(self, sequence: str) -> str:
-        """Find the project of a recording."""
+        """Return the project of a recording."""
         chosen = select(PROJECT_OF).where(LIVE, sequences.c.id == sequence)
         with self._database.read() as connection:
             return str(connection.execute(chosen).scalar() or FIRST)
 
     def matching(self, search: Search) -> dict[str, Match]:
-        """Find the recordings that a search is about, by id."""
+        """Return the recordings that match a search, by id."""
         whole = sequences.alias()
         original = select(whole.c.id).where(whole.c.number == sequences.c.copy_of)
         chosen = select(
@@ -145,7 +145,7 @@ class Summaries:
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
     def figures(self, project: str, effort: Effort, without: Collection[str] = ()) -> Figures:
-        """Return the figures of a project; recordings ``without`` do not count."""
+        """Return the statistics of a project except the recordings ``without``."""
         here = and_(project == PROJECT_OF, LIVE, WHOLE, sequences.c.id.not_in(without))
         with self._database.read() as connection:
             number = connection.execute(select(func.count()).where(here)).scalar_one()
@@ -183,7 +183,7 @@ def _conditions(connection: Connection, search: Search) -> list[ColumnElement[bo
 
 
 def _of_class(connection: Connection, wanted: str) -> ColumnElement[bool]:
-    """Choose labels of a class by its name in lower case."""
+    """Return the condition for labels of a class by its name in lower case."""
     names = read_names(connection)
     used = connection.execute(select(labels.c.category).distinct()).scalars()
     keys = [key for key in used if key and names.name(key).lower() == wanted]
@@ -194,7 +194,7 @@ def _of_class(connection: Connection, wanted: str) -> ColumnElement[bool]:
 def _people(
     connection: Connection, here: ColumnElement[bool], effort: Effort
 ) -> tuple[tuple[PersonFigures, ...], dict[int, float]]:
-    """Figures of each person, who spent most first; seconds of all by recording."""
+    """Return the statistics of people, longest time first, and seconds by recording."""
     before = func.lag(edits.c.time).over(
         partition_by=(edits.c.sequence, edits.c.author), order_by=edits.c.revision
     )
