@@ -1,7 +1,7 @@
-"""The queue of a project: ranges of frames, each somebody's to label, and then to look at.
+"""The queue of a project: tasks to label and then review ranges of frames.
 
-Whoever changes a queue locks its project's row first, so that no two people, at however many
-servers, take one task.
+Each change of a queue locks its project's row first, so that a task is assigned only once, even
+with several servers.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ from pointbrush.labels.webhooks import announce
 
 TaskState = Literal["open", "taken", "done", "review", "accepted", "returned"]
 TASK_STATES: tuple[TaskState, ...] = get_args(TaskState)
-"""Nobody's; being labelled; labelled; being looked at; good; to be labelled again."""
+"""Unassigned; being labelled; labelled; being reviewed; accepted; to be labelled again."""
 
 MOST_TASKS = 100_000
-"""Of a project, accepted tasks included: taking the next task looks at all of them."""
+"""Limit for a project, with accepted tasks, as taking the next task reads all of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Task:
     """Frames ``first`` to ``last``, both included, of a recording.
 
     ``assignee``, ``reviewer``  accounts, or "".
-    ``note``  a reviewer's, pinned to ``place`` (source coordinates, metres) of ``frame``, if any.
+    ``note``  of a reviewer, at ``place`` (source coordinates, metres) of ``frame``, if any.
     ``created``, ``changed``  seconds since the epoch.
     """
 
@@ -69,7 +69,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class TaskEvent:
-    """A change of a task: the state, assignee and note that it had from then on."""
+    """A change of a task: its state, assignee and note after the change."""
 
     number: int
     time: float
@@ -81,7 +81,7 @@ class TaskEvent:
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """Frames ``first`` to ``last`` of a recording, for a task to be made."""
+    """Frames ``first`` to ``last`` of a recording, for a new task."""
 
     sequence: str
     first: int
@@ -90,9 +90,9 @@ class Stretch:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """Tasks that are asked for; None: all.  ``after``: a number; at most ``limit`` of them.
+    """Conditions on tasks; None: any.  ``after``: a number; ``limit``: of the result.
 
-    ``without``: ids of recordings whose tasks are left out.
+    ``without``: ids of recordings to exclude.
     """
 
     state: TaskState | None = None
@@ -118,10 +118,10 @@ class Tasks:
         assignee: str = "",
         batch: str | None = None,
     ) -> list[Task]:
-        """Make tasks; a repeated ``batch`` is answered with those that it has made.
+        """Create tasks; for a repeated ``batch`` return the tasks that it has created.
 
         Raises NotFoundError (project, recording of it), ConflictError for frames that have a task
-        already, BadInputError where there are too many.
+        already, BadInputError for too many tasks.
         """
 
         def make(connection: Connection) -> list[Task]:
@@ -171,22 +171,21 @@ class Tasks:
         return made
 
     def require_room(self, project: str, count: int) -> None:
-        """Raise BadInputError unless a project has room for so many more tasks."""
+        """Raise BadInputError if ``count`` more tasks exceed the project's limit."""
         with self._database.read() as connection:
             _require_room(connection, project, count)
 
     def made(self, project: str, batch: str | None) -> list[Task] | None:
-        """Return the tasks that a call has made before, if any."""
+        """Return the tasks that an earlier call has created, or None."""
         with self._database.read() as connection:
             return _batch(connection, project, batch) or None
 
     def take(self, project: str, account: str, *, review: bool = False) -> Task | None:
-        """Give an account its next task, atomically; None where there is none for it.
+        """Assign the next task to an account atomically and return it, or None.
 
-        First the one that it has begun: asked twice, it gets the same.  Then what was returned to
-        it, what was meant for it, what is free, the oldest first; nothing of a recording of which
-        it has another copy.  ``review``: a task to look at, no work of its own.  Raises
-        NotFoundError.
+        The order is: its current task (so a repeated call returns the same task), tasks returned to
+        it, tasks reserved for it, free tasks; oldest first.  Recordings of which it has another
+        copy are excluded.  ``review``: a task to review, never its own work.  Raises NotFoundError.
         """
         ranks = _to_review(account) if review else _to_label(account)
         state: TaskState = "review" if review else "taken"
@@ -215,7 +214,7 @@ class Tasks:
     def change(
         self, project: str, number: int, author: str, decide: Callable[[Task], Task]
     ) -> Task:
-        """Change a task to what ``decide`` makes of it as it is; what that raises changes nothing.
+        """Replace a task by the result of ``decide`` for it; an error in it changes nothing.
 
         Raises NotFoundError.
         """
@@ -250,7 +249,7 @@ class Tasks:
         return task
 
     def remove(self, project: str, number: int) -> None:
-        """Remove a task with its history; raises NotFoundError."""
+        """Delete a task with its history; raises NotFoundError."""
         with self._database.write() as connection:
             lock_project(connection, project)
             _get(connection, project, number)
@@ -277,7 +276,7 @@ class Tasks:
             return [_task(row) for row in connection.execute(chosen)]
 
     def history(self, project: str, number: int) -> list[TaskEvent]:
-        """Return the changes of a task, the newest first; raises NotFoundError."""
+        """Return the changes of a task, newest first; raises NotFoundError."""
         events = task_events.c
         chosen = select(task_events).where(events.project == project, events.task == number)
         with self._database.read() as connection:
@@ -290,14 +289,14 @@ class Tasks:
 
 
 def lock_project(connection: Connection, project: str) -> None:
-    """Keep others from a project's queue and settings until the commit; raises NotFoundError."""
+    """Lock a project's queue and settings until the commit; raises NotFoundError."""
     row = select(projects.c.id).where(projects.c.id == project).with_for_update()
     if connection.execute(row).first() is None:
         raise NotFoundError(f"project: expected a known id, got {project!r}")
 
 
 def forget_tasks(connection: Connection, gone: ColumnElement[bool]) -> None:
-    """Remove the tasks for which ``gone`` holds, with their history."""
+    """Delete the tasks that match ``gone``, with their history."""
     keys = select(tasks.c.project, tasks.c.number).where(gone)
     of_them = tuple_(task_events.c.project, task_events.c.task).in_(keys)
     connection.execute(delete(task_events).where(of_them))
@@ -352,7 +351,7 @@ def _get(connection: Connection, project: str, number: int) -> Task:
 
 
 def unknown_task(project: str, number: int) -> NotFoundError:
-    """Make the error for a task that there is not, or not for who asks."""
+    """Return the error for a task that does not exist or is hidden from the caller."""
     return NotFoundError(f"task: expected the number of one of {project!r}, got {number}")
 
 
@@ -362,7 +361,7 @@ def _numbers(connection: Connection, project: str) -> dict[str, int]:
 
 
 def _require_free(connection: Connection, project: str, wanted: Sequence[Stretch]) -> None:
-    """Raise ConflictError where two unfinished tasks would have a frame in common."""
+    """Raise ConflictError if two unfinished tasks would share a frame."""
     chosen = _chosen(project).where(tasks.c.state != "accepted")
     there = [Stretch(row.sequence, row.first, row.last) for row in connection.execute(chosen)]
     in_order = sorted([*there, *wanted], key=lambda each: (each.sequence, each.first))

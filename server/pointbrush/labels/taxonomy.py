@@ -1,4 +1,4 @@
-"""The classes of a workspace: a category has one number in all recordings, for ever."""
+"""The classes of a workspace: a category has one permanent number in all recordings."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from pointbrush.labels.types import Label
 from pointbrush.names import composed, require_visible
 
 LONGEST = 256
-"""Characters of a name."""
+"""Longest name, characters."""
 TOLD = 5
-"""Recordings that an error names."""
+"""Limit of recordings listed in an error."""
 _DATASET = re.compile("[a-z0-9][a-z0-9-]{0,63}")
 T = TypeVar("T")
 
@@ -58,14 +58,14 @@ class Taxonomy:
         return self.entries()
 
     def attributes(self) -> list[BoxAttribute]:
-        """Return the attributes that boxes may have, beside those that all have."""
+        """Return the attributes that boxes may have besides the built-in ones."""
         with self._database.read() as connection:
             return read_attributes(connection)
 
     def numbers(self, names: Iterable[str]) -> dict[str, int]:
         """Return the number of each name; new names get the next ones, in their order.
 
-        Where nothing can be written the numbers of new names are those that they would get.
+        For a read-only database, new names have the numbers that they would get.
         """
         wanted = list(dict.fromkeys(names))
         return self._given(lambda classes: {name: classes.get(name).number for name in wanted})
@@ -100,7 +100,7 @@ class Taxonomy:
         """Return the names of the workspace's classes for numbers of a dataset.
 
         ``words``: the name of each number in the files.  A number is left out if this is not its
-        official name, or if a class has the number only by files with another name for it.
+        official name, or if a class has the number only from files that use another name for it.
         """
         listed = official_numbers(dataset)
         with self._database.read() as connection:
@@ -115,18 +115,17 @@ class Taxonomy:
         }
 
     def learn(self, dataset: str, numbers: Mapping[str, int], *, strict: bool = True) -> None:
-        """Keep the number that each named category has in a dataset; a known one stays.
+        """Store the number of each named category in a dataset; a stored number is kept.
 
-        New categories get numbers of the workspace, those of the dataset where they are free.
-        A class with an official name takes its official number over from another class, unless a
-        person set the number of that class.
-        Raises ConflictError for a number of the dataset that another category has; or, not
-        ``strict``, leaves that out.
+        New categories get the same number in the workspace if it is free.  A class with an official
+        name takes its official number from another class, unless a person has set it for that
+        class.  Raises ConflictError for a number of the dataset that another category has; or, not
+        ``strict``, skips it.
         """
         with self._changing() as classes:
             meant = {classes.names.meaning(name): number for name, number in numbers.items()}
             taken = {entry.number for entry in classes.all()}
-            # Classes whose number is free come first: no other one takes it.
+            # Classes with a free number first, so that no other class takes it.
             fresh = sorted(meant, key=lambda name: meant[name] in taken)
             _check([classes.get(name, meant[name]) for name in fresh])
             for name, number in meant.items():
@@ -136,12 +135,12 @@ class Taxonomy:
     def put(
         self, wanted: Sequence[Category], attributes: Sequence[BoxAttribute] | None = None
     ) -> list[Category]:
-        """Add categories, and give those of known numbers their names and colours.
+        """Add categories, and set the names and colours of categories with known numbers.
 
-        Numbers in datasets and sizes are added, or changed; ``attributes`` of boxes take the place
-        of those there are, None leaves them.  Raises BadInputError for a number or name out
-        of range or given twice, ConflictError for a name that has another number: numbers never
-        change; or for a number of a dataset that another category has.
+        Numbers in datasets and sizes are added or changed; ``attributes`` of boxes replace the
+        current ones, None keeps them.  Raises BadInputError for an invalid or repeated number or
+        name, ConflictError for a name with another number, as numbers never change, or for a number
+        of a dataset that another category has.
         """
         wanted = [replace(each, name=composed(each.name)) for each in wanted]
         _check(wanted)
@@ -209,14 +208,14 @@ class Taxonomy:
         Raises ReadOnlyError.
         """
         with self._database.write() as connection:
-            if not self._database.sqlite:  # whose writers are one at a time
+            if not self._database.sqlite:  # it has one writer at a time
                 connection.execute(text("LOCK TABLE categories IN SHARE ROW EXCLUSIVE MODE"))
             classes = Classes(connection)
             yield classes
             if renamed := classes.write():
                 self._sessions.watcher.announce(driver_of(connection))
         if renamed:
-            with suppress(UnavailableError):  # then it is heard of later
+            with suppress(UnavailableError):  # the watcher catches up later
                 self._sessions.catch_up()
 
 

@@ -1,4 +1,4 @@
-"""Parts of a label database that lead people: projects, their queues, who may see what."""
+"""Parts of a label database for teams: projects, their queues, roles and copies."""
 
 from __future__ import annotations
 

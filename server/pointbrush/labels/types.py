@@ -1,4 +1,4 @@
-"""Values that go into the label store and come out of it.
+"""Input and output types of the label store.
 
 Points are numbered in *stored order* everywhere in this package.
 """
@@ -20,13 +20,13 @@ PAINTED = 1
 TRACKED = 2
 """Provenance of a point that tracking found."""
 IMPORTED = 3
-"""Provenance of a point whose label came in with it."""
+"""Provenance of a point with an imported label."""
 PREDICTED = 4
-"""Provenance of a point that a classifier taught by example has labelled."""
+"""Provenance of a point labelled by a classifier trained on examples."""
 
 
 class GapError(ConflictError):
-    """The wanted revision is too far back for deltas: fetch the annotations whole."""
+    """The requested revision is too old for deltas; fetch whole annotations."""
 
     title = "Revision gap"
 
@@ -35,9 +35,9 @@ class GapError(ConflictError):
 class Label:
     """An entry of a sequence's palette; ``id`` 1..65534, ``color`` "#rrggbb".
 
-    ``instance`` 0..65535 is the number of an instance where it came from, 0 for a class without
-    instances; None: it came from nowhere.  ``position`` is its place in the palette; labels
-    without one follow by their ids.
+    ``instance`` 0..65535 is the instance number in the imported file, 0 for a class without
+    instances; None: not imported.  ``position`` is its index in the palette; labels without one
+    follow by id.
     """
 
     id: int
@@ -52,20 +52,20 @@ class Label:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Write:
-    """Changes that an edit wants made to points of one frame.
+    """Requested changes of an edit to points of one frame.
 
     ``indices``     (n,) strictly increasing point numbers.
     ``label``       a label id, (n,) uint16, or None: keep; 0 is unlabeled.
     ``provenance``  0..4, (n,) uint8, or None: keep.
     ``deleted``     bool, (n,) bool, or None: keep.
-    ``only``        which points may change: all, those with a label, without one, those that no
-                    person painted, or those that have no label, or a predicted one, and that no
-                    person erased.  Evaluated when the edit commits.
+    ``only``        points that may change: all, labeled, unlabeled, not painted by a person, or
+                    predictable (predicted, or unlabeled and not erased by a person).  Evaluated
+                    when the edit commits.
     ``living``      True: only points that are not deleted; False: only deleted ones; None: both.
                     Evaluated when the edit commits.
-    ``hidden``      None: hiding does not matter.  Otherwise points of labels that the palette hides
-                    when the edit commits keep, and of these that only its author hides (0: points
-                    without a label).
+    ``hidden``      None: also change hidden points.  Otherwise points of labels that the palette
+                    hides when the edit commits are not changed, nor points of these labels, which
+                    only its author hides (0: points without a label).
     ``confidence``  0..255, (n,) uint8, kept in 32 steps, beside a provenance; None: 0.
     """
 
@@ -81,7 +81,7 @@ class Write:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Delta:
-    """Points of one frame whose visible values changed, and their values now.
+    """Points of one frame with changed visible values, and their new values.
 
     ``indices`` (n,) uint32 sorted, ``label`` (n,) uint16, ``provenance`` (n,) uint8,
     ``deleted`` (n,) bool.
@@ -97,16 +97,15 @@ class Delta:
 
 
 Deltas = Mapping[int, Delta | None]
-"""Deltas by frame; None where so many points changed that reading all values is the shorter way."""
+"""Deltas by frame; None: so many points changed that reading all values is shorter."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameValues:
     """A run of a frame's annotation: label (n,) uint16, provenance (n,) uint8, deleted (n,) bool.
 
-    ``confidence`` (n,) uint8 of predicted points, 0 of others.
-    ``revision`` is the sequence's at the moment of reading, ``changed`` that of the frame's last
-    change until then (0: none).
+    ``confidence`` (n,) uint8 of predicted points, 0 of others.  ``revision`` is the sequence's
+    revision at the read, ``changed`` the revision of the frame's last change (0: none).
     """
 
     label: NDArray[np.uint16]
@@ -119,7 +118,7 @@ class FrameValues:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Number of points of a frame that have a label, and of those that a person painted.
+    """Number of points of a frame with a label, and of painted points among them.
 
     Deleted points do not count.
     """
@@ -134,11 +133,11 @@ class Cell:
 class Commit:
     """One committed revision of a sequence.
 
-    ``revision`` is the sequence's after it and ``base`` the one before it; ``changed`` counts
-    points whose visible value changed; ``target`` is the edit that an undo or redo was about;
-    ``label`` is the one that it made or changed, as it left it, unless it is read from the journal;
-    ``boxes`` are the ids of those that changed, came or went;
-    ``repeated`` is True when this edit's id had been committed before and nothing was done now.
+    ``revision`` is the sequence's revision after it and ``base`` the revision before it;
+    ``changed`` is the number of points with a changed visible value; ``target`` is the edit that an
+    undo or redo reverses; ``label`` is the label that it created or changed, after the edit, unless
+    the commit is read from the journal; ``boxes`` are the ids of changed, created and removed
+    boxes; ``repeated`` is True if this edit's id was committed before and nothing was done now.
     """
 
     sequence: str
@@ -160,13 +159,13 @@ class Commit:
 
     @property
     def base(self) -> int:
-        """The revision that the deltas apply to."""
+        """Return the revision that the deltas apply to."""
         return self.revision - 1
 
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Frames with labelled points, labels that have points somewhere, and labels in all.
+    """Number of frames with labelled points, of labels with points, and of all labels.
 
     ``changed``: time of the last edit, seconds since the epoch, or None.
     """
@@ -181,8 +180,8 @@ class Progress:
 class EditInfo:
     """A line of the history; ``time`` is seconds since the epoch.
 
-    ``undone``: taken back by its author and not brought back; ``target``: the edit that an
-    undo or redo was about.
+    ``undone``: undone by its author and not redone; ``target``: the edit that an undo or redo
+    reverses.
     """
 
     id: str

@@ -1,8 +1,8 @@
-"""Undo and redo: a point shows what the last edit in force made of it.
+"""Undo and redo: a point shows the value written by the last edit in force.
 
-Undoing E takes E out of force; redoing it puts it back *where it was* in the order.  So the
-state is always what a replay of the journal without the undone edits gives, and only points
-whose writer is E (undo), or that nothing later wrote (redo), change.
+Undo of edit E disables it; redo enables it again at its *original position* in the order.  The
+state therefore always equals a replay of the journal without the undone edits.  An undo changes
+only points with the writer E; a redo changes only points without a later writer.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ _Redone = dict[int, list[int]]
 
 @dataclass(slots=True, eq=False)
 class _Uncovered:
-    """Points of one place that lose their last edit; ``words`` becomes what lies under it.
+    """Points of one place that lose their last edit; ``words`` becomes the value below it.
 
-    ``link``: the oldest edit on the way down so far.
+    ``link``: the oldest edit of the chain so far.
     """
 
     place: Place
@@ -45,12 +45,12 @@ class _Uncovered:
 
 
 def undo(draft: Draft, edit: Row[Any]) -> None:
-    """Fill ``draft`` with what the sequence is without ``edit``; marks it undone.
+    """Fill ``draft`` with the state without ``edit``, and mark the edit undone.
 
     Raises LockedLabelError when that would change points of a locked label.
     """
     connection, number = draft.connection, draft.state.number
-    # Read first, since it is kept in memory: if this undo is not committed, it never was.
+    # Read before the change, as it is cached and the undo may not be committed.
     undone = draft.state.undone(connection)
     journal.set_state(connection, number, edit.revision, state=schema.UNDONE)
     redone: _Redone = {}
@@ -72,7 +72,7 @@ def undo(draft: Draft, edit: Row[Any]) -> None:
 
 
 def redo(draft: Draft, edit: Row[Any]) -> None:
-    """Fill ``draft`` with what the sequence is with ``edit`` again; marks it in force.
+    """Fill ``draft`` with the state that includes ``edit`` again, and mark it in force.
 
     Raises LockedLabelError when that would change points of a locked label.
     """
@@ -89,9 +89,9 @@ def redo(draft: Draft, edit: Row[Any]) -> None:
 
 
 def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[int]) -> None:
-    """Put in place of words of edits that are out of force what *those* edits found.
+    """Replace words of undone edits by the words that *these* edits replaced.
 
-    The writer of a word that an edit found may have been undone since, and so on down the chain.
+    The writer of such a word may itself be undone now, and so on down the chain.
     """
     writers = writer_of(one.words)
     for writer in gone:
@@ -109,11 +109,11 @@ def _step_down(connection: Connection, number: int, one: _Uncovered, gone: list[
 def _lay_redone_over(
     connection: Connection, number: int, one: _Uncovered, revision: int, known: _Redone
 ) -> None:
-    """Put in place what a chain cannot know of.
+    """Apply redone edits that a chain misses.
 
-    It misses an edit only if that was undone when a link of the chain was made, and redone
-    afterwards; those few are laid over in the order of the journal.  ``known``: edits redone
-    since a link, which most places have in common.
+    A chain misses an edit only if it was undone when a link of the chain was made, and redone
+    afterwards; these few edits are applied in the order of the journal.  ``known``: edits redone
+    since a link, shared by most places.
     """
     if one.link not in known:
         known[one.link] = journal.redone_since(connection, number, one.link)
@@ -162,10 +162,10 @@ def _palette(draft: Draft, edit: Row[Any]) -> None:
 
 
 def keep_used_labels(draft: Draft, effect: Effect, kind: str) -> bool:
-    """Keep labels that points or boxes hold; returns whether any would be gone but for that.
+    """Keep labels that points or boxes hold; return whether any label was kept.
 
-    Undoing the creation of a label must not take other people's work with it, and what an undo
-    or redo brings to light must not stay without its label because that was undone meanwhile.
+    Undoing the creation of a label must not remove other people's work, and points that an undo or
+    redo uncovers must keep their label even if its creation was undone meanwhile.
     """
     boxes = {fields["label"] for fields in draft.boxes.values() if fields is not None}
     held = {label for _, label in effect.counts}
@@ -181,7 +181,7 @@ def keep_used_labels(draft: Draft, effect: Effect, kind: str) -> bool:
         label = before.get(label_id) or as_last_made(
             draft.connection, state.number, label_id, state.classes
         )
-        if label is not None:  # else somebody deleted it, and that stands
+        if label is not None:  # None: it was deleted, which is kept
             draft.label_fields[label_id] = fields_of(label)
             draft.labels[label_id] = label
             if label == state.palette.get(label_id):

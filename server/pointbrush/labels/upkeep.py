@@ -1,4 +1,4 @@
-"""Work that nobody should wait for: snapshots of blocks, and checkpoints of SQLite's log."""
+"""Background work: snapshots of blocks, and checkpoints of SQLite's log."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from pointbrush.labels.statements import insert
 log = logging.getLogger(__name__)
 
 CHECKPOINT_BYTES = 16 << 20
-"""Length of SQLite's write-ahead log from which it is copied into the database file."""
+"""Size of SQLite's write-ahead log that starts a checkpoint."""
 
 LOOK_SECONDS = 1.0
 
 Take = Callable[[], tuple[int, Place, int, States] | None]
-"""Copies a block: sequence number, place, revision, states; None when it is not due any more."""
+"""Copies a block: sequence number, place, revision, states; None: no snapshot is due."""
 
 
 class Upkeep:
-    """A thread that does the work as it comes; everything it does may be lost and done again."""
+    """A thread for queued work; all of it can be lost and repeated."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -38,11 +38,11 @@ class Upkeep:
         self._thread.start()
 
     def snapshot(self, take: Take) -> None:
-        """Write a snapshot soon; ``take`` is called from the thread."""
+        """Queue a snapshot; the thread calls ``take``."""
         self._tasks.put(take)
 
     def close(self) -> None:
-        """Finish what is queued and end the thread."""
+        """Finish the queued work and end the thread."""
         self._tasks.put(None)
         self._thread.join()
 
@@ -63,7 +63,7 @@ class Upkeep:
             self._look_at_log()
 
     def _look_at_log(self) -> None:
-        """Make a checkpoint if SQLite's log has become long."""
+        """Make a checkpoint if SQLite's log is long."""
         path = self._database.path
         if path is not None and _size(path.with_name(path.name + "-wal")) > CHECKPOINT_BYTES:
             # Passive: neither readers nor writers wait for it.
@@ -90,7 +90,7 @@ class Upkeep:
         statement = statement.on_conflict_do_update(
             index_elements=["sequence", "frame", "layer", "block"],
             set_={"revision": statement.excluded.revision, "data": statement.excluded.data},
-            # another process may have written a later one meanwhile
+            # another process may have written a later snapshot
             where=snapshots.c.revision < statement.excluded.revision,
         )
         with self._database.write() as connection:

@@ -1,7 +1,7 @@
-"""Named versions of a project's labels, and the labels of a recording as they were in one.
+"""Named versions of a project's labels, and reading the labels of a version.
 
-The journal keeps what each edit found: going back from now to a revision gives exactly what was
-there.  The palette of that moment is written down with the version.
+The journal has the values before each edit, so the state at a revision is computed backwards from
+the current state.  The palette is stored with the version.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ from pointbrush.labels.types import FrameValues, Label
 from pointbrush.names import require_visible
 
 MOST_VERSIONS = 1_000
-"""Of a project: each keeps a palette for each recording, and all are listed at once."""
+"""Limit for a project: each version has a palette per recording, and all are listed together."""
 _FIELDS = tuple(Label.__dataclass_fields__)
 
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """A version: the revision that each recording of the project had then, by id.
+    """A version: the revisions of the project's recordings at that time, by id.
 
     ``created``: seconds since the epoch; ``author``: an account.
     """
@@ -71,7 +71,7 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A recording as it was: row ``number``, ``revision``, its palette then."""
+    """A past state of a recording: row ``number``, ``revision`` and palette."""
 
     number: int
     revision: int
@@ -85,10 +85,10 @@ class Versions:
         self._database = database
 
     def create(self, project: str, version: str, name: str, author: str) -> Version:
-        """Name the labels of a project's recordings as they are now.
+        """Create a version of the current labels of a project's recordings.
 
-        Raises NotFoundError, ConflictError for an id that a version has, BadInputError where there
-        are too many.
+        Raises NotFoundError, ConflictError for an id that a version has, BadInputError for too many
+        versions.
         """
         if not name.strip() or len(name) > LONGEST_NAME:
             raise BadInputError(f"name: expected 1 to {LONGEST_NAME} characters, got {len(name)}")
@@ -122,19 +122,19 @@ class Versions:
         return write_once(self._database, make, lambda c: _find(c, version))
 
     def all(self, project: str) -> list[Version]:
-        """Return the versions of a project, the newest first."""
+        """Return the versions of a project, newest first."""
         chosen = select(versions).where(versions.c.project == project)
         with self._database.read() as connection:
             rows = connection.execute(chosen.order_by(versions.c.created.desc())).all()
             return [_version(connection, row) for row in rows]
 
     def get(self, project: str, version: str) -> Version:
-        """Return one; raises NotFoundError."""
+        """Return a version; raises NotFoundError."""
         with self._database.read() as connection:
             return _get(connection, project, version)
 
     def remove(self, project: str, version: str) -> None:
-        """Forget a version; labels stay.  Raises NotFoundError."""
+        """Delete a version; labels are kept.  Raises NotFoundError."""
         with self._database.write() as connection:
             _get(connection, project, version)
             parts = version_recordings.c.version == version
@@ -142,7 +142,7 @@ class Versions:
             connection.execute(delete(versions).where(versions.c.id == version))
 
     def moment(self, version: str, sequence: str) -> Moment:
-        """Return a recording as it was in a version; raises NotFoundError."""
+        """Return the state of a recording in a version; raises NotFoundError."""
         chosen = (
             select(version_recordings)
             .join(sequences, sequences.c.number == version_recordings.c.sequence)
@@ -156,7 +156,7 @@ class Versions:
             return _moment(connection, row.sequence, row.revision, json.loads(row.palette))
 
     def now(self, sequence: str) -> Moment:
-        """Return a recording as it is; raises NotFoundError."""
+        """Return the current state of a recording; raises NotFoundError."""
         with self._database.read() as connection:
             for found in _moments(connection, sequences.c.id == sequence):
                 return _moment(connection, *found)
@@ -164,25 +164,25 @@ class Versions:
 
 
 class PastLabels:
-    """Labels of one recording as they were at a moment, read like those of a LabelStore."""
+    """Past labels of one recording, with the reading methods of a LabelStore."""
 
     def __init__(self, sessions: Sessions, moment: Moment) -> None:
         self._sessions, self._moment = sessions, moment
         self.boxes = PastBoxes(sessions, moment)
 
     def palette(self, sequence: str) -> list[Label]:  # noqa: ARG002 - there is one recording
-        """The labels, in their order."""
+        """Return the labels in their order."""
         return list(self._moment.palette.values())
 
     def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
-        """Annotation of a whole frame in runs of ``size`` points."""
+        """Yield the annotation of a whole frame in runs of ``size`` points."""
         with self._sessions.reading(sequence) as (_, state):
             count = _same(state, self._moment).frame_points(frame)
         for first in range(0, max(count, 1), size):
             yield self.values(sequence, frame, first, size)
 
     def values(self, sequence: str, frame: int, first: int, count: int) -> FrameValues:
-        """Annotation of points [first, first + count) of a frame, as far as it has them."""
+        """Return the annotation of points [first, first + count) of a frame, if they exist."""
         with self._sessions.reading(sequence) as (connection, state):
             stop = min(_same(state, self._moment).frame_points(frame), first + count)
             words = {
@@ -201,7 +201,7 @@ class PastLabels:
         )
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
-        """The tracks of labels that there were, by frame and label."""
+        """Return the tracks of the labels at that time, by frame and label."""
         number, until = self._moment.number, self._moment.revision
         table = edit_tracks.c
         chosen = select(table.frame, table.label, table.revision, table.data).where(
@@ -219,7 +219,7 @@ class PastLabels:
         return [json.loads(found[key]) for key in sorted(found)]
 
     def changed_frames(self, sequence: str, since: int) -> list[int]:
-        """Frames that edits after revision ``since`` have changed."""
+        """Return the frames that edits after revision ``since`` have changed."""
         chosen = select(edits.c.frames).where(
             edits.c.sequence == self._moment.number,
             edits.c.revision > since,
@@ -231,13 +231,13 @@ class PastLabels:
 
 
 class PastBoxes:
-    """Boxes of one recording as they were at a moment, read like those of a LabelStore."""
+    """Past boxes of one recording, with the reading methods of a LabelStore."""
 
     def __init__(self, sessions: Sessions, moment: Moment) -> None:
         self._sessions, self._moment = sessions, moment
 
     def listing(self, sequence: str) -> BoxList:
-        """List the boxes of labels that there were."""
+        """Return the boxes of the labels at that time."""
         number, until = self._moment.number, self._moment.revision
         with self._sessions.reading(sequence) as (connection, state):
             _same(state, self._moment)
@@ -259,7 +259,7 @@ def _words(
     stop: int,
     revision: int,
 ) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
-    """Words of points first..stop - 1 of a layer of a frame, as they were at ``revision``."""
+    """Return the words of points first..stop - 1 of a layer of a frame at ``revision``."""
     if stop <= first:
         return np.zeros(0, np.uint64)
     begin, last = first // BLOCK, (stop - 1) // BLOCK
@@ -283,7 +283,7 @@ def _words(
 
 
 def _undone(connection: Connection, number: int, until: int) -> set[int]:
-    """Revisions of the edits that were out of force at revision ``until``."""
+    """Return the revisions of the edits that were undone at revision ``until``."""
     chosen = select(edits.c.kind, edits.c.target).where(
         edits.c.sequence == number, edits.c.revision <= until, edits.c.target.is_not(None)
     )
@@ -296,7 +296,7 @@ def _undone(connection: Connection, number: int, until: int) -> set[int]:
 def _moments(
     connection: Connection, which: ColumnElement[bool]
 ) -> list[tuple[int, int, list[dict[str, Any]]]]:
-    """Number, revision and palette of recordings, all of one statement: of one moment."""
+    """Return number, revision and palette of recordings from one query, hence consistent."""
     fields = [labels.c[name] for name in _FIELDS]
     chosen = (
         select(sequences.c.number, sequences.c.revision, *fields)

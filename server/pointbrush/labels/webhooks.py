@@ -1,8 +1,8 @@
-"""Webhooks of projects, and the outbox of events that are told to them: durable, each with an id.
+"""Webhooks of projects, and the durable outbox of events for them.
 
-Steps of tasks enter the outbox in the transaction that makes them.  Edits of labels are in the
-journal and jobs in their table: ``gather`` makes events of what is new there, once, by a cursor
-and by ids that follow from what they are about.
+Changes of tasks enter the outbox in their own transaction.  Edits of labels are in the journal and
+jobs in their table: ``gather`` makes events of new rows.  A cursor and deterministic event ids
+ensure that each row makes only one event.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from pointbrush.labels.statements import insert
 
 Topic = Literal["task", "labels", "job"]
 TOPICS: tuple[Topic, ...] = get_args(Topic)
-"""Steps of tasks; edits of labels, folded; jobs that have ended."""
+"""Changes of tasks; edits of labels, combined; ended jobs."""
 LEASE_SECONDS = 30.0
-"""Time in which a server that has taken an event must tell how it went."""
+"""Time for which a server reserves an event that it delivers."""
 KEPT_SECONDS = 8 * 86_400.0
-"""Time for which events are kept; those of jobs are looked for in a shorter one."""
+"""Time for which events are stored; longer than JOBS_SECONDS, so that no job is announced twice."""
 JOBS_SECONDS = 7 * 86_400.0
 FIRST_WAIT, LONGEST_WAIT = 5.0, 3600.0
-"""Seconds until an event is sent again, doubled each time."""
+"""First and longest delay of a retry, seconds; it doubles with each attempt."""
 FAILED_EVENTS = 3
-"""Events that have failed and wait; with so many, no other event of the webhook is sent."""
+"""Number of failed events that wait for a retry at which the webhook is paused."""
 MOST_WEBHOOKS = 50
-"""Of a project."""
+"""Limit for a project."""
 MOST_ATTEMPTS = 30
-"""After so many, a day later, an event is given up; it stays in the list."""
+"""Attempts, over about a day, after which an event is no longer sent; it stays in the list."""
 _ENDED = ("done", "failed", "cancelled")
 
 
@@ -50,7 +50,7 @@ _ENDED = ("done", "failed", "cancelled")
 class Webhook:
     """An address that receives events of ``topics`` of a project, signed with ``secret``.
 
-    ``paused_until``: time of the next attempt while its receiver is away, otherwise None.
+    ``paused_until``: time of the next attempt while its receiver is unreachable, otherwise None.
     """
 
     id: str
@@ -64,7 +64,7 @@ class Webhook:
 
 @dataclass(frozen=True, slots=True)
 class Delivery:
-    """An event on its way to ``url``; ``delivered``: seconds since the epoch, or None."""
+    """An event for ``url``; ``delivered``: seconds since the epoch, or None."""
 
     id: str
     webhook: str
@@ -85,9 +85,9 @@ class Webhooks:
         self._database = database
 
     def add(self, project: str, url: str, topics: Sequence[Topic]) -> Webhook:
-        """Add a webhook, which is told what happens from now on; raises NotFoundError."""
+        """Add a webhook for events from now on; raises NotFoundError."""
         with self._database.write() as connection:
-            # Locked: no two servers count at once.
+            # The lock serializes the count among servers.
             there = select(projects.c.id).where(projects.c.id == project).with_for_update()
             if connection.execute(there).first() is None:
                 raise NotFoundError(f"project: expected a known id, got {project!r}")
@@ -108,7 +108,7 @@ class Webhooks:
         return made
 
     def all(self, project: str | None = None) -> list[Webhook]:
-        """Return those of a project, or of all, the oldest first."""
+        """Return the webhooks of a project, or of all projects, oldest first."""
         chosen = select(webhooks).order_by(webhooks.c.created)
         if project is not None:
             chosen = chosen.where(webhooks.c.project == project)
@@ -119,7 +119,7 @@ class Webhooks:
             return [replace(_webhook(row), paused_until=until.get(row.id)) for row in rows]
 
     def remove(self, project: str, webhook: str) -> None:
-        """Remove one with what is on its way; raises NotFoundError."""
+        """Delete a webhook with its pending events; raises NotFoundError."""
         with self._database.write() as connection:
             here = and_(webhooks.c.id == webhook, webhooks.c.project == project)
             if connection.execute(select(webhooks.c.id).where(here)).first() is None:
@@ -127,7 +127,7 @@ class Webhooks:
             forget_webhooks(connection, here)
 
     def deliveries(self, project: str, webhook: str, limit: int = 100) -> list[Delivery]:
-        """Return the events of a webhook, the newest first."""
+        """Return the events of a webhook, newest first."""
         chosen = _events().where(webhooks.c.project == project, webhooks.c.id == webhook)
         with self._database.read() as connection:
             rows = connection.execute(chosen.order_by(webhook_events.c.created.desc()).limit(limit))
@@ -136,11 +136,11 @@ class Webhooks:
     # ── events that come in ──────────────────────────────────────────────────────────────
 
     def gather(self) -> None:
-        """Make events of edits and jobs that are new since the last call, by any server."""
+        """Create events for edits and jobs since the last call of any server."""
         wanted = [each for each in self.all() if {"labels", "job"} & set(each.topics)]
         for webhook in wanted:
             with self._database.write() as connection:
-                # Who gathers for a webhook keeps other servers from it.
+                # The lock keeps other servers from gathering for this webhook.
                 row = select(webhooks.c.id).where(webhooks.c.id == webhook.id).with_for_update()
                 if connection.execute(row).first() is None:
                     continue
@@ -214,7 +214,7 @@ class Webhooks:
     # ── events that go out ───────────────────────────────────────────────────────────────
 
     def waiting(self) -> list[str]:
-        """Return the ids of webhooks that have events which are due."""
+        """Return the ids of webhooks with due events."""
         with self._database.read() as connection:
             due = _due(self._database.now(connection))
             return list(
@@ -222,7 +222,7 @@ class Webhooks:
             )
 
     def take(self, limit: int = 2, webhook: str | None = None) -> list[Delivery]:
-        """Take events that are due: no other server tells them for ``LEASE_SECONDS``.
+        """Reserve due events for this server for ``LEASE_SECONDS``.
 
         ``webhook``: of one receiver, None: of all.
         """
@@ -246,7 +246,7 @@ class Webhooks:
             ]
 
     def told(self, delivery: Delivery, error: str = "") -> None:
-        """Note that an event was delivered, or what went wrong: it is sent again later."""
+        """Record the delivery of an event, or its error and the time of the retry."""
         here = webhook_events.c.id == delivery.id
         with self._database.write() as connection:
             now = self._database.now(connection)
@@ -258,7 +258,7 @@ class Webhooks:
 
 
 def announce(connection: Connection, project: str, body: Mapping[str, Any], now: float) -> None:
-    """Put a step of a task into the outbox, in the transaction that makes it."""
+    """Add a change of a task to the outbox, in the transaction of the change."""
     chosen = select(webhooks).where(webhooks.c.project == project)
     for row in connection.execute(chosen).all():
         if "task" in json.loads(row.topics):
@@ -268,7 +268,7 @@ def announce(connection: Connection, project: str, body: Mapping[str, Any], now:
 
 
 def forget_webhooks(connection: Connection, gone: Any) -> None:
-    """Remove the webhooks for which ``gone`` holds, with what is on its way to them."""
+    """Delete the webhooks that match ``gone``, with their events."""
     ids = select(webhooks.c.id).where(gone)
     for table in (webhook_cursors, webhook_events):
         connection.execute(delete(table).where(table.c.webhook.in_(ids)))
@@ -276,7 +276,7 @@ def forget_webhooks(connection: Connection, gone: Any) -> None:
 
 
 def _moved_on(connection: Connection, webhook: Webhook) -> list[tuple[int, str, int, int]]:
-    """Number, id, told revision and revision of recordings that have new edits."""
+    """Return number, id, announced and current revision of recordings with new edits."""
     at = and_(
         webhook_cursors.c.webhook == webhook.id, webhook_cursors.c.sequence == sequences.c.number
     )
@@ -292,7 +292,7 @@ def _moved_on(connection: Connection, webhook: Webhook) -> list[tuple[int, str, 
         .where(func.coalesce(webhook_cursors.c.revision, 0) < sequences.c.revision)
     )
     rows = connection.execute(chosen).all()
-    # A recording without a cursor: what was done before the webhook is left out by its time.
+    # Without a cursor, edits from before the webhook are excluded by their time.
     return [(row.number, row.id, row.told or 0, row.revision) for row in rows]
 
 
@@ -313,17 +313,17 @@ def _event_row(
 
 
 def _due(now: float) -> Any:
-    """Select the events that can be sent, none of a paused webhook."""
+    """Return the condition for events to send, except events of paused webhooks."""
     events = webhook_events.c
     paused = select(_waiting(now).subquery().c.webhook).scalar_subquery()
     return and_(_undelivered(events), events.due <= now, events.webhook.not_in(paused))
 
 
 def _waiting(now: float) -> Any:
-    """Select the paused webhooks, and when each is tried again.
+    """Select the paused webhooks and the time of the next attempt.
 
-    A webhook is paused while ``FAILED_EVENTS`` of its events have failed and wait for their next
-    attempt: the receiver is away then, where one event could be the receiver's fault.
+    A webhook is paused while ``FAILED_EVENTS`` of its events have failed and wait for a retry: a
+    single failure may be caused by the event, several mean that the receiver is unreachable.
     """
     events = webhook_events.c
     failed = and_(_undelivered(events), events.error != "", events.due > now)

@@ -1,4 +1,4 @@
-"""The one writer of each recording: edits that wait for it are committed together."""
+"""The writer of each recording; waiting edits are committed together."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from pointbrush.labels.undo import keep_used_labels
 from pointbrush.system import shortage
 
 TOGETHER = 32
-"""Edits of one transaction at most."""
+"""Limit of edits in one transaction."""
 
 
 @dataclass(slots=True, eq=False)
 class Request:
-    """An edit that somebody waits for; ``identity``: of the import that it was made for.
+    """An edit to commit; ``identity``: the import that it was made for.
 
-    ``alone``: its plan writes to the database itself, so that it has a transaction of its own.
+    ``alone``: its plan writes to the database itself, so it needs a separate transaction.
     """
 
     edit_id: str
@@ -48,12 +48,12 @@ class Request:
 
     @property
     def done(self) -> bool:
-        """Return whether the edit is durable, or was refused."""
+        """Return whether the edit is durable or has failed."""
         return self.commit is not None or self.error is not None
 
 
 class Writer:
-    """Commits what is asked for, in the order in which it was asked for each recording."""
+    """Commits requests in order for each recording."""
 
     def __init__(self, database: Database, sessions: Sessions) -> None:
         self._database, self._sessions = database, sessions
@@ -69,11 +69,11 @@ class Writer:
         *,
         alone: bool = True,
     ) -> Commit:
-        """Make what ``plan`` drafts the sequence's next revision, durable when this returns.
+        """Commit the draft of ``plan`` as the sequence's next revision; return when it is durable.
 
-        An ``edit_id`` that is there already gives its commit again.  ``identity`` and ``alone`` as
-        of ``Request``.  Any error of ``plan``, NotFoundError for another import, and
-        UnavailableError, leave everything as it was.
+        For an existing ``edit_id`` its commit is returned.  ``identity`` and ``alone``: see
+        ``Request``.  An error of ``plan``, NotFoundError for another import, and UnavailableError
+        leave the state unchanged.
         """
         state = self._sessions.state(sequence)
         request = Request(edit_id, plan, identity, alone)
@@ -87,9 +87,10 @@ class Writer:
         return request.commit
 
     def _commit(self, state: SequenceState, request: Request) -> None:
-        """Commit a request, with what waits beside it.
+        """Commit a request together with other waiting requests.
 
-        Whoever has the lock writes for all who wait: one transaction, one wait for the disk.
+        The thread with the lock commits all waiting requests: one transaction, one wait for the
+        disk.
         """
         with self._opening:
             waiting = self._waiting.setdefault(state, deque())
@@ -99,7 +100,7 @@ class Writer:
                 self._commit_all(state, _batch(waiting))
 
     def _commit_all(self, state: SequenceState, batch: list[Request]) -> None:
-        """Commit a batch; an error of the database is everybody's, and nothing has changed."""
+        """Commit a batch; an error of the database fails all its requests and changes nothing."""
         made: dict[str, Commit] = {}
         told: list[tuple[Request, Commit]] = []
         before, written, ended = state.revision, False, False
@@ -120,7 +121,7 @@ class Writer:
                     except Exception as error:
                         if request.alone or isinstance(error, self._database.failures):
                             raise
-                        request.error = error  # it has written nothing: the others go on
+                        request.error = error  # nothing is written: the other requests continue
                         continue
                     written, last = True, request is batch[-1]
                     ended = last
@@ -130,7 +131,7 @@ class Writer:
                     ended = True
                     commit(driver_of(connection))
         except BaseException as error:
-            if written:  # taken into memory, half perhaps, and perhaps nowhere else
+            if written:  # the state in memory may be partly updated and not stored
                 state.revision, state.stale = before, True
             self._fail(state, batch, error, ended=ended)
             return
@@ -142,7 +143,7 @@ class Writer:
     def _fail(
         self, state: SequenceState, batch: list[Request], error: BaseException, *, ended: bool
     ) -> None:
-        """Give an error to those of a batch that are not committed; its commit may be ``ended``."""
+        """Set the error of uncommitted requests; ``ended``: the commit may have been sent."""
         lost = isinstance(error, UnavailableError) and not self._database.sqlite
         if ended and (lost or shortage(error) is not None):
             error = self._settle(state, batch, error)
@@ -153,11 +154,11 @@ class Writer:
     def _settle(
         self, state: SequenceState, batch: list[Request], error: BaseException
     ) -> BaseException:
-        """Look for the edits of a batch whose commit was sent and not answered.
+        """Look up the edits of a batch after an unanswered commit.
 
-        PostgreSQL may have made them before it was lost, or there was no memory for what follows
-        a commit.  Returns the error of those that are not there, which says that it is not known
-        when the database does not come back in time.
+        PostgreSQL may have stored them before the connection was lost, or memory ran out after the
+        commit.  Returns the error for edits that are not stored; if the database stays unreachable,
+        the error says that the result is unknown.
         """
 
         def look() -> dict[str, Commit]:
@@ -181,7 +182,7 @@ class Writer:
     def _opened(
         self, connection: Connection, state: SequenceState, batch: list[Request]
     ) -> dict[str, Commit]:
-        """Lock the sequence and catch up with it; returns the edits that are there already."""
+        """Lock the sequence and catch up with it; return the edits that exist already."""
         driver, number = driver_of(connection), state.number
         with together(driver):
             begin(driver)
@@ -195,7 +196,7 @@ class Writer:
         return {row.id: self._sessions.load(connection, state, row) for row in rows}
 
     def _append(self, draft: Draft, entry: Entry, *, last: bool) -> Commit:
-        """Write an edit, and take it into memory; ``last``: and end the transaction with it."""
+        """Write an edit and apply it to memory; ``last``: also commit the transaction."""
         entry, effect = self.settled(draft, entry)
         made = self._described(draft, entry, effect)
         driver = driver_of(draft.connection)
@@ -209,7 +210,7 @@ class Writer:
         return made
 
     def settled(self, draft: Draft, entry: Entry) -> tuple[Entry, Effect]:
-        """An entry as it will be journalled, and what it does for those who look."""
+        """Return the final journal entry of a draft and its visible effect."""
         effect = effect_of(draft)
         if entry.target is not None and (
             keep_used_labels(draft, effect, entry.kind) or draft.box_changes
@@ -242,7 +243,7 @@ class Writer:
         )
 
     def adopt(self, draft: Draft, effect: Effect) -> None:
-        """Bring memory up to date with an edit."""
+        """Apply an edit to the state in memory."""
         state = draft.state
         state.revision = draft.revision
         state.counts.update(effect.counts)
@@ -258,7 +259,7 @@ class Writer:
 
 
 def require_import(state: SequenceState, identity: str | None) -> None:
-    """Raise NotFoundError when a sequence is another import than ``identity``."""
+    """Raise NotFoundError if a sequence is another import than ``identity``."""
     if identity is not None and state.identity not in (None, identity):
         raise NotFoundError(
             f"sequence: the recording that this edit was made for was deleted; {state.id!r} is "
@@ -267,7 +268,7 @@ def require_import(state: SequenceState, identity: str | None) -> None:
 
 
 def _batch(waiting: deque[Request]) -> list[Request]:
-    """The requests to commit next: one alone, or those that can be together."""
+    """Return the next requests: one that is ``alone``, or several that can share a transaction."""
     batch = [waiting.popleft()]
     while not batch[0].alone and waiting and not waiting[0].alone and len(batch) < TOGETHER:
         batch.append(waiting.popleft())
@@ -275,9 +276,9 @@ def _batch(waiting: deque[Request]) -> list[Request]:
 
 
 def _is_idle(draft: Draft, entry: Entry, effect: Effect) -> bool:
-    """Nothing to see, and nothing of others' that it would hold on to."""
+    """Return whether an edit has no visible effect and writes no points of other authors."""
     if effect.changed or effect.counts or draft.labels or draft.tracks or draft.boxes:
-        return False  # counts: of a deleted label, whose points look unlabeled
+        return False  # counts: points of a deleted label, which look unlabeled
     writers = [int(writer) for writer in draft.foreign_writers()]
     return not journal.by_others(draft.connection, draft.state.number, writers, entry.author)
 

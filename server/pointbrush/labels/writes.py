@@ -1,4 +1,4 @@
-"""Check a Write and cut it into the blocks it touches."""
+"""Check a Write and split it into blocks."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ class BlockWrite:
 
 
 def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockWrite]:
-    """The pieces of ``write`` on a frame of ``points`` points, block by block.
+    """Yield the parts of ``write`` on a frame of ``points`` points, block by block.
 
-    Raises BadInputError, NotFoundError (label), LockedLabelError or HiddenLabelError (one label,
-    and it is locked, or hidden where that matters).
+    Raises BadInputError, NotFoundError (label), LockedLabelError or HiddenLabelError (a single
+    label that is locked, or hidden while ``hidden`` is given).
     """
     indices = _indices(write.indices, points)
     label = _values("label", write.label, len(indices), HIGHEST)
@@ -66,7 +66,7 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
 def _came(
     provenance: NDArray[np.uint64], confidence: NDArray[np.uint64] | None, here: slice
 ) -> NDArray[np.uint64]:
-    """Bits of provenance and confidence of some points."""
+    """Return the bits of provenance and confidence of some points."""
     bits = provenance[here] << PROVENANCE_SHIFT
     return bits if confidence is None else bits | confidence_bits(confidence[here])
 
@@ -119,7 +119,7 @@ def _require_labels(
 def require_paintable(
     palette: dict[int, Label], label: int, hidden: frozenset[int] | None = None
 ) -> None:
-    """Raise NotFoundError, LockedLabelError or HiddenLabelError unless points may get this label.
+    """Raise NotFoundError, LockedLabelError or HiddenLabelError unless a label can be painted.
 
     ``hidden``: as of a Write.
     """
@@ -135,5 +135,5 @@ def require_paintable(
 
 
 def locked_error(palette: dict[int, Label], label: int) -> LockedLabelError:
-    """The error that says which label is locked."""
+    """Return the error for a locked label."""
     return LockedLabelError(f"label: '{palette[label].name}' ({label}) is locked; unlock it first")

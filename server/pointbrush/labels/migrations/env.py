@@ -1,4 +1,4 @@
-"""Alembic's environment: runs on the connection it is handed, never by itself."""
+"""Alembic's environment: runs on the connection in its configuration, never on its own."""
 
 from alembic import context
 

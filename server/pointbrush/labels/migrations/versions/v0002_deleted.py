@@ -1,4 +1,4 @@
-"""Recordings are known by their import, may be deleted and restored, and say who works on them."""
+"""Identify recordings by their import, delete and restore them, and guard work on them."""
 
 import sqlalchemy as sa
 from alembic import op
@@ -39,7 +39,7 @@ def upgrade() -> None:
 
 
 def _make_sequences_anew() -> None:
-    """SQLite cannot drop the constraint that an id occurs once."""
+    """Copy the table, as SQLite cannot drop the unique constraint of the id."""
     op.create_table(
         "sequences_0002",
         sa.Column("number", sa.Integer, primary_key=True, autoincrement=True),

@@ -25,8 +25,8 @@ def upgrade() -> None:
         sa.Column("expires", sa.Double, nullable=False),
     )
     op.add_column("tokens", sa.Column("account", sa.String(256), nullable=False, server_default=""))
-    # Edits are by the name that their author had, and that name is the account from now on.  A
-    # token that was called as an account of pointbrush's own gets one of its own instead.
+    # Edits have the name of their author, which becomes the account.  A token with the name of a
+    # built-in account gets a separate account instead.
     own = (
         "lower(trim(name)) IN ('owner', 'command line', 'import') "
         "OR name LIKE 'owner:%' OR name LIKE 'session:%'"

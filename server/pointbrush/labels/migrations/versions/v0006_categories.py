@@ -10,8 +10,8 @@ depends_on = None
 
 
 def upgrade() -> None:
-    # Empty: a category gets its number when it is first exported, in the order of the palette,
-    # which are the numbers that a workspace of one recording had.
+    # Empty: a category gets its number at its first export, in the order of the palette, which
+    # equals the earlier numbers of a workspace with one recording.
     op.create_table(
         "categories",
         sa.Column("number", sa.Integer, primary_key=True, autoincrement=False),

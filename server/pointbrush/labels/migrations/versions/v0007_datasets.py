@@ -1,4 +1,4 @@
-"""Categories keep their number in each dataset they are known from, labels that of an instance."""
+"""Store the number of a category in each known dataset, and the instance number of a label."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -1,4 +1,4 @@
-"""Decisions of people about frames and labels, and the frames assigned to each."""
+"""Reviews of frames and labels, and assigned frames."""
 
 import sqlalchemy as sa
 from alembic import op

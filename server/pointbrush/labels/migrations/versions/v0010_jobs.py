@@ -1,4 +1,4 @@
-"""Jobs are kept, so that they outlive the server that ran them."""
+"""Store jobs, so that they outlive the server that ran them."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -1,4 +1,4 @@
-"""Keys that sign the cookie by which a browser keeps its account."""
+"""Keys for the signed cookie with a browser's account."""
 
 import sqlalchemy as sa
 from alembic import op

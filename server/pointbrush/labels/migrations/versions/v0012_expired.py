@@ -1,4 +1,4 @@
-"""Deleted recordings note when their time to be restored was first seen to be over."""
+"""Store when the expiry of a deleted recording was first seen."""
 
 import sqlalchemy as sa
 from alembic import op

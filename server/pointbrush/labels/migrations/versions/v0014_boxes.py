@@ -1,4 +1,4 @@
-"""Oriented boxes: what each edit changed of them, and what they are by now."""
+"""Oriented boxes: the changes by each edit, and the current boxes."""
 
 import sqlalchemy as sa
 from alembic import op

@@ -1,6 +1,6 @@
 """Recordings are grouped in projects, with people's roles and a queue of tasks.
 
-All recordings of before are in the first one, "default".
+All existing recordings are in the first project, "default".
 """
 
 import time

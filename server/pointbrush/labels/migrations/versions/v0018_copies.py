@@ -1,4 +1,4 @@
-"""A recording may be a copy for one person: of whose points it is, and what it is for."""
+"""Copies of recordings for one person: the original recording, and the kind of copy."""
 
 import sqlalchemy as sa
 from alembic import op

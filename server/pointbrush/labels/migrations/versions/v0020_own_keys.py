@@ -1,4 +1,4 @@
-"""Keys that people gave to the page's commands, by account."""
+"""Keyboard shortcuts of the page's commands by account."""
 
 import sqlalchemy as sa
 from alembic import op

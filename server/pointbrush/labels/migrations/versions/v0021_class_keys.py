@@ -1,8 +1,8 @@
-"""Labels keep the key of a class, which stays when it is renamed; official numbers are reserved.
+"""Labels store the permanent key of a class instead of its name; reserve official numbers.
 
-Until now labels kept the name, so that the key of each class is its name.  A class that was renamed
-left its labels behind: where it has the official number of the name that they kept, they become its
-labels again.  An official number that was handed out to a class of another name is withdrawn.
+Labels stored the name before, so the key of each class is its name.  Renaming a class lost its
+labels; if the class has the official number of the name in these labels, they become its labels
+again.  An official number that was assigned to a class with another name is withdrawn.
 """
 
 from typing import Any
@@ -41,7 +41,7 @@ def upgrade() -> None:
 
 
 def _reserve(connection: Any) -> None:
-    """Give official numbers that classes of other names have to the classes that they are of."""
+    """Move official numbers from classes with other names to their own classes."""
     known = {row.number: row for row in connection.execute(sa.select(CATEGORIES))}
     for row in connection.execute(sa.select(NUMBERS)).all():
         entry = known[row.category]
@@ -50,7 +50,7 @@ def _reserve(connection: Any) -> None:
         if not words or plain(entry.name) in words:
             continue
         here = sa.and_(NUMBERS.c.dataset == row.dataset, NUMBERS.c.number == row.number)
-        # Numbers were handed out one after the other, to classes without a colour.
+        # Numbers were assigned in sequence, to classes without a colour.
         if entry.number == row.number and not entry.color and _follows(entry.number, known):
             connection.execute(NUMBERS.delete().where(here))
             continue
@@ -64,7 +64,7 @@ def _follows(number: int, known: dict[int, Any]) -> bool:
 
 
 def _bring_back(connection: Any, word: str, number: int, known: dict[int, Any]) -> None:
-    """Merge the categories that labels kept under a renamed class's first name into the class."""
+    """Merge categories of labels with the first name of a renamed class into the class."""
     used = connection.execute(sa.select(LABELS.c.category).distinct()).scalars()
     for key in [each for each in used if plain(each) == word]:
         other = next((row.number for row in known.values() if row.key == key), None)

@@ -1,4 +1,4 @@
-"""Boxes say whether their heading is known.
+"""Store whether the heading of a box is known.
 
 Earlier versions guessed the headings of fitted boxes, so these are unknown.
 """
