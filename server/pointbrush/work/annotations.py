@@ -24,7 +24,7 @@ class Annotations(Part):
     """
 
     def read(self, sequence: str, frame: int, layer: str = "label") -> tuple[NDArray[Any], int]:
-        """A layer of a frame's annotation (N,), and the revision of the frame's last change."""
+        """Return a layer of a frame's annotation (N,), and the frame's last changed revision."""
         blocks, revision = self.blocks(sequence, frame, layer)
         return np.concatenate(list(blocks)), revision
 
@@ -37,9 +37,9 @@ class Annotations(Part):
         *,
         stored: bool = False,
     ) -> tuple[Iterator[NDArray[Any]], int]:
-        """The same in consecutive blocks, of which an octree's frame has many.
+        """Return the same in consecutive blocks, of which a frame stored as an octree has many.
 
-        ``past``: labels as they were, with the revision of then.  ``stored``: in stored order.
+        ``past``: labels of a version, with its revision.  ``stored``: in stored order.
         """
         recording, store = self._recording(sequence), past or self._store
         if stored:
@@ -81,7 +81,7 @@ class Annotations(Part):
     ) -> Commit:
         """Replace a layer in several frames, ``arrays`` by frame, as one edit.
 
-        Raises what ``put`` raises; then no frame has changed.
+        Raises the errors of ``put``; then no frame has changed.
         """
         summary = f"annotation of {len(arrays)} frames"
         return self._replace(sequence, arrays, layer, summary, author, None, edit)
@@ -113,8 +113,8 @@ class Annotations(Part):
         )
 
     def changed(self, sequence: str, frame: int, commit: Commit) -> int:
-        """The revision of a frame's last change as of ``commit``."""
+        """Return the revision of a frame's last change up to ``commit``."""
         if frame in commit.frames:
             return commit.revision
-        # What others did since must not look as if it had been seen.
+        # Later changes by others must not count as seen by the caller.
         return min(commit.revision, self._store.changed(sequence, frame))

@@ -1,4 +1,4 @@
-"""A person's word on what tracking found in frames."""
+"""Verdicts of people on the labels that tracking found in frames."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.part import Part
 
 Verdict = Literal["accept", "reject", "clear"]
-"""Accept: points count as painted, tracks as sure; a label without points is known not to be there.
+"""Accept: points become painted, tracks certain; a label without points is confirmed as absent.
 
-Reject: tracked points lose the label, which is lost there: someone has still to look.
-Clear: the same, but the label is known not to be there, and no doubt is left.
+Reject: tracked points lose the label; its track is lost there and still has to be checked.
+Clear: tracked points lose the label, and the label is confirmed as absent.
 """
 _DONE = {"accept": "accepted", "reject": "rejected", "clear": "cleared"}
 _LEFT: dict[str, dict[str, Any]] = {
@@ -29,7 +29,7 @@ _LEFT: dict[str, dict[str, Any]] = {
 
 
 class Verdicts(Part):
-    """Verdicts of people on findings of tracking."""
+    """Verdicts of people on results of tracking."""
 
     def give(
         self,
@@ -40,7 +40,7 @@ class Verdicts(Part):
         author: str,
         edit: str | None = None,
     ) -> Commit:
-        """Judge labels in frames, as one edit; painted points are never taken away.
+        """Judge labels in frames, as one edit; painted points never lose their label.
 
         Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no labels, no frames).
         """
@@ -88,5 +88,5 @@ def require(store: LabelStore, sequence: str, frames: Sequence[int], labels: Seq
 
 
 def called(frames: Sequence[int]) -> str:
-    """Return words for one frame or several that follow each other."""
+    """Return a phrase for one frame or several consecutive frames."""
     return f"frame {frames[0]}" if len(frames) == 1 else f"frames {frames[0]} to {frames[-1]}"

@@ -1,4 +1,4 @@
-"""Labels of one frame in another one at the same place, and taken away from frames."""
+"""Copying labels from one frame to the same place in another, and removing labels from frames."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SPACINGS = 1.5
 
 
 class Copying(Part):
-    """Labels copied to the same place in another frame, and taken away."""
+    """Copies of labels to another frame, and removal of labels."""
 
     def copy(
         self,
@@ -32,11 +32,11 @@ class Copying(Part):
         author: str,
         edit: str | None = None,
     ) -> Commit:
-        """Give points of ``frame`` the labels of points at their place in ``source``; one edit.
+        """Give points of ``frame`` the labels of points at their place in ``source``, as one edit.
 
-        The world stands still between the two; a label with tracks in both moves as they say.
-        Points that have a label keep it.  Raises NotFoundError (frame, label), LockedLabelError,
-        BadInputError (no labels, or the same frame).
+        The world is static between the two frames, except labels with tracks in both frames, which
+        move by their tracks.  Points that have a label keep it.  Raises NotFoundError (frame,
+        label), LockedLabelError, BadInputError (no labels, or the same frame).
         """
         recording = self._recording(sequence)
         require(self._store, sequence, [frame], labels)
@@ -74,7 +74,7 @@ class Copying(Part):
         author: str,
         edit: str | None = None,
     ) -> Commit:
-        """Take labels from all of their points in frames, painted ones too, as one edit.
+        """Remove labels from all their points in frames, including painted points, as one edit.
 
         Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no labels, no frames).
         """

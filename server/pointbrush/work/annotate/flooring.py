@@ -1,8 +1,8 @@
-"""The floor as people point at it: rays that meet it → the transform that stands a recording on it.
+"""The transform that places a recording on its floor, from rays that hit the floor.
 
-Each place that is pointed at says where the surface is, and its surroundings say which way it
-faces; far places outweigh surroundings.  One place is enough, three that lie apart level a floor
-better than any one of them.
+Each hit gives a position of the surface, and its surroundings give the orientation; hits that are
+far apart outweigh surroundings.  One hit is enough; three distant hits level a floor better than a
+single one.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ from pointbrush.work.annotate.painted_frame import Seen, frame_points
 Vector = NDArray[np.float64]
 
 REACH_PART = 1 / 60
-"""Radius of a place's first surroundings, for one metre of the recording's diagonal …"""
+"""Radius of a hit's first surroundings per metre of the recording's diagonal."""
 REACH_LEAST, REACH_MOST = 0.1, 1.0
-"""… but no less and no more, metres: a room's floor, and a street's."""
+"""Bounds of this radius, metres: for the floor of a room and of a street."""
 UP = np.array([0.0, 1.0, 0.0])
 
 
 def room_on_floor(
     store: LabelStore, recording: Recording, frame: int, samples: Sequence[Mapping[str, Any]]
 ) -> NDArray[np.float64]:
-    """``T_room_local`` (4, 4) that stands ``frame`` on the surface that ``samples`` point at.
+    """Return ``T_room_local`` (4, 4) that places ``frame`` on the surface hit by ``samples``.
 
-    ``samples`` are rays in source coordinates, as a stroke's.  The middle of the places keeps its
-    place in the room's plan, and the recording its heading.  Raises NotFoundError (frame),
-    BadInputError for no samples, or when one of them meets no surface.
+    ``samples`` are rays in source coordinates, as in a stroke.  The centre of the hits keeps its
+    horizontal position in the room, and the recording its heading.  Raises NotFoundError (frame),
+    BadInputError for no samples, or for a ray without a hit.
     """
     if not samples:
         raise BadInputError("samples: expected at least one ray to the floor, got none")
@@ -51,7 +51,7 @@ def room_on_floor(
 
 
 def reach(manifest: Manifest) -> float:
-    """Metres round a place that are looked at first."""
+    """Return the radius of the first surroundings of a hit, metres."""
     diagonal = float(np.linalg.norm(np.subtract(manifest.hi, manifest.lo)))
     return float(np.clip(REACH_PART * diagonal, REACH_LEAST, REACH_MOST))
 
@@ -59,7 +59,7 @@ def reach(manifest: Manifest) -> float:
 def floor_at(
     points: Points, origins: Vector, directions: Vector, radius: float, alive: Alive | None = None
 ) -> tuple[Vector, Vector]:
-    """Normal (3,), towards who points, and middle (3,) of the plane that rays (S, 3) meet."""
+    """Return the normal (3,), towards the rays' origins, and centre (3,) of the hit plane."""
     hits = first_hits(points, origins, directions, radius, alive)
     places, tilts = np.empty_like(hits), np.zeros((3, 3))
     for k, hit in enumerate(hits):
@@ -69,8 +69,8 @@ def floor_at(
         places[k] = hit - found.off(hit) * found.normal
         tilts += np.eye(3) - np.outer(found.normal, found.normal)
     middle = places.mean(axis=0)
-    # The normal is at right angles to the ways between the places and, as firmly as a plane of
-    # the surroundings' width can say it, to the surfaces there.
+    # Least squares: the normal is perpendicular to the vectors between the hits and, weighted by
+    # the squared radius of the surroundings, to the surfaces there.
     apart = places - middle
     normal = np.linalg.eigh(apart.T @ apart + radius**2 * tilts)[1][:, 0]
     towards = float(((origins - places) @ normal).sum())
@@ -78,7 +78,7 @@ def floor_at(
 
 
 def stand_on(T_room_local: Vector, normal: Vector, middle: Vector) -> NDArray[np.float64]:
-    """``T_room_local`` (4, 4) turned the shortest way until the plane is the room's floor.
+    """Return ``T_room_local`` (4, 4), rotated by the smallest angle so that the plane is the floor.
 
     ``normal`` and ``middle`` (3,) of the plane are local.
     """
@@ -92,12 +92,12 @@ def stand_on(T_room_local: Vector, normal: Vector, middle: Vector) -> NDArray[np
 
 
 def _shortest(up: Vector) -> NDArray[np.float64]:
-    """The rotation (3, 3) that takes a direction to +y by the smallest angle."""
+    """Return the rotation (3, 3) of a direction to +y by the smallest angle."""
     from scipy.spatial.transform import Rotation
 
     axis = np.cross(up, UP)
     sine, cosine = float(np.linalg.norm(axis)), float(up @ UP)
-    # Upside down: over its side, about x.
+    # For -y the axis is not unique: use x.
     way = axis / sine if sine > 1e-9 else np.array([1.0, 0.0, 0.0])
     matrix: NDArray[np.float64] = Rotation.from_rotvec(way * np.arctan2(sine, cosine)).as_matrix()
     return matrix

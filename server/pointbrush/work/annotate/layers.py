@@ -1,4 +1,4 @@
-"""Whole annotations of a frame: read as they are at one revision, and replaced as one edit."""
+"""Whole annotations of a frame: read at one revision, and replaced as one edit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pointbrush.labels.types import IMPORTED, PREDICTED
 from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence as Recording
 
-_LEVEL = 1  # zlib: the fastest; neighbours in stored order have the same label mostly
+_LEVEL = 1  # zlib: the fastest; neighbours in stored order mostly have the same label
 LAYERS: dict[str, type] = {
     "label": np.uint16,
     "provenance": np.uint8,
@@ -25,7 +25,7 @@ LAYERS: dict[str, type] = {
     "confidence": np.uint8,
 }
 PIECE_POINTS = 16 * BLOCK
-"""Points compared at once: whole blocks of the journal."""
+"""Number of points compared at once: whole blocks of the journal."""
 READ_POINTS = 1_000_000
 SUREST = 255
 """Greatest confidence of a point."""
@@ -33,7 +33,7 @@ SUREST = 255
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Packed:
-    """Values of a run of points: compressed, or the one that all of them have."""
+    """Values of a run of points: compressed, or a single value if all are equal."""
 
     count: int
     dtype: np.dtype[Any]
@@ -48,14 +48,14 @@ class Packed:
         return cls(len(values), values.dtype, data, values[0] if same and len(values) else 0)
 
     def values(self) -> NDArray[Any]:
-        """The values (N,)."""
+        """Return the values (N,)."""
         if self.data is None:
             return np.full(self.count, self.value, self.dtype)
         return np.frombuffer(zlib.decompress(self.data), self.dtype)
 
 
 def require_layer(layer: str) -> np.dtype[Any]:
-    """The layer's type; raises BadInputError for an unknown one."""
+    """Return the type of a layer; raises BadInputError for an unknown layer."""
     if layer not in LAYERS:
         raise BadInputError(f"layer: expected one of {', '.join(LAYERS)}, got {layer!r}")
     return np.dtype(LAYERS[layer])
@@ -64,9 +64,9 @@ def require_layer(layer: str) -> np.dtype[Any]:
 def replacement(
     store: LabelStore, recording: Recording, frame: int, layer: str, array: NDArray[Any]
 ) -> Iterator[tuple[int, Write]]:
-    """The writes that make a frame's layer equal ``array`` (N,), source order.
+    """Return the writes that make a frame's layer equal to ``array`` (N,), source order.
 
-    What differs is found at once and kept compressed, so that a whole scan takes little memory.
+    The differences are computed at once and compressed, so that a whole scan needs little memory.
     Raises BadInputError (shape, type, unknown labels, values), LockedLabelError.
     """
     dtype, stored = require_layer(layer), recording[frame]
@@ -88,7 +88,7 @@ def replacement(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Difference:
-    """Return the points of a piece from stored number ``first`` that change, and their values."""
+    """The points of a piece from stored number ``first`` that change, and their values."""
 
     first: int
     differs: Packed
@@ -137,7 +137,7 @@ def _require_allowed(
 
 
 class KeptAnnotation:
-    """A frame's layers in stored order, compressed; ``revision`` is that of its last change."""
+    """A frame's layers in stored order, compressed; ``revision``: of its last change."""
 
     def __init__(
         self,
@@ -147,13 +147,13 @@ class KeptAnnotation:
         layers: Collection[str] = tuple(LAYERS),
         above: float = 0.0,
     ) -> None:
-        """Read ``layers`` piece by piece; nothing is committed meanwhile.
+        """Read ``layers`` piece by piece; commits wait meanwhile.
 
-        ``above``: predicted points of a confidence, 0 to 1, below it count as without a label.
+        ``above``: predicted points with a lower confidence, 0 to 1, count as unlabeled.
         """
         self.revision = 0
         self.sizes = np.zeros(1, np.int64)
-        """Points of each label that are not deleted, by label id."""
+        """Number of points of each label that are not deleted, by label id."""
         self._pieces: list[dict[str, Packed]] = []
         for values in store.runs(sequence, frame, READ_POINTS):
             self.revision = values.changed
@@ -166,7 +166,7 @@ class KeptAnnotation:
             self.sizes = counts.astype(np.int64)
 
     def read(self, first: int, stop: int) -> dict[str, NDArray[Any]]:
-        """The layers of points ``first`` to before ``stop``."""
+        """Return the layers of points ``first`` to ``stop`` - 1."""
         found: dict[str, list[NDArray[Any]]] = {name: [] for name in self._pieces[0]}
         begin, end = first // READ_POINTS, max(first, stop - 1) // READ_POINTS
         for number in range(begin, min(end + 1, len(self._pieces))):

@@ -1,4 +1,4 @@
-"""Placement of frames that are laid over one of them, by the recording's poses and by tracks."""
+"""Placement of overlaid frames by the recording's poses and by tracks."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from pointbrush.sequences import Sequence as Recording
 
 Matrix = NDArray[np.float64]
 UNKNOWN = "lost"
-"""State of a track that does not say where its object is."""
+"""State of a track without a known pose."""
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Placement of one frame over the one that is shown.
+    """Placement of one frame over the shown frame.
 
-    ``T_shown_frame`` (4, 4) from its local coordinates to the shown frame's; ``moving`` label →
-    the same for the points of that label, whose track says how they moved between the two.
+    ``T_shown_frame`` (4, 4) from its local coordinates to the shown frame's; ``moving``: the same
+    by label, for labels whose tracks give their motion between the two frames.
     """
 
     frame: int
@@ -33,7 +33,7 @@ class Placement:
 
 
 def require_overlaid(recording: Recording, frame: int, others: Iterable[int]) -> None:
-    """Raise BadInputError where ``others`` cannot be laid over a frame, as frames are octrees."""
+    """Raise BadInputError if ``others`` cannot be overlaid, as the frames are octrees."""
     if recording.manifest.large and set(others) - {frame}:
         name = recording.manifest.id
         raise BadInputError(
@@ -45,10 +45,10 @@ def require_overlaid(recording: Recording, frame: int, others: Iterable[int]) ->
 def placements(
     store: LabelStore, recording: Recording, shown: int, frames: Iterable[int]
 ) -> list[Placement]:
-    """Place ``frames`` over frame ``shown``, which comes first and need not be named.
+    """Return placements of ``frames`` over frame ``shown``; its own placement is first.
 
-    A recording without poses stands still.  Raises NotFoundError (a frame), BadInputError (some of
-    them without a pose).
+    Without poses, all frames have the same coordinates.  Raises NotFoundError (a frame),
+    BadInputError (only some frames have a pose).
     """
     others = sorted(set(frames) - {shown})
     for frame in (shown, *others):
@@ -69,7 +69,7 @@ def placements(
 def placements_round(
     store: LabelStore, recording: Recording, frame: int, before: int, after: int
 ) -> list[Placement]:
-    """Place ``frame``, ``before`` frames before it and ``after`` after it, if there are so many."""
+    """Return placements of ``frame``, up to ``before`` frames before and ``after`` after it."""
     _ = recording[frame]
     frames = range(max(0, frame - before), min(len(recording), frame + after + 1))
     require_overlaid(recording, frame, frames)
@@ -77,7 +77,7 @@ def placements_round(
 
 
 def _by_poses(recording: Recording, shown: int, frame: int) -> Matrix:
-    """``T_shown_frame`` in local coordinates of points that stand still in the world."""
+    """Return ``T_shown_frame`` in local coordinates for static points."""
     manifest = recording.manifest
     if all(pose is None for pose in manifest.poses):
         return np.eye(4)
@@ -93,7 +93,7 @@ def _by_poses(recording: Recording, shown: int, frame: int) -> Matrix:
 
 
 class _Tracks:
-    """Poses ``T_frame_start`` by frame and label, of tracks that know where their object is."""
+    """Known poses ``T_frame_start`` of tracks by frame and label."""
 
     def __init__(self, tracks: Iterable[Mapping[str, Any]]) -> None:
         self._rows: dict[int, dict[int, Mapping[str, Any]]] = {}
@@ -102,7 +102,7 @@ class _Tracks:
                 self._rows.setdefault(int(row["frame"]), {})[int(row["label"])] = row
 
     def between(self, shown: int, frame: int) -> dict[int, Matrix]:
-        """Return label → ``T_shown_frame`` of those known in both frames from one start."""
+        """Return ``T_shown_frame`` by label, for labels with poses of one run in both frames."""
         here, there = self._rows.get(shown, {}), self._rows.get(frame, {})
         found = {}
         for label in here.keys() | there.keys():
@@ -115,7 +115,7 @@ class _Tracks:
 
 
 def _pose(row: Mapping[str, Any] | None, frame: int, start: object) -> Matrix | None:
-    """``T_frame_start`` of a row of the run that began at ``start``; None where it has none."""
+    """Return ``T_frame_start`` of a row of the run that began at ``start``, or None."""
     if row is None:
         return np.eye(4) if frame == start else None
     if row.get("start") != start:

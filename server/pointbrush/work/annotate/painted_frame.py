@@ -1,4 +1,4 @@
-"""One of the frames that a stroke paints: the points it sees, takes, and will change."""
+"""A frame that a stroke paints: its visible points, selected points and points to change."""
 
 from __future__ import annotations
 
@@ -16,21 +16,19 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.overlays import Placement
 
 LAYER_BLOCK = 65_536
-"""Points whose values are looked up at once."""
+"""Number of points with values looked up at once."""
 KEPT = 64
-"""Blocks that are kept, 64 kB each."""
+"""Limit of cached blocks, 64 kB each."""
 FEW = 8_192
-"""Points that are looked up one by one; of more their whole blocks are, and kept."""
+"""Limit of points that are looked up singly; for more, whole blocks are read and cached."""
 NONE: frozenset[int] = frozenset()
 
 
 class Seen:
-    """Tells points of one frame apart, as they were when ``renew`` was called; sorted ``numbers``.
+    """Masks of points of one frame by sorted ``numbers``, as of the last call of ``renew``.
 
-    Each ray asks: what was read of the store is kept in between, of ``KEPT`` blocks at most.
-
-    ``hidden``: labels that only the viewer hides, beside those that the palette hides; 0: points
-    without a label.
+    They are needed for each ray, so values of up to ``KEPT`` blocks are cached.  ``hidden``: labels
+    hidden only by the viewer, besides labels hidden by the palette; 0: points without a label.
     """
 
     def __init__(self, view: View, frame: int, hidden: frozenset[int] = NONE) -> None:
@@ -39,16 +37,16 @@ class Seen:
         self._masks: dict[tuple[int, bool], NDArray[np.bool_]] = {}
 
     def renew(self) -> None:
-        """Look at the store again."""
+        """Update from the store."""
         self._view.look()
         self._masks.clear()
 
     def shown(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Mark the stored ``numbers`` (n,) that rays meet and strokes change."""
+        """Return the mask of stored ``numbers`` (n,) that rays can hit and strokes can change."""
         return self._among(numbers, deleted=False)
 
     def deleted(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Mark the stored ``numbers`` (n,) that are deleted, and so can be restored."""
+        """Return the mask of stored ``numbers`` (n,) that are deleted and can be restored."""
         return self._among(numbers, deleted=True)
 
     def _among(self, numbers: NDArray[np.int64], *, deleted: bool) -> NDArray[np.bool_]:
@@ -60,7 +58,7 @@ class Seen:
         return found
 
     def _mask(self, first: int, *, deleted: bool) -> NDArray[np.bool_]:
-        """Return the points of a block that are deleted, or that are shown, as a mask."""
+        """Return the mask of deleted, or of shown, points of a block."""
         mask = self._masks.get((first, deleted))
         if mask is None:
             values = self._view.values(self._frame, first, LAYER_BLOCK)
@@ -82,9 +80,8 @@ class Seen:
 class Changing:
     """Counts the points that a brush will change in one frame.
 
-    It is done when somebody asks.  Many points' blocks of values are read once and kept for the
-    stroke: what somebody else changes in the same second shows in the commit's own count, which is
-    exact.
+    The count is computed on demand.  For many points, blocks of values are read once per stroke;
+    concurrent changes of others are included only in the exact count of the commit.
     """
 
     def __init__(self, view: View, frame: int, brush: Stroke) -> None:
@@ -95,11 +92,11 @@ class Changing:
         self._count = 0
 
     def add(self, numbers: NDArray[np.int64]) -> None:
-        """Take in stored numbers that the stroke has newly touched, sorted."""
+        """Add sorted stored numbers that the stroke has newly touched."""
         self._waiting.add(numbers)
 
     def count(self) -> int:
-        """Count the points taken in so far that will change."""
+        """Return the number of added points that will change."""
         waiting, self._waiting = self._waiting, PointSet()
         for numbers in waiting.parts():
             if len(numbers) <= FEW:
@@ -111,7 +108,7 @@ class Changing:
         return self._count
 
     def those(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return those of sorted stored numbers (n,) that will change."""
+        """Return the sorted stored numbers of (n,) that will change."""
         changes = [
             numbers[mine][self._block(first)[numbers[mine] - first]]
             for first, mine in by_block(numbers, LAYER_BLOCK)
@@ -141,7 +138,7 @@ class Changing:
         return np.asarray(changes)
 
     def _labels_spared(self) -> NDArray[np.bool_]:
-        """For each label, whether the brush leaves its points alone."""
+        """Return for each label whether the brush does not change its points."""
         spared = np.zeros(1 << 16, np.bool_)
         restores = self._brush.tool == "restore"
         for label in self._view.palette().values():
@@ -152,14 +149,14 @@ class Changing:
 
 
 def frame_points(frame: StoredFrame, up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Points:
-    """Return the view of a stored frame that selection works on; ``up``: away from the ground."""
+    """Return a stored frame as points for selection; ``up``: away from the ground."""
     levels = sorted({chunk.level: chunk.first for chunk in reversed(frame.chunks)}.items())
     large, many = frame.large, frame.count > LARGE_POINTS
     return Points(
         xyz=frame.coordinates,
         blocks=frame.blocks,
         rgb=frame.rgb,
-        # An octree's nodes are not global levels: there each block stands for itself.
+        # The nodes of an octree are not global levels: each block is its own level.
         levels=(0,) if many else tuple(first for _, first in levels) or (0,),
         kdtree=None if large else lambda: frame.kdtree,
         release=frame.release if large else None,
@@ -169,7 +166,7 @@ def frame_points(frame: StoredFrame, up: tuple[float, float, float] = (0.0, 0.0,
 
 
 class PaintedFrame:
-    """A frame under a stroke: the points it sees and takes; ``frame`` is its number."""
+    """A frame under a stroke: its visible and selected points; ``frame`` is its number."""
 
     def __init__(
         self, view: View, recording: Recording, placement: Placement, brush: Stroke
@@ -185,7 +182,7 @@ class PaintedFrame:
         self.taken = PointSet()
 
     def layers(self) -> list[Layer]:
-        """Return the frame's points that stand still, and those of each object that moves."""
+        """Return a layer of the frame's static points, and one of each moving object."""
         moving = self._placement.moving
         still = Layer(
             self._points,
@@ -200,7 +197,7 @@ class PaintedFrame:
         return [still, *objects]
 
     def _labelled(self, labels: frozenset[int], *, among: bool) -> Alive:
-        """Say of stored numbers (n,) whether their label is ``among`` those, or is not."""
+        """Return a mask function of stored numbers: whether ``labels`` has their label, or not."""
         wanted = np.array(sorted(labels), np.uint16)
 
         def part(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -212,35 +209,35 @@ class PaintedFrame:
         return part
 
     def _label_block(self, first: int) -> NDArray[np.uint16]:
-        # As it was when the stroke first met it: what the stroke sees does not move under it.
+        # Read once per stroke, so that the layers do not change during the stroke.
         if first not in self._labels:
             values = self._view.values(self.frame, first, LAYER_BLOCK)
             self._labels[first] = values.label
         return self._labels[first]
 
     def look(self) -> None:
-        """Raise DamagedError when the frame's files have been cut short."""
+        """Raise DamagedError if the frame's files were truncated."""
         self._recording[self.frame].look()
 
     def renew(self) -> None:
-        """Look at the store again for what can be touched."""
+        """Update the points that can be touched from the store."""
         self._seen.renew()
 
     def take(self, numbers: NDArray[np.int64]) -> None:
-        """Take in sorted stored numbers."""
+        """Select points by sorted stored numbers."""
         self._changing.add(self.taken.add(numbers))
 
     def clear(self) -> None:
-        """Drop all points taken so far."""
+        """Drop the selection."""
         self.taken = PointSet()
         self._changing = Changing(self._view, self.frame, self._brush)
 
     @property
     def changing(self) -> int:
-        """Count the points taken that the stroke will change."""
+        """Return the number of selected points that the stroke will change."""
         return self._changing.count()
 
     def those_changing(self) -> NDArray[np.int64]:
-        """Return stored numbers of the points taken that the stroke would change, ascending."""
+        """Return ascending stored numbers of the selected points that the stroke would change."""
         parts = [self._changing.those(numbers) for numbers in self.taken.parts()]
         return np.concatenate([np.empty(0, np.int64), *parts])

@@ -1,4 +1,4 @@
-"""A label's points in one frame → a label for each part of them, as one edit."""
+"""Splitting a label's points in one frame into one label per connected part, as one edit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.part import Part
 
 MOST_PARTS = 64
-"""Parts that get a label; further ones stay with the largest."""
+"""Limit of parts with a label; further parts stay with the largest one."""
 LEAST_POINTS = 10
 
 
@@ -44,10 +44,10 @@ class Splitting(Part):
         gap: float | None = None,
         least: int = LEAST_POINTS,
     ) -> Split:
-        """Give each connected part of a label in a frame a label of its own; the largest keeps it.
+        """Give each connected part of a label in a frame a new label; the largest part keeps it.
 
         Parts of fewer than ``least`` points stay with the largest.  ``gap``: metres between parts;
-        None: wider than the points' own spacing.
+        None: derived from the spacing of the points.
 
         Raises NotFoundError, LockedLabelError, and ConflictError when the points are one part.
         """
@@ -90,7 +90,7 @@ class Splitting(Part):
 
 
 def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:
-    """Return the split that an edit sent before has made."""
+    """Return the result of a repeated split."""
     delta = commit.frames.get(frame)
     ids = set() if delta is None else set(np.unique(delta.label).tolist())
     labels = [label for label in store.palette(commit.sequence) if label.id in ids]
@@ -109,7 +109,7 @@ def _write(
 
 
 def _new_labels(palette: Palette, label: Label, count: int) -> list[Label]:
-    """Return labels named after the one that is split, with free numbers, names and colours."""
+    """Return new labels named after the split label, with free ids, names and colours."""
     names, ids = {one.name for one in palette.labels}, palette.free_ids()
     made: list[Label] = []
     stem, _, last = label.name.rpartition(" ")

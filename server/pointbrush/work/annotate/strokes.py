@@ -1,4 +1,4 @@
-"""A stroke on one frame or several: which points it takes, and what its tool writes to them."""
+"""A stroke on one frame or several: the selected points, and the writes of its tool."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pointbrush.work.annotate.painted_frame import PaintedFrame
 
 
 def edit_id(given: object) -> str:
-    """A stroke's UUID in its normal form; a new one when none was given."""
+    """Return a stroke's UUID in its normal form, or a new one if none is given."""
     if given is None:
         return str(uuid.uuid4())
     try:
@@ -44,7 +44,7 @@ class LiveStroke:
     ) -> None:
         """``fields``: a stroke of REST or the socket without samples, in source coordinates.
 
-        ``view``: of the recording's labels, as of now.
+        ``view``: of the recording's current labels.
 
         Raises BadInputError, NotFoundError (frame, label), LockedLabelError, HiddenLabelError.
         """
@@ -71,21 +71,21 @@ class LiveStroke:
         self._sampled = False
 
     def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
-        """Take in samples (``origin``, ``direction``) and return how many points are touched.
+        """Add samples (``origin``, ``direction``) and return the number of touched points.
 
-        Raises DamagedError when the frame's files have been cut short meanwhile.
+        Raises DamagedError if the frame's files were truncated.
         """
         for _ in self.adding(samples):
             pass
         return self.touched
 
     def adding(self, samples: Sequence[Mapping[str, Any]]) -> Iterator[None]:
-        """Take in samples part by part; between two parts somebody else may have a turn."""
+        """Add samples part by part; the caller can run other work between two parts."""
         for one in self._painted:
             one.look()
         self._view.look()
         if self._brush.tool == "paint":
-            # A stroke ends where its label may not be painted with any more.
+            # A stroke fails once its label is locked, hidden or deleted.
             self._view.require_paintable(self._brush.label, self._brush.hidden)
         stroke = self._source_brush.with_samples(samples).to_local(self._shift)
         self._sampled = self._sampled or len(samples) > 0
@@ -96,9 +96,9 @@ class LiveStroke:
             yield
 
     def replace(self, touched: Sequence[tuple[int, bytes]]) -> None:
-        """Take the points that the client found, given as a frame and ``runs``, and no others.
+        """Replace the selection by points of the client, given as a frame and ``runs``.
 
-        Raises BadInputError when they are not points of the stroke's frames.
+        Raises BadInputError if they are not points of the stroke's frames.
         """
         frames = {one.frame: one for one in self._painted}
         for one in self._painted:
@@ -110,24 +110,21 @@ class LiveStroke:
 
     @property
     def touched(self) -> int:
-        """Points taken so far."""
+        """Return the number of selected points."""
         return sum(len(one.taken) for one in self._painted)
 
     @property
     def changing(self) -> int:
-        """Return the points taken so far that the stroke will change; reads the store."""
+        """Return the number of selected points that the stroke will change; reads the store."""
         return sum(one.changing for one in self._painted)
 
     def previewed(self) -> NDArray[np.int64]:
-        """Return stored numbers of the points that the stroke would change now, ascending.
-
-        They are those of its own frame.
-        """
+        """Return ascending numbers of points in its own frame that the stroke would change."""
         own = [one.those_changing() for one in self._painted if one.frame == self.frame]
         return np.concatenate([np.empty(0, np.int64), *own])
 
     def commit(self, author: str) -> Commit:
-        """Write the stroke as one edit, durable when this returns."""
+        """Commit the stroke as one edit and return when it is durable."""
         if not self._sampled and self._brush.kind.sampled:
             raise BadInputError(
                 f"samples: expected at least one for shape '{self._brush.shape}', got none"
@@ -143,7 +140,7 @@ class LiveStroke:
         )
 
     def _writes(self) -> Iterator[tuple[int, Write]]:
-        if not self.touched:  # a label is refused whatever the stroke touched
+        if not self.touched:  # an empty write, so that the label is still checked
             yield self.frame, write_of(self._brush, np.empty(0, np.int64))
         for one in self._painted:
             for numbers in one.taken.parts():
@@ -158,8 +155,8 @@ class LiveStroke:
 
 def write_of(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
     """Build the write of a brush to stored numbers (n,)."""
-    # Which points are deleted or hidden is looked at when the edit commits: somebody may delete
-    # some of them until then, and the order of the journal decides what the stroke finds.
+    # The edit's commit checks deleted and hidden points, as they may change until then; the order
+    # of the journal decides.
     only: Only = "unlabeled" if brush.only_unlabeled else "any"
     hidden = brush.hidden
     match brush.tool:
@@ -173,13 +170,13 @@ def write_of(brush: Stroke, numbers: NDArray[np.int64]) -> Write:
                 hidden=hidden,
             )
         case "erase":
-            # A person has said that these are nothing: tracking must not label them again.
+            # A person has marked these points as unlabeled: tracking must not label them again.
             return Write(
                 numbers, label=0, provenance=PAINTED, only="labeled", living=True, hidden=hidden
             )
         case "delete":
             return Write(numbers, deleted=True, only=only, living=True, hidden=hidden)
         case "restore":
-            # Deleted points show whatever label they held, so that hiding it does not matter.
+            # Deleted points are shown without regard to hidden labels.
             return Write(numbers, deleted=False, living=False)
     raise ConflictError(f"tool: expected a known tool, got {brush.tool!r}")
