@@ -1,6 +1,6 @@
-"""Backups of a workspace, the way back, and the move of its labels to another database.
+"""Backing up and restoring a workspace, and moving its labels to another database.
 
-A note in the workspace says which database its labels were moved to.
+A file in the workspace has the URL of the database to which its labels were moved.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ log = logging.getLogger(__name__)
 NOTE = "database.json"
 DATABASE = "labels.sqlite"
 MADE = "labels.made"
-"""Note that there is, or was, a database of labels in the workspace."""
+"""Marker file of a workspace that has, or had, its own database of labels."""
 RECORDINGS = "sequences"
 CLASSIFIERS = "classifiers"
 
 
 def own_url(workspace: Path) -> str:
-    """Return the URL of the SQLite file that a workspace has of its own."""
+    """Return the URL of a workspace's own SQLite file."""
     return f"sqlite:///{(workspace / 'labels.sqlite').absolute()}"
 
 
 def note_database(workspace: Path, url: str) -> None:
-    """Write where the labels are now; a password is left out."""
+    """Write the URL of the labels without its password."""
     text = "" if url == own_url(workspace) else _public(url)
     partial = workspace / f".{NOTE}"
     partial.write_text(json.dumps({"database": text}), encoding="utf-8")
@@ -51,7 +51,7 @@ def note_database(workspace: Path, url: str) -> None:
 
 
 def require_here(workspace: Path, url: str) -> None:
-    """Raise BadInputError when the labels are known to be in another database than ``url``."""
+    """Raise BadInputError if the labels were moved to another database than ``url``."""
     try:
         noted = json.loads((workspace / NOTE).read_text(encoding="utf-8"))["database"]
     except FileNotFoundError:
@@ -69,10 +69,10 @@ def require_here(workspace: Path, url: str) -> None:
 
 
 def require_labels(workspace: Path, url: str, recordings: int, *, anew: bool) -> None:
-    """Refuse to begin empty where the workspace's own database of labels is missing.
+    """Raise BadInputError if the workspace's own database of labels is missing.
 
-    A note beside it says that it was made.  ``recordings``: their number; ``anew``: it is wanted.
-    Recordings from before there was such a note are told of in the log.  Raises BadInputError.
+    The marker file shows that it existed; without the marker, a warning is logged.  ``recordings``:
+    their number; ``anew``: a new database is wanted.
     """
     if url != own_url(workspace) or _has_bytes(workspace / DATABASE) or not recordings or anew:
         return
@@ -92,9 +92,9 @@ def _has_bytes(file: Path) -> bool:
 
 
 def note_made(workspace: Path, url: str) -> None:
-    """Note that the workspace's own database of labels has been made."""
+    """Create the marker file of the workspace's own database of labels."""
     if url == own_url(workspace) and not (workspace / MADE).exists():
-        with contextlib.suppress(OSError):  # a workspace that is read-only here
+        with contextlib.suppress(OSError):  # a read-only workspace
             (workspace / MADE).write_text(f"{DATABASE} holds the labels\n", encoding="utf-8")
 
 
@@ -121,11 +121,11 @@ def make_backup(
     classifiers: Path | None = None,
     earlier: Path | None = None,
 ) -> None:
-    """Copy everything into the new folder ``target``, while the workspace is in use.
+    """Copy a workspace in use into the new folder ``target``.
 
-    The database is copied last, so that it never knows of a recording that is not there.
-    ``classifiers``: their folder; files that ``earlier``, a backup on the same disk, has already
-    become links to its own.  Raises ConflictError when ``target`` exists.
+    The database is copied last, so that all its recordings are in the copy.  ``classifiers``: their
+    folder.  ``earlier``: a backup on the same disk; files that it has become hard links to it.
+    Raises ConflictError when ``target`` exists.
     """
     partial = _partial(target)
     try:
@@ -136,7 +136,7 @@ def make_backup(
         if classifiers is not None:
             _copy(classifiers, partial / CLASSIFIERS)
         back_up(store.database, partial / DATABASE)
-        os.sync()  # its name must not outlive its bytes
+        os.sync()  # the data must be on the disk before the final name
         partial.rename(target)
     except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
@@ -144,9 +144,9 @@ def make_backup(
 
 
 def restore_backup(source: Path, target: Path, url: str = "") -> None:
-    """Make the new workspace ``target`` from a backup, its labels in the database at ``url``.
+    """Create the workspace ``target`` from a backup, with its labels in the database at ``url``.
 
-    Without ``url`` they are in the workspace.  Raises NotFoundError when ``source`` is none,
+    Without ``url`` they are in the workspace.  Raises NotFoundError when ``source`` is no backup,
     ConflictError when ``target`` exists or the database is not empty.
     """
     if not is_backup(source):
@@ -167,9 +167,9 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
 
 
 def restore_one(store: LabelStore, library: Library, source: Path, sequence: str) -> str:
-    """Bring one recording of a backup back into a workspace, also one in use; returns its id.
+    """Restore one recording of a backup into a workspace, even one in use; return its id.
 
-    Its labels, history and tracks come with it.  An id that is taken gives way to a free one.
+    Its labels, history and tracks are restored too.  If its id is taken, it gets a free one.
     Raises NotFoundError when the backup does not have it.
     """
     folder = source / RECORDINGS / sequence
@@ -200,11 +200,10 @@ def restore_one(store: LabelStore, library: Library, source: Path, sequence: str
 
 
 def move_labels(workspace: Path, source_url: str, target_url: str) -> None:
-    """Move a workspace's labels into the empty database at ``target_url``, whole or not at all.
+    """Move a workspace's labels into the empty database at ``target_url``, in one transaction.
 
-    The workspace notes where they are.  What they were in stays, a SQLite file of the workspace
-    under another name.  Raises ConflictError while a server runs here, or when the target is not
-    empty.
+    The workspace stores the new URL.  The old database is kept; a SQLite file of the workspace is
+    renamed.  Raises ConflictError while a server runs here, or if the target is not empty.
     """
     if source_url == target_url:
         raise ConflictError("move: expected another database, got the one that holds the labels")
@@ -232,10 +231,10 @@ def _partial(target: Path) -> Path:
 
 
 def _copy_plain(source: Path, target: Path) -> None:
-    """Copy a part of a backup, if it is there.
+    """Copy a part of a backup, if it exists.
 
-    Raises BadInputError for anything in it but folders and files, or for files that cannot be read,
-    UnavailableError when the disk has no room for them.
+    Raises BadInputError for special files and links in it and for unreadable files,
+    UnavailableError if the disk is full.
     """
     if not os.path.lexists(source):
         return

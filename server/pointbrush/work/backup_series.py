@@ -24,26 +24,26 @@ from pointbrush.work.backup import is_backup
 log = logging.getLogger(__name__)
 
 Make = Callable[[Path, Path | None], None]
-"""Makes a backup in a new folder, which may share files with an earlier one."""
+"""Makes a backup in a new folder, which may share files with an earlier backup."""
 STAMP = "%Y-%m-%dT%H-%M-%S"
 _DATED = re.compile(r"(\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d)(?:\.(\d+))?")
 UNFINISHED = ".unfinished"
-"""Folder in that of the backups: what is being made or removed, or was when somebody was killed."""
+"""Subfolder for backups that are being made or removed, including remains of killed processes."""
 LOCK = ".lock"
 
 
 @dataclass(frozen=True)
 class BackupSeries:
-    """The backups in ``folder`` whose names are their times (UTC); ``keep`` is their number.
+    """The backups in ``folder`` with their times (UTC) as names; ``keep`` is their number.
 
-    What has another name, or a time to come, stays as it is.
+    Folders with other names, or with a time in the future, are ignored.
     """
 
     folder: Path
     keep: int
 
     def made(self) -> list[Path]:
-        """Return the backups, the oldest first."""
+        """Return the backups, oldest first."""
         found = list(self.folder.iterdir()) if self.folder.is_dir() else []
         dated = [(order, path) for path in found if (order := _order(path.name)) is not None]
         return [path for _, path in sorted(dated) if is_backup(path)]
@@ -55,7 +55,7 @@ class BackupSeries:
         return 0.0 if order is None else order[0]
 
     def is_busy(self) -> bool:
-        """Return whether somebody makes a backup now."""
+        """Return whether a backup is being made."""
         try:
             with self._alone():
                 return False
@@ -63,11 +63,11 @@ class BackupSeries:
             return True
 
     def add(self, make: Make, age: float | None = None) -> Path:
-        """Make a backup, then remove the oldest beyond ``keep``; returns its folder.
+        """Make a backup and remove the oldest ones beyond ``keep``; return its folder.
 
-        With an ``age``, seconds, it waits for others that make one, and returns the newest if it
-        is not as old.  Raises ConflictError while others do, UnavailableError when the folder
-        cannot be written.
+        With an ``age``, seconds, wait for other processes that make one, and return the newest
+        backup if it is younger.  Otherwise raises ConflictError while another process makes one.
+        Raises UnavailableError if the folder cannot be written.
         """
         with self._alone(wait=age is not None):
             before = self.made()
@@ -79,7 +79,7 @@ class BackupSeries:
             make(unfinished / target.name, before[-1] if before else None)
             (unfinished / target.name).rename(target)
             for old in self.made()[: -self.keep]:
-                old.rename(unfinished / old.name)  # in one step: half of one is none
+                old.rename(unfinished / old.name)  # atomic: a partly removed backup is not listed
             shutil.rmtree(unfinished, ignore_errors=True)
             return target
 
@@ -118,20 +118,20 @@ def _order(name: str) -> tuple[float, int] | None:
 
 
 class BackupSchedule:
-    """Adds to a series whenever its newest backup is old enough; servers may share one.
+    """Adds to a series when its newest backup is old enough; servers can share a series.
 
-    The command of another process does it: a stroke does not wait for it here.
+    A separate process makes the backup, so that strokes are not delayed.
     """
 
     first_seconds = 20.0
-    """From the start until it first looks: the first pages are opened then."""
+    """Delay of the first check after the start, during which clients load the first pages."""
     look_seconds = 60.0
-    """Between looks at most: another server may have made one."""
+    """Longest interval between checks, as another server may make a backup."""
     again_seconds = 600.0
-    """After a failure."""
+    """Interval after a failure."""
 
     def __init__(self, series: BackupSeries, every: str, environment: Mapping[str, str]) -> None:
-        """``every``: as 24h; ``environment``: of the command ``backup``, beside that of ours.
+        """``every``: interval, for example 24h; ``environment``: added to that of the command.
 
         Raises BadInputError.
         """
@@ -142,11 +142,11 @@ class BackupSchedule:
         self._thread = threading.Thread(target=self._run, name="backups", daemon=True)
 
     def begin(self) -> None:
-        """Start."""
+        """Start the thread."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop; what there is of a backup that is being made goes before the next one."""
+        """Stop the thread; an unfinished backup is removed before the next one."""
         self._ended.set()
         self._thread.join()
 
@@ -162,7 +162,7 @@ class BackupSchedule:
                 wait = self.again_seconds
 
     def _due_in(self) -> float:
-        """Return the seconds until it is time to look, or to make one at 0."""
+        """Return the seconds until the next check; 0 or less: a backup is due."""
         left = self.series.newest_at() + self._seconds - time.time()
         if left <= 0 and self.series.is_busy():
             return self.look_seconds

@@ -1,7 +1,7 @@
 """Recordings of a workspace in object storage; see ``sequences/bucket.py``.
 
-Another server's change of a name, rate or floor is seen within ``FRESH_SECONDS``.  While the store
-does not answer, recordings that are known and frames that are in the cache are served on.
+Another server's change of a name, rate or floor is visible within ``FRESH_SECONDS``.  While the
+store does not answer, known recordings and cached frames are still served.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LOCK = ".lock"
 
 @dataclass(frozen=True)
 class BucketTarget:
-    """A recording ``name`` that is built on this machine and then sent."""
+    """A recording ``name`` that is built on this machine and then uploaded."""
 
     bucket: Bucket
     name: str
@@ -67,7 +67,7 @@ class BucketStore:
         self._lock = threading.Lock()
 
     def require_writable(self) -> None:
-        """See SequenceStore; what may not be written says so when it is."""
+        """See SequenceStore; missing permission is noticed at the first write."""
 
     def require_answer(self) -> None:
         """See SequenceStore."""
@@ -88,7 +88,7 @@ class BucketStore:
             if known is not None:
                 if now - asked < FRESH_SECONDS:
                     return known
-                self._versions[sequence] = now, known  # others do not wait for this answer
+                self._versions[sequence] = now, known  # other threads do not wait for this answer
         try:
             found = self._bucket.version(f"{sequence}/{FILE}")
         except UnavailableError as error:
@@ -109,7 +109,7 @@ class BucketStore:
             self._versions.pop(sequence, None)
 
     def has(self, sequence: str) -> bool:
-        """See SequenceStore; without a manifest there is none."""
+        """See SequenceStore; a recording has a manifest."""
         return self.version(sequence) is not None
 
     def is_free(self, sequence: str) -> bool:
@@ -121,7 +121,7 @@ class BucketStore:
         return BucketFiles(self._bucket, sequence)
 
     def missing(self, files: RecordingFiles, frames: int) -> None:
-        """See SequenceStore; that would mean to list all objects of a recording each time."""
+        """See SequenceStore; not checked, as it would list all objects of a recording each time."""
 
     def update(self, sequence: str, **fields: Any) -> None:
         """See SequenceStore."""
@@ -150,7 +150,7 @@ class BucketStore:
 
     def clear_remains(self, importing: Callable[[], set[str]]) -> None:
         """See SequenceStore."""
-        # Asked in this order: what began meanwhile is not in the list, what ended has a manifest.
+        # In this order: later imports are not in the list, and finished ones have a manifest.
         there = {name for name in self._bucket.folders() if name[0] != "."} - importing()
         alone = {name for name in there if self._is_alone(name)}
         for name in sorted(alone - self.deleted.names()):
@@ -158,19 +158,19 @@ class BucketStore:
                 log.warning("removing what an import of %s that was stopped has left", name)
                 try:
                     self._bucket.remove([name])
-                except ReadOnlyError as error:  # then somebody else does
+                except ReadOnlyError as error:  # another server has to
                     log.warning("it stays: %s", error.whole)
 
     def _is_alone(self, sequence: str) -> bool:
-        """Whether files have no manifest."""
+        """Return whether files have no manifest."""
         return self._bucket.version(f"{sequence}/{FILE}") is None
 
 
 class _Deleted:
-    """Deleted recordings of a bucket: their manifests are kept aside, their files stay.
+    """Deleted recordings of a bucket: their manifests are moved aside, their files stay in place.
 
-    So deleting and restoring take a moment, however large a recording is, and its id stays its
-    own until it is purged.
+    The time to delete or restore does not depend on a recording's size, and its id is reserved
+    until it is purged.
     """
 
     def __init__(self, store: BucketStore) -> None:
@@ -187,7 +187,7 @@ class _Deleted:
         return f"{DELETED}/{known.identity}-{known.number}/{known.id}/{FILE}"
 
     def names(self) -> set[str]:
-        """Return the names of recordings whose manifests are here."""
+        """Return the names of recordings with manifests here."""
         return {place.split("/")[1] for place in self._bucket.sizes(DELETED)}
 
     def is_empty(self) -> bool:
@@ -232,7 +232,7 @@ class _Deleted:
 
     def _move(self, source: str, target: str, name: str) -> None:
         data = self._bucket.read(source)
-        if data is not None:  # else another server has moved it
+        if data is not None:  # None: another server has moved it
             self._bucket.write(target, data)
             self._bucket.remove([source])
         self._store.forget(name)
@@ -247,7 +247,7 @@ class _Deleted:
 
 @contextmanager
 def _staging(bucket: Bucket) -> Iterator[Path]:
-    """Give the path of a folder that is not there yet, on the disk of the cache."""
+    """Yield the path of a new folder on the disk of the cache."""
     made = temporary_in(bucket.cache.folder / STAGING)
     made.parent.mkdir(parents=True, exist_ok=True)
     try:

@@ -1,6 +1,7 @@
-"""Deleting and restoring recordings: one decision in the database, then moves that can be repeated.
+"""Deleting and restoring recordings: a transaction in the database, then repeatable moves of files.
 
-Stopped anywhere, a recording is whole or deleted and can be restored; ``tidy`` does what is left.
+After an interruption a recording is intact, or deleted and restorable; ``tidy`` completes the
+moves.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Deleted:
-    """A deleted recording; ``manifest`` is None when its files are damaged or missing."""
+    """A deleted recording; ``manifest`` is None if its files are damaged or missing."""
 
     known: Known
     manifest: Manifest | None
@@ -40,8 +41,8 @@ class Deletion:
     def delete(self, sequence: str, identity: str | None = None) -> None:
         """Delete a recording with its labels; it can be restored for ``KEPT_SECONDS``.
 
-        ``identity``: of the recording that is meant; nothing is done when it is deleted already.
-        Raises NotFoundError, ConflictError while somebody works on it, UnavailableError.
+        ``identity``: of the recording; a repeated call has no effect.  Raises NotFoundError,
+        ConflictError while it is imported or tracked, UnavailableError.
         """
         self._library.require_writable()
         if identity is not None and self._is_deleted(identity):
@@ -50,7 +51,6 @@ class Deletion:
             self._require(sequence, identity)
             self._register(sequence)
         self._store.recordings.delete(sequence)
-        # From here on it is deleted.
         self._library.hidden |= {sequence}
         self._tidy_later()
         self._publish(SequencesChanged(sequence))
@@ -66,7 +66,7 @@ class Deletion:
             )
 
     def _register(self, sequence: str) -> None:
-        """Make sure that a recording has a row, also when its import was interrupted."""
+        """Ensure that a recording has a row, even if its import was interrupted."""
         if sequence in self._store.guards.importing():
             return
         manifest = self._library.look(sequence).manifest
@@ -76,7 +76,7 @@ class Deletion:
             self._store.recordings.register(sequence, [], secrets.token_hex(8))
 
     def deleted(self) -> list[Deleted]:
-        """Recordings that can be restored, the last one deleted first."""
+        """Return the restorable recordings, last deleted first."""
         self.tidy()
         return [
             Deleted(known, self._trash.manifest(known))
@@ -84,10 +84,10 @@ class Deletion:
         ]
 
     def restore(self, key: str) -> str:
-        """Bring back the last deleted recording whose id or identity is ``key``; returns its id.
+        """Restore the last deleted recording with the id or identity ``key``; return its id.
 
-        It is another one when its own is taken meanwhile.  By its identity it may have been brought
-        back already.  Raises NotFoundError.
+        If its id is taken, it gets another one.  An identity of a restored recording returns its
+        id.  Raises NotFoundError.
         """
         self._library.require_writable()
         self.tidy()
@@ -111,16 +111,16 @@ class Deletion:
         return guard.sequence
 
     def _tidy_later(self) -> None:
-        """The decision is made: what cannot be moved now, a later call moves."""
+        """Call ``tidy`` after the transaction; failed moves are repeated by a later call."""
         try:
             self.tidy()
         except UnavailableError as error:
             log.warning("folders of deleted recordings are moved later: %s", error)
 
     def tidy(self) -> None:
-        """Bring the folders in line with what was decided, and remove what is too old.
+        """Move folders as the database requires, and purge expired recordings.
 
-        Raises UnavailableError; folders that cannot be moved are hidden, and tried again later.
+        Raises UnavailableError; folders that cannot be moved are hidden, and retried later.
         """
         recordings = self._store.recordings
         deleted = recordings.deleted()
@@ -146,7 +146,7 @@ class Deletion:
             recordings.purge(known.number)
 
     def _left(self) -> list[Known]:
-        """Deleted recordings whose folders are still where they were."""
+        """Return deleted recordings with folders in their original place."""
         live = {known.id for known in self._store.recordings.live()}
         deleted = self._store.recordings.deleted()
         return [known for known in deleted if known.id not in live and self._trash.is_left(known)]

@@ -1,4 +1,4 @@
-"""Stores of a workspace's recordings, and the one that needs nothing else: a folder."""
+"""The interface of stores of a workspace's recordings, and the store in a folder."""
 
 from __future__ import annotations
 
@@ -22,71 +22,71 @@ from pointbrush.work.trash import Trash
 
 Progress = Callable[[float, str], None]
 Version = object
-"""Another one after every change of a manifest; compared, and nothing else."""
+"""Opaque value that differs after each change of a manifest."""
 
 
 class ImportTarget(Protocol):
     """Place of a recording that does not exist yet; picklable."""
 
     def building(self, progress: Progress) -> AbstractContextManager[Path]:
-        """Give the path of a new folder, which is the recording once the block ends.
+        """Yield the path of a new folder, which becomes the recording when the block ends.
 
-        Nothing stays of it when the block raises.
+        It is removed if the block raises.
         """
         raise NotImplementedError
 
 
 class DeletedPlace(Protocol):
-    """Keeps deleted recordings; each step can be repeated, stopped anywhere."""
+    """Storage of deleted recordings; each step can be interrupted and repeated."""
 
     def alone(self) -> AbstractContextManager[None]:
-        """No other process of this machine moves recordings meanwhile."""
+        """Exclude moves of recordings by other processes of this machine."""
         raise NotImplementedError
 
     def is_empty(self) -> bool:
-        """Whether nothing is kept here."""
+        """Return whether it has no recordings."""
         raise NotImplementedError
 
     def is_left(self, known: Known) -> bool:
-        """Whether a deleted recording is still among the others."""
+        """Return whether a deleted recording is still among the others."""
         raise NotImplementedError
 
     def is_away(self, known: Known) -> bool:
-        """Whether a restored recording is still here, and could come back."""
+        """Return whether a restored recording is still here and can be moved back."""
         raise NotImplementedError
 
     def manifest(self, known: Known) -> Manifest | None:
-        """The manifest of a deleted recording, or None when it cannot be read."""
+        """Return the manifest of a deleted recording, or None if it cannot be read."""
         raise NotImplementedError
 
     def ids_for(self, known: Known) -> Iterator[str]:
-        """Ids that a recording may come back under, the best first."""
+        """Yield ids under which a recording can be restored, best first."""
         raise NotImplementedError
 
     def has_room(self, known: Known, sequence: str) -> bool:
-        """Whether it may come back under the id ``sequence``, as far as files are concerned."""
+        """Return whether no files prevent its restoration under the id ``sequence``."""
         raise NotImplementedError
 
     def put_away(self, known: Known) -> None:
-        """Take a recording from the others."""
+        """Move a recording away from the others."""
         raise NotImplementedError
 
     def bring_back(self, known: Known) -> None:
-        """Put a recording back among the others, under the id that it has now."""
+        """Move a recording back to the others, under its current id."""
         raise NotImplementedError
 
     def purge(self, known: Known) -> None:
-        """Remove a deleted recording for good."""
+        """Remove a deleted recording permanently."""
         raise NotImplementedError
 
 
 class SequenceStore(Protocol):
-    """Recordings: each has an id, files and a manifest, without which it is none.
+    """A store of recordings, each with an id, files and a required manifest.
 
-    ``folder``   folder of this machine that is written to meanwhile.
-    ``deleted``  where deleted ones are.
-    ``at_once``  recordings that are best looked at at once.
-    Every method raises UnavailableError when the place cannot be reached.
+    ``folder`` folder of this machine for temporary files.
+    ``deleted``  storage of deleted recordings.
+    ``at_once`` best number of recordings to read in parallel.
+    Every method raises UnavailableError if the store is unreachable.
     """
 
     folder: Path
@@ -94,67 +94,67 @@ class SequenceStore(Protocol):
 
     @property
     def deleted(self) -> DeletedPlace:
-        """See above."""
+        """Return the storage of deleted recordings."""
         raise NotImplementedError
 
     def require_writable(self) -> None:
-        """Raise ReadOnlyError when no recording can be made, changed or removed here."""
+        """Raise ReadOnlyError if recordings cannot be added, changed or removed here."""
         raise NotImplementedError
 
     def require_answer(self) -> None:
-        """Raise UnavailableError unless the place can be reached."""
+        """Raise UnavailableError if the store is unreachable."""
         raise NotImplementedError
 
     def ids(self) -> list[str]:
-        """Ids of all that are, or should be, recordings."""
+        """Return the ids of all recordings, including damaged ones."""
         raise NotImplementedError
 
     def version(self, sequence: str) -> Version | None:
-        """Version of a manifest; None where there is none."""
+        """Return the version of a manifest; None: it does not exist."""
         raise NotImplementedError
 
     def forget(self, sequence: str) -> None:
-        """Look anew at a recording that somebody has changed."""
+        """Drop the cache of a changed recording."""
         raise NotImplementedError
 
     def has(self, sequence: str) -> bool:
-        """Whether there is a recording of this id, whole or not."""
+        """Return whether there is a recording with this id, even a damaged one."""
         raise NotImplementedError
 
     def is_free(self, sequence: str) -> bool:
-        """Whether nothing at all has this name."""
+        """Return whether this name is free."""
         raise NotImplementedError
 
     def files(self, sequence: str) -> RecordingFiles:
-        """The files of a recording."""
+        """Return the files of a recording."""
         raise NotImplementedError
 
     def missing(self, files: RecordingFiles, frames: int) -> str | None:
-        """A sentence about files of frames that are not there, as far as it is known at once."""
+        """Return a sentence about missing files of frames, if a fast check finds any."""
         raise NotImplementedError
 
     def update(self, sequence: str, **fields: Any) -> None:
-        """Change what may change of a manifest."""
+        """Change fields of a manifest."""
         raise NotImplementedError
 
     def target(self, sequence: str) -> ImportTarget:
-        """Place of a new recording of this id."""
+        """Return the target of a new recording with this id."""
         raise NotImplementedError
 
     def staging(self) -> AbstractContextManager[Path]:
-        """Give the path of a temporary folder, not there yet, for ``publish``."""
+        """Yield the path of a new temporary folder for ``publish``."""
         raise NotImplementedError
 
     def publish(self, made: Path, sequence: str) -> None:
-        """Make the recording in the folder ``made`` one of these."""
+        """Add the recording in the folder ``made`` to the store."""
         raise NotImplementedError
 
     def clean(self) -> None:
-        """Remove what an import that was killed has left on this machine."""
+        """Remove remains of killed imports on this machine."""
         raise NotImplementedError
 
     def clear_remains(self, importing: Callable[[], set[str]]) -> None:
-        """Remove what killed imports have left elsewhere; ``importing()`` are those under way."""
+        """Remove other remains of killed imports; ``importing()`` returns unfinished imports."""
         raise NotImplementedError
 
 
@@ -165,11 +165,11 @@ class FolderTarget:
     path: Path
 
     @contextmanager
-    def building(self, progress: Progress) -> Iterator[Path]:  # noqa: ARG002 - it is there at once
-        """See ImportTarget; what imports into the folder makes it whole or not at all.
+    def building(self, progress: Progress) -> Iterator[Path]:  # noqa: ARG002 - it needs no upload
+        """See ImportTarget; the import itself creates the folder atomically.
 
-        The id is reserved for this work: a recording of that id is of an earlier try, whose process
-        died before it could report that it was done.
+        The id is reserved for this import, so an existing folder is from an earlier attempt of a
+        process that died before it could report its end.
         """
         shutil.rmtree(self.path, ignore_errors=True)
         yield self.path
@@ -181,11 +181,11 @@ class FolderStore:
     at_once = 1
 
     def __init__(self, folder: Path) -> None:
-        """Make or open the folder; raises BadInputError when it cannot be used."""
+        """Create or open the folder; raises BadInputError if it cannot be used."""
         self.folder = folder
         make_folder("workspace", folder)
         self.deleted = Trash(folder)
-        self._root = os.fspath(folder)  # joining names to it is quicker than making paths of both
+        self._root = os.fspath(folder)  # faster to join than paths
         self._missing: dict[str, tuple[tuple[Version | None, Version | None], str | None]] = {}
 
     def require_writable(self) -> None:
@@ -203,7 +203,7 @@ class FolderStore:
 
     def ids(self) -> list[str]:
         """See SequenceStore."""
-        with os.scandir(self.folder) as found:  # it knows folders without a look at each
+        with os.scandir(self.folder) as found:  # it knows folders without a stat of each
             return [each.name for each in found if each.name[0] != "." and each.is_dir()]
 
     def version(self, sequence: str) -> Version | None:
@@ -211,7 +211,7 @@ class FolderStore:
         return _stamp_of(f"{self._root}/{sequence}/{FILE}")
 
     def forget(self, sequence: str) -> None:
-        """See SequenceStore; a folder is looked at each time."""
+        """See SequenceStore; nothing is cached."""
 
     def has(self, sequence: str) -> bool:
         """See SequenceStore."""
@@ -258,7 +258,7 @@ class FolderStore:
     def clean(self) -> None:
         """See SequenceStore."""
         clean_temporary(self.folder)
-        for path in self.folder.glob(".deleted-*"):  # of versions that kept no deleted recordings
+        for path in self.folder.glob(".deleted-*"):  # of early versions
             shutil.rmtree(path, ignore_errors=True)
 
     def clear_remains(self, importing: Callable[[], set[str]]) -> None:
@@ -266,7 +266,7 @@ class FolderStore:
 
 
 def make_folder(name: str, folder: Path) -> None:
-    """Make the folder of option ``name``, unless it is there; raises BadInputError."""
+    """Create the folder of option ``name`` if it does not exist; raises BadInputError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -276,20 +276,20 @@ def make_folder(name: str, folder: Path) -> None:
 
 
 def temporary_in(folder: Path) -> Path:
-    """Return a new path in ``folder``, for ``clean_temporary`` once this process is gone."""
+    """Return a new path in ``folder``, which ``clean_temporary`` removes after this process."""
     return folder / f".tmp-{os.getpid()}-{uuid.uuid4().hex}"
 
 
 def _stamp_of(path: str) -> Version | None:
-    """Return a file's inode and time, as each change of a manifest puts a new file in its place."""
+    """Return a file's inode and time, as each change of a manifest replaces its file."""
     with suppress(FileNotFoundError, NotADirectoryError, ValueError):
-        found = os.stat(path)  # noqa: PTH116 - a path is made as slowly as the look takes
+        found = os.stat(path)  # noqa: PTH116 - a Path would double the time
         return found.st_ino, found.st_mtime_ns
     return None
 
 
 NAMED = 3
-"""Missing files that a sentence names."""
+"""Limit of missing files named in a sentence."""
 
 
 def _missing_in(frames: Path, count: int) -> str | None:
@@ -307,6 +307,6 @@ def _missing_in(frames: Path, count: int) -> str | None:
 
 
 def _files_of(frame: int, there: set[str]) -> tuple[str, str]:
-    """The two parts of a frame; an octree's points are a folder."""
+    """Return the names of the two parts of a frame; an octree's points are a folder."""
     stem = f"{frame:06d}"
     return stem if stem in there else f"{stem}.points", f"{stem}.wire"

@@ -1,4 +1,4 @@
-"""The recordings of a workspace, wherever they are kept: opened once, looked over."""
+"""The recordings of a workspace, independent of their store, opened once."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LABELS_ALONE = "labels without their recording, whose files are missing"
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A recording: its manifest as far as it can be read, and what is wrong, or None."""
+    """A recording: its manifest if readable, and a sentence about damage, or None."""
 
     id: str
     manifest: Manifest | None
@@ -38,32 +38,32 @@ class Library:
         """Ids of deleted recordings that could not be moved away yet."""
 
     def require_writable(self) -> None:
-        """Raise ReadOnlyError when no recording can be made, changed or removed here."""
+        """Raise ReadOnlyError if recordings cannot be added, changed or removed."""
         self.store.require_writable()
 
     def manifests(self) -> list[Manifest]:
-        """Manifests of the recordings that can be opened, by name."""
+        """Return the manifests of readable recordings, by name."""
         found = [found.manifest for found in self.survey() if found.manifest is not None]
         return sorted(found, key=lambda manifest: manifest.name.lower())
 
     def ids(self) -> list[str]:
-        """Ids of everything that is, or should be, a recording."""
+        """Return the ids of all recordings, including damaged ones."""
         return [name for name in self.store.ids() if name not in self.hidden]
 
     def listed_ids(self) -> list[str]:
-        """Ids of the recordings that lists contain."""
+        """Return the ids of recordings for lists."""
         return [name for name in self.ids() if name != SCRATCH]
 
     def survey(self) -> list[Found]:
-        """Every one that is, or should be, a recording."""
+        """Return all recordings, including damaged ones."""
         names = self.ids()
-        if self.store.at_once == 1:  # a thread for each would take longer than the look
+        if self.store.at_once == 1:  # faster than threads
             return [self.look(name) for name in names]
         with ThreadPoolExecutor(self.store.at_once, "pointbrush-survey") as pool:
             return list(pool.map(self.look, names))
 
     def look(self, sequence: str) -> Found:
-        """One of them; also the files of its frames must be there."""
+        """Return a recording and check that the files of its frames exist."""
         try:
             recording = self.recording(sequence)
         except (NotFoundError, DamagedError) as error:
@@ -72,7 +72,7 @@ class Library:
         return Found(sequence, recording.manifest, missing)
 
     def recording(self, sequence: str) -> Recording:
-        """The stored recording; raises NotFoundError, DamagedError, UnavailableError."""
+        """Return a stored recording; raises NotFoundError, DamagedError, UnavailableError."""
         version = self.store.version(sequence) if self._may_be(sequence) else None
         with self._lock:
             if version is None:
@@ -86,12 +86,12 @@ class Library:
             raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
         if known is not None and known[0] == version:
             return known[1]
-        # Also another server may have changed it, or put another in its place.
+        # This or another server may have changed or replaced it.
         opened = _opened(self.store.files(sequence), sequence)
         with self._lock:
             known = self._open.get(sequence)
             if known is not None and known[0] == version:
-                return known[1]  # somebody else was as quick
+                return known[1]  # opened by another thread
             self._open[sequence] = version, opened
         return opened
 
@@ -99,7 +99,7 @@ class Library:
         return is_plain(sequence) and sequence not in self.hidden
 
     def has(self, sequence: str) -> bool:
-        """Whether there is one of this id, whole or not."""
+        """Return whether there is a recording with this id, even a damaged one."""
         return self._may_be(sequence) and self.store.has(sequence)
 
     def update(self, sequence: str, **fields: Any) -> Manifest:
@@ -112,11 +112,11 @@ class Library:
         return self.recording(sequence).manifest
 
     def clean(self) -> None:
-        """Remove what an import that was killed has left on this machine."""
+        """Remove remains of killed imports on this machine."""
         self.store.clean()
 
     def is_free(self, sequence: str) -> bool:
-        """Whether nothing has this name."""
+        """Return whether this name is free."""
         return self.store.is_free(sequence)
 
 

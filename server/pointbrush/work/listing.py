@@ -1,4 +1,4 @@
-"""All recordings of a workspace, their faults, and what can be made anew of them."""
+"""All recordings of a workspace, their faults, and repairs."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
 
 LABELS_MISSING = "labels were not imported"
-"""Said of a recording without the labels that are in its files; a reason follows."""
+"""Prefix of the message about a recording without the labels in its files."""
 
 
 @dataclass(slots=True)
 class Repaired:
-    """Faults that are repaired, and what is lost; one sentence each."""
+    """Repaired and irreparable faults, one sentence each."""
 
     rebuilt: list[str] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
@@ -71,10 +71,10 @@ NOTHING = Progress()
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """A recording; ``manifest`` is None when it cannot be read, ``damaged`` a sentence or None.
+    """A recording; ``manifest`` is None if it cannot be read, ``damaged`` a sentence or None.
 
-    ``project`` is the one that it is in; ``labels_missing`` the reason why the labels in its files
-    did not come in, or None; ``copy_of`` the recording that it is one person's copy of, or None.
+    ``project``: its project; ``labels_missing``: the reason why the labels in its files were not
+    imported, or None; ``copy_of``: the original of a copy for one person, or None.
     """
 
     id: str
@@ -88,12 +88,12 @@ class Listed:
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """Return its name."""
         return self.id if self.manifest is None else self.manifest.name
 
 
 class Listing:
-    """The recordings of a workspace, their faults, and what can be made anew; thread-safe."""
+    """The recordings of a workspace, their faults, and repairs; thread-safe."""
 
     def __init__(
         self, library: Library, store: LabelStore, imports: Imports, deletion: Deletion
@@ -102,13 +102,13 @@ class Listing:
         self._imports, self._deletion = imports, deletion
 
     def all(self, *, copies: bool = False) -> list[Listed]:
-        """Every recording that has files or labels, by name; not those that imports have begun.
+        """Return all recordings with files or labels, by name, except unfinished imports.
 
-        ``copies``: those for one person, too.  The scratch recording is never among them.
+        ``copies``: include copies for one person.  The scratch recording is excluded.
         """
         found, revisions = self._library.survey(), self._store.sequences()
         if revisions.keys() != {folder.id for folder in found}:
-            # A deletion or an import was stopped, here or by another server.
+            # A deletion or an import was interrupted, on this or another server.
             self._deletion.tidy()
             for one in found:
                 if one.id not in revisions:
@@ -143,9 +143,9 @@ class Listing:
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
     def search(self, search: Search, text: str = "") -> list[Listed]:
-        """Find recordings by what is known of their labels, and by a part of their name or id.
+        """Return recordings by conditions on their labels, and by a part of their name or id.
 
-        Copies for one person are among them.
+        Copies for one person are included.
         """
         wanted = text.strip().lower()
         found: dict[str, Manifest] = {}
@@ -172,7 +172,7 @@ class Listing:
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
     def entry(self, sequence: str) -> Listed:
-        """One of the list; raises NotFoundError when it has neither files nor labels."""
+        """Return one recording; raises NotFoundError if it has neither files nor labels."""
         revision = self._store.sequences().get(sequence)
         if self._library.has(sequence):
             found = self._library.look(sequence)
@@ -192,9 +192,9 @@ class Listing:
         return self._imports.source_labels.missing([manifest]).get(manifest.id)
 
     def problems(self, sequence: str) -> list[str]:
-        """List faults of a recording's files, its journal or its annotations; [] if sound.
+        """Return the faults of a recording's files, journal and annotations.
 
-        Raises NotFoundError when it has neither, UnavailableError.
+        Raises NotFoundError if it has neither files nor labels, UnavailableError.
         """
         known, files = sequence in self._store.sequences(), self._library.has(sequence)
         if not known and not files:
@@ -210,11 +210,11 @@ class Listing:
         return problems if damaged is None else [damaged, *problems]
 
     def repair(self, sequences: Iterable[str]) -> Repaired:
-        """Make anew what can be; no other process may have the workspace open.
+        """Repair recordings as far as possible; no other process may have the workspace open.
 
-        Indexes come from the database's rows; snapshots, counts, palette and tracks from the
-        journal.  Files of frames, the journal and manifests cannot be made anew.
-        Raises ReadOnlyError.
+        Indexes are rebuilt from the database's rows; snapshots, counts, palette and tracks from the
+        journal.  Files of frames, the journal and manifests cannot be repaired.  Raises
+        ReadOnlyError.
         """
         done = Repaired()
         _repair_database(self._store, done)
@@ -232,7 +232,7 @@ class Listing:
         return done
 
     def _repair_files(self, sequence: str, done: Repaired) -> list[str]:
-        """Note checksums of a recording that has none, and return the faults of its files."""
+        """Add missing checksums of a recording, and return the faults of its files."""
         files = self._library.store.files(sequence)
         if note_checksums(files):
             done.rebuilt.append(
@@ -242,9 +242,9 @@ class Listing:
 
 
 def _told(look: Callable[[], list[str]], part: str = "") -> list[str]:
-    """Return the findings of ``look``; a failure to look is one too, as damaged files cause any.
+    """Return the findings of ``look``; an error in it is a finding too, as damage can cause any.
 
-    Raises ReadOnlyError, and UnavailableError unless ``part`` names what was looked at.
+    Raises ReadOnlyError, and UnavailableError without a ``part``.
     """
     try:
         return look()

@@ -1,4 +1,4 @@
-"""Folders of deleted recordings, kept beside the others until they are purged or come back."""
+"""Folders of deleted recordings, stored beside the others until they are purged or restored."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DOOMED = ".purged-"
 class Trash:
     """Moves folders between a library's folder and ``.deleted`` in it; see DeletedPlace.
 
-    ``Known`` recordings are kept by identity and number: two of the same id do not meet.
+    Folders are named by identity and number, so recordings with the same id do not collide.
     """
 
     def __init__(self, library: Path) -> None:
@@ -33,14 +33,14 @@ class Trash:
 
     @contextlib.contextmanager
     def alone(self) -> Iterator[None]:
-        """No other process moves folders meanwhile."""
+        """Exclude moves of folders by other processes."""
         self._folder.mkdir(exist_ok=True)
         with (self._folder / LOCK).open("a") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             yield
 
     def place(self, known: Known) -> Path:
-        """The folder of a deleted recording; names in a database of others may lead elsewhere."""
+        """Return the folder of a deleted recording; an invalid identity cannot escape it."""
         identity = known.identity if is_plain(known.identity) else "unknown"
         return self._folder / f"{identity}-{known.number}"
 
@@ -72,25 +72,25 @@ class Trash:
         return is_plain(sequence) and not os.path.lexists(self._library / sequence)
 
     def manifest(self, known: Known) -> Manifest | None:
-        """The manifest of a deleted recording, or None when it cannot be read."""
+        """Return the manifest of a deleted recording, or None if it cannot be read."""
         return _manifest_or_none(self.place(known))
 
     def put_away(self, known: Known) -> None:
-        """Move a recording's folder here, in one step."""
+        """Move a recording's folder here atomically."""
         self._move(self._library / known.id, self.place(known))
 
     def bring_back(self, known: Known) -> None:
-        """Move a recording's folder back; its manifest gets the id that it has now."""
+        """Move a recording's folder back; its manifest gets the current id."""
         manifest = self.manifest(known)
         if manifest is not None and manifest.id != known.id:
             update_manifest(self.place(known), id=known.id)
         self._move(self.place(known), self._library / known.id)
 
     def purge(self, known: Known) -> None:
-        """Remove a folder for good."""
+        """Remove a folder permanently."""
         doomed = self._folder / f"{DOOMED}{known.number}"
         if self._has(known):
-            # Renamed first: what is half removed must not look as if it could come back.
+            # Renamed first, so that a partly removed folder does not look restorable.
             self.place(known).rename(doomed)
         shutil.rmtree(doomed, ignore_errors=True)
 
@@ -101,7 +101,7 @@ class Trash:
 
 
 def _manifest_or_none(folder: Path) -> Manifest | None:
-    """A folder's manifest, or None when there is none that can be read."""
+    """Return a folder's manifest, or None if it cannot be read."""
     try:
         return read_manifest(folder)
     except (PointbrushError, OSError, KeyError, TypeError):
@@ -109,6 +109,6 @@ def _manifest_or_none(folder: Path) -> Manifest | None:
 
 
 def ids_for(name: str) -> Iterator[str]:
-    """Readable, URL-safe ids made from ``name``, the best first."""
+    """Yield readable, URL-safe ids derived from ``name``, best first."""
     slug = re.sub(r"[^a-z0-9]+", "-", composed(name).lower()).strip("-")[:48] or "recording"
     return itertools.chain([slug], (f"{slug}-{number}" for number in itertools.count(2)))
