@@ -1,4 +1,4 @@
 """Oriented boxes and the points in them."""
 
 FIT = "fitting"
-"""Of a job's request: boxes fitted to labels."""
+"""Call in the request of a job that fits boxes to labels."""

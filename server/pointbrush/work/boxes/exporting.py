@@ -1,4 +1,4 @@
-"""Boxes of a recording on their way to files: with the names, times and cameras of frames."""
+"""Export of a recording's boxes with the names, times and cameras of frames."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence as Recording
 
 FRONT = ("image_2", "image_02", "CAM_FRONT", "ring_front_center")
-"""Names of cameras that look ahead, the first of which is KITTI's; else the first one counts."""
+"""Names of front cameras, KITTI's first; without one of them the first camera is used."""
 
 
 def boxed_frames(
     frames: Iterable[formats.ExportFrame], store: LabelStore | PastLabels, recording: Recording
 ) -> Iterator[formats.ExportFrame]:
-    """Give frames their boxes, as they are when the first one is asked for."""
+    """Yield frames with their boxes, which are read with the first frame."""
     names = frame_stems(recording)
     sequence = recording.manifest.id
     classes = {label.id: category_of(label) for label in store.palette(sequence)}
@@ -43,7 +43,7 @@ def boxed_frames(
 
 
 def frame_stems(recording: Recording) -> list[str]:
-    """Name the frames as their source files, without ending; by number where names repeat."""
+    """Return the stems of the frames' source files, or frame numbers if stems repeat."""
     manifest = recording.manifest
     stems = [Path(file).stem.removesuffix(".pcd") for file in manifest.files or []]
     whole = len(stems) == manifest.frames and len(set(stems)) == len(stems) and all(stems)
@@ -51,7 +51,7 @@ def frame_stems(recording: Recording) -> list[str]:
 
 
 def _view(recording: Recording, index: int) -> View | None:
-    """Find the camera that looks ahead, of those whose place and projection are known."""
+    """Return the front camera among the cameras with known pose and projection."""
     known = {
         each.name: each
         for each in recording.projections(index)

@@ -1,4 +1,4 @@
-"""Boxes fitted to labels, in a job: observations out of a recording, one edit back in."""
+"""Jobs that fit boxes to labels: observations from a recording, results as one edit."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ from pointbrush.work.boxes.observing import observed
 from pointbrush.worker import Channel
 
 READING = 0.7
-"""Share of a job's time that goes into reading frames, about."""
+"""Approximate share of a job's time for reading frames."""
 SPREAD = 0.1
-"""Share of a class's size that is its spread where the taxonomy tells none."""
+"""Spread of a class's size, as a share of the size, if the taxonomy has none."""
 DRAWN_SPREAD = 0.001
-"""Metres by which a size that somebody drew may be changed."""
+"""Spread of a size drawn by a person, metres."""
 
 
 Size = tuple[float, float, float]
@@ -42,10 +42,10 @@ Size = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A label whose box is fitted.
+    """A label to fit a box to.
 
-    ``drawn``: the size that somebody drew, which stays.  ``size`` and ``spread``: those of its
-    class in the taxonomy.
+    ``drawn``: size drawn by a person, which is kept.  ``size`` and ``spread``: of its class in the
+    taxonomy.
     """
 
     label: int
@@ -57,7 +57,7 @@ class Target:
 
     @property
     def priors(self) -> list[SizePrior]:
-        """The sizes that it may have."""
+        """Return the priors of its size."""
         found = priors_of(self.category, names=(self.name,))
         mean = self.drawn or self.size
         if mean is None:
@@ -71,7 +71,7 @@ class Target:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fitted:
-    """A label's fit, or ``why`` there is none."""
+    """A label's fit, or the reason ``why`` there is none."""
 
     label: int
     box: FittedBox | None = None
@@ -80,7 +80,7 @@ class Fitted:
 
 @dataclass(frozen=True)
 class FittingWork:
-    """Picklable work: hands each label's ``Fitted`` over as an item."""
+    """Picklable work that sends each label's ``Fitted`` as an item."""
 
     files: RecordingFiles
     database: str = field(repr=False)  # may hold a password
@@ -118,9 +118,9 @@ def fit_one(target: Target, seen: list[Observation], options: FitOptions) -> Fit
 
 @dataclass(frozen=True, slots=True)
 class FitRequest:
-    """Fit boxes to ``labels``, or all; to those of a ``category``; in ``frames``.
+    """Request to fit boxes in ``frames`` to ``labels`` (None: all), optionally of one ``category``.
 
-    ``redraw``: also what somebody drew is fitted anew.
+    ``redraw``: also fit boxes that a person drew.
     """
 
     frames: tuple[int, ...]
@@ -129,7 +129,7 @@ class FitRequest:
     redraw: bool = False
 
     def as_json(self) -> dict[str, Any]:
-        """Return the record a job keeps, to be begun again."""
+        """Return the record from which a job can be restarted."""
         labels = None if self.labels is None else list(self.labels)
         return {
             "call": FIT, "frames": list(self.frames), "labels": labels,
@@ -138,7 +138,7 @@ class FitRequest:
 
     @classmethod
     def of_json(cls, fields: Mapping[str, Any]) -> FitRequest:
-        """Return the request that ``as_json`` made ``fields`` of."""
+        """Return the request for ``fields`` of ``as_json``."""
         labels = fields["labels"]
         return cls(
             tuple(fields["frames"]), None if labels is None else tuple(labels),
@@ -146,7 +146,7 @@ class FitRequest:
         )  # fmt: skip
 
     def chosen(self, palette: Mapping[int, Label]) -> list[Label]:
-        """Choose labels of a palette; raises NotFoundError for an unknown label or category."""
+        """Return the chosen labels of a palette; raises NotFoundError (label, category)."""
         for number in self.labels or ():
             if number not in palette:
                 raise NotFoundError(f"labels: expected ids of the palette, got {number}")
@@ -162,7 +162,7 @@ class FitRequest:
 
 
 class Fits:
-    """Starts jobs that fit boxes, and takes in what they find."""
+    """Starts jobs that fit boxes, and commits their results."""
 
     def __init__(
         self, store: LabelStore, runner: JobRunner, database: str, options: FitOptions | None = None
@@ -171,7 +171,7 @@ class Fits:
         self._options = options or FitOptions()
 
     def start(self, recording: Recording, request: FitRequest, author: str, job_id: str) -> Job:
-        """Begin a job; ``job_id`` is that of its edit too.
+        """Start a job; ``job_id`` is also the id of its edit.
 
         Raises NotFoundError (frame, label, category), BadInputError (no frame).
         """
@@ -180,7 +180,7 @@ class Fits:
         return self._begin(recording, request, job)
 
     def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
-        """Begin a job again that another server has left; return its result if it was done."""
+        """Restart a job of an ended server; return its result if it was already committed."""
         made = self._store.find(recording.manifest.id, job.edit or job.id)
         if made is not None:
             return {"edit": made.edit_id, "fitted": list(made.boxes), "skipped": {}}
@@ -232,7 +232,7 @@ class Fits:
         self, sequence: str, request: FitRequest, job: Job, found: list[Fitted],
         skipped: dict[str, str],
     ) -> dict[str, Any]:  # fmt: skip
-        """Write all boxes as one edit."""
+        """Commit all boxes as one edit."""
         told = skipped | {str(each.label): each.why for each in found if each.box is None}
         made = {each.label: each.box for each in found if each.box is not None}
         if not made:
@@ -258,14 +258,16 @@ class Fits:
 
 
 def _first_boxes(boxes: Iterable[OrientedBox]) -> dict[int, OrientedBox]:
-    """Choose the oldest box of each label."""
+    """Return the oldest box of each label."""
     return {box.label: box for box in sorted(boxes, key=lambda box: -box.id)}
 
 
 def merged(old: OrientedBox | None, label: int, new: FittedBox, request: FitRequest) -> OrientedBox:
-    """Make a label's box of a fit and of the box it had: poses of other frames stay, and, unless
-    they are to be redrawn, those that somebody drew, with the size drawn.  A known heading of the
-    box that it had decides which end of the new one is the front, unless the fit knows it."""
+    """Merge a fit into the earlier box of a label.
+
+    Poses in other frames are kept; drawn poses and a drawn size too, unless ``redraw``.  A known
+    heading of the earlier box decides the front of the new one, unless the fit has determined it.
+    """
     poses = {
         frame: BoxPose(each.centre, each.quaternion, "fitted", each.confidence)
         for frame, each in new.poses.items()
@@ -295,7 +297,7 @@ def merged(old: OrientedBox | None, label: int, new: FittedBox, request: FitRequ
 
 
 def _opposed(old: Mapping[int, BoxPose], new: Mapping[int, BoxPose]) -> bool:
-    """Tell whether new poses head against the old ones of the nearest frames."""
+    """Return whether the headings of new poses oppose the old ones in the nearest frames."""
     agreement = 0.0
     for frame, pose in new.items():
         nearest = old[min(old, key=lambda other: abs(other - frame))]

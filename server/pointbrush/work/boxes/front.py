@@ -37,8 +37,8 @@ class Fitting:
     ) -> Job:
         """Fit boxes to labels in a job; it is one edit.
 
-        ``frames`` "I:J", all unless given.  ``edit``: the id of the edit and of the job; of one
-        that ``author`` has begun before, that job is returned.
+        ``frames``: "I:J", by default all.  ``edit``: id of the edit and the job; if ``author`` has
+        already started a job with this id, it is returned.
         """
         recording = self._recording(sequence)
         request = FitRequest(
@@ -49,5 +49,5 @@ class Fitting:
         return self._jobs.begin_once(edit, author, begin)
 
     def again(self, job: Job) -> dict[str, Any] | None:
-        """Begin a job again that another server has left; return its result if it was done."""
+        """Restart a job of an ended server; return its result if it was already committed."""
         return self._fits.again(self._recording(job.sequence or ""), job)

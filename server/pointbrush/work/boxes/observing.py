@@ -15,14 +15,14 @@ from pointbrush.work.tracking.sensor import sensor_of
 
 Floats = NDArray[np.float64]
 REACH = 5.0
-"""Metres round an object within which its frame's other points are looked at."""
+"""Distance around an object within which the frame's other points are used, metres."""
 
 
 def observed(
     store: LabelStore, recording: Recording, labels: Collection[int], frames: Sequence[int],
     options: FitOptions,
 ) -> Iterator[tuple[int, dict[int, Observation]]]:  # fmt: skip
-    """Yield each frame, and what it shows of ``labels``, by label, source coordinates."""
+    """Yield each frame and its observations by label, source coordinates."""
     manifest = recording.manifest
     up = np.asarray(manifest.T_room_local[1, :3], np.float64)
     place = None
@@ -57,6 +57,6 @@ def observed(
 def _sensor(
     frame: StoredFrame, place: tuple[float, float, float] | None, shift: Sequence[float]
 ) -> Floats | None:
-    """Find the place of the sensor in a frame, source coordinates."""
+    """Return the position of the sensor in a frame, source coordinates."""
     where = frame.viewpoint if frame.viewpoint is not None else place
     return None if where is None else np.asarray(where, np.float64) + np.asarray(shift, np.float64)

@@ -1,4 +1,4 @@
-"""Points that lie in a box, labelled as the box is."""
+"""Labelling the points inside a box."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class BoxPainting(Part):
         only_unlabeled: bool = False,
         edit: str | None = None,
     ) -> Commit:
-        """Give the points inside a box its label, in its frames ``I:J``, all unless given.
+        """Give the points inside a box its label, in its frames ``I:J``, by default all.
 
-        It is one edit, as a stroke of the shape ``box`` in each frame: deleted points and those of
-        locked and hidden labels are left alone.  Raises NotFoundError (box), BadInputError (no
+        It is one edit with the rules of a stroke of the shape ``box``: deleted points and points of
+        locked or hidden labels are not changed.  Raises NotFoundError (box), BadInputError (no
         frames of it), LockedLabelError, HiddenLabelError.
         """
         recording = self._recording(sequence)
@@ -70,7 +70,7 @@ def _writes(
     shift = np.asarray(recording.manifest.shift, np.float64)
     for frame in frames:
         pose = box.poses[frame]
-        # One of no points, too, so that a locked label is refused whatever is inside.
+        # Includes an empty write, so that a locked label is always refused.
         found = [np.empty(0, np.int64)]
         if recording[frame].count:
             place = (pose.centre - shift, box.size, rotation_of(pose.quaternion))

@@ -1,4 +1,4 @@
-"""Classifiers of a workspace, taught by what people painted: kept, asked, applied."""
+"""Classifiers of a workspace, trained on painted points: storage, prediction and jobs."""
 
 PREDICT = "prediction"
-"""Of a job's request: a classifier applied to frames."""
+"""Call in the request of a job that applies a classifier to frames."""

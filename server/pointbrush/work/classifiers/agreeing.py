@@ -1,4 +1,4 @@
-"""Places that stand still agree over frames: what is said of a taught frame counts in others."""
+"""Consistency of static places over frames: predictions for a training frame count in others."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from pointbrush.work.classifiers.frames import level_rotation
 
 Floats = NDArray[np.float64]
 Say = Callable[[int], tuple[Described, Chances]]
-"""Describes a frame, and says the chances of its cells."""
+"""Returns the features of a frame and the class probabilities of its cells."""
 REACH = 4.0
-"""Cells within which a place of another frame is the same one."""
+"""Distance, in cells, within which places of two frames are the same."""
 
 
 def voter_of(
     classifier: Classifier, recording: Recording, frame: int, most_points: int
 ) -> int | None:
-    """Return the nearest other frame that taught a classifier, if poses lead to it; or None.
+    """Return the nearest other training frame of a classifier with a pose, or None.
 
-    ``most_points``: larger frames are described in parts and do not vote.
+    ``most_points``: larger frames are processed in parts and are not used.
     """
     sequence, poses = recording.manifest.id, recording.manifest.poses
     if classifier.model or poses[frame] is None or recording[frame].count > most_points:
@@ -42,8 +42,8 @@ def voter_of(
 def agreed(
     recording: Recording, frame: int, place: Described, chance: Chances, voter: int, say: Say
 ) -> Chances:
-    """Mean the chances (C, K) of a frame's cells with the same places' there, and vote again."""
-    from scipy.spatial import cKDTree  # loads much that no other call needs
+    """Average the chances (C, K) of cells with the same places in frame ``voter``; vote again."""
+    from scipy.spatial import cKDTree  # slow to import, needed only here
 
     there, said = say(voter)
     if not (len(there.center) and len(place.center)):

@@ -1,4 +1,4 @@
-"""A classifier applied to frames, in a job: one edit at its end, or none."""
+"""Jobs that apply a classifier to frames and commit the result as one edit."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ SUREST = 255
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """Classes, from 1, and confidences of points of a frame; ``numbers``: of a piece, or None."""
+    """Classes, from 1, and confidences of points; ``numbers``: of a piece, None: all points."""
 
     frame: int
     numbers: NDArray[np.int64] | None
@@ -47,7 +47,7 @@ class Found:
 
 @dataclass(frozen=True)
 class PredictingWork:
-    """Picklable work: hands each piece's ``Found`` over as an item."""
+    """Picklable work that sends each piece's ``Found`` as an item."""
 
     files: RecordingFiles
     classifier: bytes = field(repr=False)
@@ -56,7 +56,7 @@ class PredictingWork:
     models: Models
 
     def __call__(self, channel: Channel) -> None:
-        """Predict frame by frame, large ones piece by piece."""
+        """Predict frame by frame, and large frames piece by piece."""
         recording, model = open_sequence(self.files), from_file(self.classifier)
         own = self.models.make(model.model) if model.model else None
         total = sum(recording[frame].count for frame in self.frames) or 1
@@ -72,10 +72,10 @@ def predicted(
     recording: Recording, frame: int, model: Classifier, options: ClassifierOptions,
     own: Model | None = None, kept: dict[int, tuple[Described, Chances]] | None = None,
 ) -> Iterator[tuple[Found, int]]:  # fmt: skip
-    """Yield the classes of a frame by a classifier, and the number of points.
+    """Yield the predicted classes of a frame and the number of points.
 
-    ``own``: the model that answers in place of its trees; ``kept``: what was said of a frame that
-    others are compared with.
+    ``own``: the model used instead of its trees; ``kept``: cache of the prediction for a frame that
+    other frames are compared with.
     """
     kept = {} if kept is None else kept
 
@@ -114,23 +114,23 @@ def predicted(
 
 @dataclass(frozen=True)
 class ApplyRequest:
-    """Apply a classifier to ``frames`` of a recording."""
+    """Request to apply a classifier to ``frames`` of a recording."""
 
     frames: tuple[int, ...]
     options: ApplyOptions
 
     def as_json(self) -> dict[str, Any]:
-        """Return the record a job keeps, to be begun again."""
+        """Return the record from which a job can be restarted."""
         return {"call": PREDICT, "frames": list(self.frames), "options": asdict(self.options)}
 
     @classmethod
     def of_json(cls, fields: Mapping[str, Any]) -> ApplyRequest:
-        """Return the request that ``as_json`` made ``fields`` of."""
+        """Return the request for ``fields`` of ``as_json``."""
         return cls(tuple(fields["frames"]), ApplyOptions(**fields["options"]))
 
 
 class Predictions:
-    """Starts jobs that apply classifiers, and takes in what they find."""
+    """Starts jobs that apply classifiers, and commits their results."""
 
     def __init__(
         self,
@@ -140,22 +140,22 @@ class Predictions:
         options: ClassifierOptions,
         models: Models,
     ) -> None:
-        """``current`` gives a classifier as it is now by its id."""
+        """``current`` returns the current classifier by its id."""
         self._models = models
         self._store, self._runner = store, runner
         self._current, self._options = current, options
 
     def start(self, recording: Recording, request: ApplyRequest, author: str, job_id: str) -> Job:
-        """Begin a job; ``job_id`` is that of its edit too.
+        """Start a job; ``job_id`` is also the id of its edit.
 
-        Raises NotFoundError (frame, classifier), BadInputError (nothing taught, no frame).
+        Raises NotFoundError (frame, classifier), BadInputError (no examples, no frame).
         """
         sequence, kept = recording.manifest.id, request.as_json()
         job = Job("prediction", sequence, job_id, owner=author, edit=job_id, request=kept)
         return self._begin(recording, request, job)
 
     def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
-        """Begin a job again that another server has left; return its result if it was done."""
+        """Restart a job of an ended server; return its result if it was already committed."""
         made = self._store.find(recording.manifest.id, job.edit or job.id)
         if made is not None:
             return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}
@@ -193,7 +193,7 @@ class Predictions:
 
 @dataclass(frozen=True)
 class _Pending:
-    """Findings of a job, in the server's process; they become one edit."""
+    """Results of a job in the server's process, before their commit as one edit."""
 
     store: LabelStore
     recording: Recording
@@ -202,7 +202,7 @@ class _Pending:
     found: list[Found]
 
     def commit(self, edit: str, author: str) -> dict[str, Any]:
-        """Write everything as one edit: where nobody painted, erased or tracked."""
+        """Commit as one edit, except points that were painted, erased or tracked."""
         name, frames = self.model.name, len(self.request.frames)
         many = "1 frame" if frames == 1 else f"{frames} frames"
         commit = self.store.apply(
@@ -223,7 +223,7 @@ class _Pending:
         }
 
     def _choose(self, palette: Palette) -> tuple[Sequence[Label], Writes]:
-        """Choose the label of each class in the palette that the edit commits on."""
+        """Return the labels and writes for the palette at the commit."""
         ids, added, new = palette.free_ids(), [], np.zeros(len(self.model.classes) + 1, np.uint16)
         taught = self.model.counts > 0
         for number, name in enumerate(self.model.classes, 1):
@@ -232,7 +232,7 @@ class _Pending:
             if label is None and taught[number - 1]:
                 label = Label(ids.take((name, name)), name, name)
                 added.append(label)
-            # Nobody sees what is hidden, and a locked label is as it should be.
+            # Hidden and locked labels are not predicted.
             if label is not None and label.visible and not label.locked:
                 new[number] = label.id
         return added, self._writes(new)

@@ -1,4 +1,4 @@
-"""Described frames: made once, kept in memory while there is room."""
+"""Cached features of frames, computed once and evicted when the cache is full."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from pointbrush.work.objects.frames import near
 Numbers = NDArray[np.int64]
 Key = tuple[str, int, float, tuple[int, ...]]
 SAMPLED = 1_000_000
-"""Points of a piece by which the scale of a large frame is found."""
+"""Number of points of a piece from which the scale of a large frame is computed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Part of a frame by a ``key`` of its own: its points' ``members``; ``describe`` takes time."""
+    """Part of a frame with a unique ``key``: its points ``members``; ``describe`` is slow."""
 
     key: Key
     members: Numbers
@@ -51,7 +51,7 @@ class DescribedFrames:
         return scale_of(example_frame(recording, frame, members).xyz, self._options.features)
 
     def whole(self, recording: Recording, frame: int, size: float) -> Described:
-        """Return a frame's description; raises TooLargeError for one that is read in pieces."""
+        """Return a frame's features; raises TooLargeError for a frame that is read in pieces."""
         count = recording[frame].count
         if count > self._options.whole_points:
             raise TooLargeError(
@@ -63,7 +63,7 @@ class DescribedFrames:
     def round(
         self, recording: Recording, frame: int, size: float, place: NDArray[np.float64]
     ) -> tuple[Described, Numbers]:
-        """Return the description of what is near a place (3,), local metres, and its points."""
+        """Return the features of points near a place (3,), local metres, and their numbers."""
         stored = recording[frame]
         if stored.count <= self._options.whole_points:
             return self.whole(recording, frame, size), np.arange(stored.count)
@@ -73,7 +73,7 @@ class DescribedFrames:
     def holding(
         self, recording: Recording, frame: int, size: float, points: Numbers
     ) -> Iterator[Part]:
-        """Yield parts of a frame in which ``points`` (n,) lie, each once."""
+        """Yield the distinct parts of a frame that contain ``points`` (n,)."""
         stored = recording[frame]
         if stored.count <= self._options.whole_points:
             whole = partial(self.whole, recording, frame, size)
@@ -90,7 +90,7 @@ class DescribedFrames:
     def _near(
         self, recording: Recording, frame: int, size: float, place: NDArray[np.float64], most: int
     ) -> tuple[tuple[int, ...], Numbers]:
-        """Return the cube that a place is in, and about ``most`` points round its middle."""
+        """Return the cube that contains a place, and about ``most`` points around its centre."""
         step = 64 * size
         cube = np.floor(place / step)
         members = near(frame_points(recording[frame]), (cube + 0.5) * step, 1e5, most)
@@ -103,7 +103,7 @@ class DescribedFrames:
         return describe(made, size, self._options.features)
 
     def forget(self, identity: str) -> None:
-        """Drop what is kept of a recording, by its import's identity."""
+        """Drop the cache of a recording, by its import's identity."""
         for key in self._kept.held():
             if key[0] == identity:
                 self._kept.drop(key)
@@ -116,7 +116,7 @@ class DescribedFrames:
         known = self._kept.known(key)
         if known is not None:
             return known
-        with self._busy:  # one at a time: two would take the same frame's time twice
+        with self._busy:  # one at a time, so that no frame is processed twice
             known = self._kept.known(key)
             if known is None:
                 made = self._describe(recording, frame, size, members)

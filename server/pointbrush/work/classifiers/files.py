@@ -14,17 +14,17 @@ from pointbrush.work.trash import ids_for
 _ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")
 _ENDING = ".npz"
 MOST_CLASSIFIERS = 256
-"""Of a workspace: listing them reads each file for the recordings that taught it."""
+"""Limit for a workspace, as listing reads each file for its training recordings."""
 
 
 class ClassifierFiles:
-    """One file a classifier under ``folder``, which need not exist."""
+    """One file per classifier in ``folder``, which need not exist."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
     def ids(self) -> list[str]:
-        """List all, by id."""
+        """Return the ids of all classifiers, sorted."""
         found = (path.name.removesuffix(_ENDING) for path in self._folder.glob(f"*{_ENDING}"))
         return sorted(name for name in found if _ID.fullmatch(name))
 
@@ -47,7 +47,7 @@ class ClassifierFiles:
         return found
 
     def free_id(self, name: str) -> str:
-        """Return a readable id for a name that nothing has.  Raises BadInputError when full."""
+        """Return a free readable id for a name.  Raises BadInputError at the limit."""
         taken = set(self.ids())
         if len(taken) >= MOST_CLASSIFIERS:
             raise BadInputError(
@@ -56,7 +56,7 @@ class ClassifierFiles:
         return next(each for each in ids_for(name) if each not in taken)
 
     def write(self, identifier: str, classifier: Classifier) -> None:
-        """Write a classifier whole or not at all."""
+        """Write a classifier atomically."""
         path = self._path(identifier)
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_file(path, to_file(classifier))
@@ -75,5 +75,5 @@ class ClassifierFiles:
 
 
 def unknown(identifier: str) -> NotFoundError:
-    """Return the error for an id that nothing has."""
+    """Return the error for an unknown id."""
     return NotFoundError(f"classifier: expected a known id, got {identifier!r}")

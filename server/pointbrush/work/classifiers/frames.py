@@ -1,4 +1,4 @@
-"""Stored frames as classifiers see them: whole, piece by piece, or what is near a place."""
+"""Stored frames as input of classifiers: whole, piece by piece, or around a place."""
 
 from __future__ import annotations
 
@@ -19,25 +19,27 @@ Numbers = NDArray[np.int64]
 Floats = NDArray[np.float64]
 RETURNS = ("return_number", "number_of_returns")
 LEVEL_FROM_ROOM = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-"""Rotation from room coordinates, y up, to level ones, z up."""
+"""Rotation from room coordinates, y up, to level coordinates, z up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Piece:
-    """Points of a frame by their stored numbers: ``members`` (n,) ascending, with those round the
-    piece; ``inside`` (n,) says which are its own."""
+    """Points of a frame by their stored numbers.
+
+    ``members`` (n,): ascending, including the margin; ``inside`` (n,): False in the margin.
+    """
 
     members: Numbers
     inside: NDArray[np.bool_]
 
 
 def level_rotation(manifest: Manifest) -> Floats:
-    """Return the rotation (3, 3) from local coordinates to level ones, z up."""
+    """Return the rotation (3, 3) from local coordinates to level coordinates, z up."""
     return np.asarray(LEVEL_FROM_ROOM @ manifest.T_room_local[:3, :3])
 
 
 def example_frame(recording: Recording, frame: int, members: Numbers | None = None) -> ExampleFrame:
-    """Return a frame, or its points ``members``, as features are made of it."""
+    """Return a frame, or its points ``members``, as input of features."""
     stored = recording[frame]
 
     def part(column: NDArray[np.generic] | None) -> NDArray[np.generic] | None:
@@ -46,7 +48,7 @@ def example_frame(recording: Recording, frame: int, members: Numbers | None = No
         return np.ascontiguousarray(column if members is None else column[members])
 
     level = level_rotation(recording.manifest)
-    # A kind that is only guessed may be wrong: land from the air passes for a turn of a lidar.
+    # A guessed kind may be wrong: an aerial scan can look like a rotation of a lidar.
     known = stored.viewpoint is not None or stored.pose is not None
     sensor = sensor_of(stored, recording.manifest) if known else None
     xyz = np.asarray(stored.coordinates[slice(None) if members is None else members], np.float64)
@@ -63,7 +65,7 @@ def example_frame(recording: Recording, frame: int, members: Numbers | None = No
 def _returns(
     recording: Recording, stored: StoredFrame, members: Numbers | None
 ) -> NDArray[np.float32] | None:
-    """Number of the return and of its pulse's returns (n, 2), where the source has them."""
+    """Return the return number and number of returns (n, 2), or None if the source has none."""
     found = recording.other_of(stored.index, 0, stored.count)
     if not all(name in found for name in RETURNS):
         return None
@@ -72,9 +74,9 @@ def _returns(
 
 
 def pieces(recording: Recording, frame: int, most: int, margin: float) -> Iterator[Piece]:
-    """Yield pieces of a frame of about ``most`` points, ``margin`` metres of what is round each.
+    """Yield pieces of a frame of about ``most`` points, each with a margin of ``margin`` metres.
 
-    The frame is cut along the ground only: what stands on it stays whole.
+    Only horizontal coordinates are split, so that upright objects stay in one piece.
     """
     stored = recording[frame]
     blocks = stored.blocks
@@ -99,7 +101,7 @@ def pieces(recording: Recording, frame: int, most: int, margin: float) -> Iterat
 def _boxes(
     middle: Floats, held: Numbers, low: Floats, high: Floats, most: int
 ) -> Iterator[tuple[Floats, Floats]]:
-    """Halve the plan until each part holds at most ``most`` points, by its blocks' middles."""
+    """Bisect the plane until each part has at most ``most`` points, by the centres of blocks."""
     inside = ((middle >= low) & (middle < high)).all(axis=1)
     here, counts = middle[inside], held[inside]
     if counts.sum() <= most or len(here) < 2:

@@ -1,4 +1,4 @@
-"""The part of a workspace that is about classifiers taught by example."""
+"""The service of a workspace for classifiers trained on examples."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ class ClassifierFront(Classifiers):
         self, store: LabelStore, library: Library, runner: JobRunner, jobs: JobBook, folder: Path,
         models: Models,
     ) -> None:  # fmt: skip
-        """``folder``: where their files are."""
+        """``folder``: of their files."""
         super().__init__(store, folder, library.recording, library.listed_ids, models=models)
         self._jobs = jobs
         self._predictions = Predictions(store, runner, self.current, self.options, models)
 
     def apply(self, sequence: str, *, author: str, edit: str | None = None, **chosen: Any) -> Job:
-        """Label what nobody has labelled in frames of a recording, in a job; it is one edit.
+        """Label unlabeled points in frames of a recording with a job, as one edit.
 
-        ``chosen``: fields of ``ApplyOptions``.  ``edit``: the id of its edit and of its job; of one
-        that ``author`` has begun before, that job is returned.
+        ``chosen``: fields of ``ApplyOptions``.  ``edit``: id of the edit and the job; if ``author``
+        has already started a job with this id, it is returned.
         """
         recording, options = self._recording(sequence), ApplyOptions(**chosen)
         self.about(options.classifier)
@@ -44,5 +44,5 @@ class ClassifierFront(Classifiers):
         return self._jobs.begin_once(edit, author, begin)
 
     def again(self, job: Job) -> dict[str, Any] | None:
-        """Begin a job again that another server has left; return its result if it was done."""
+        """Restart a job of an ended server; return its result if it was already committed."""
         return self._predictions.again(self._recording(job.sequence or ""), job)

@@ -1,4 +1,4 @@
-"""Places that a person answered with "none of these": nothing is asked or predicted there."""
+"""Places that a person answered with "none of these", excluded from questions and predictions."""
 
 from __future__ import annotations
 

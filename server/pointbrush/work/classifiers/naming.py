@@ -1,4 +1,4 @@
-"""Classes and the labels of a palette that stand for them."""
+"""Classes and their labels in a palette."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pointbrush.labels import Label
 
 
 def class_of(label: Label) -> str:
-    """Return the class that a label is of: its category, or its name where it has none."""
+    """Return the class of a label: its category, or its name if it has none."""
     return label.category or label.name
 
 
@@ -23,7 +23,7 @@ def classes_of(palette: Sequence[Label]) -> tuple[str, ...]:
 def label_of(name: str, palette: Sequence[Label]) -> Label | None:
     """Return the label that a class is predicted as, or None.
 
-    One that is called like it before others, one that is no single thing before instances.
+    A label with the name of the class has precedence, then labels that are not instances.
     """
     of_class = [label for label in palette if class_of(label) == name]
     of_class.sort(key=lambda label: (label.name != name, bool(label.instance)))

@@ -1,4 +1,4 @@
-"""Bounds of what classifiers may take, and a person's choices for applying one."""
+"""Limits of classifiers, and options for applying one."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ class ClassifierOptions:
     forest: ForestOptions = field(default_factory=ForestOptions)
     doubt: DoubtOptions = field(default_factory=DoubtOptions)
     memory_bytes: int = 384 * 2**20
-    """Described frames that are kept, bytes."""
+    """Size of the cache of features, bytes."""
     whole_points: int = 2_000_000
-    """Points of the largest frame that is described at once; larger ones piece by piece."""
+    """Points of the largest frame that is processed whole; larger frames are split into pieces."""
     view_points: int = 1_000_000
-    """Points round a place of a larger one that are described to be looked at."""
+    """Points around a place of a larger frame that are processed for a preview."""
     piece_points: int = 1_000_000
-    """Points of a piece at most, without its margin."""
+    """Limit of points in a piece, without its margin."""
     margin: float = 48.0
-    """Cells round a piece that are described with it."""
+    """Width of the margin around a piece, cells."""
     frame_examples: int = 8_000
-    """Examples of a frame at most, the classes alike."""
+    """Limit of examples per frame, balanced between classes."""
     taught_frames: int = 24
-    """Painted frames of a recording that teach at most, evenly chosen."""
+    """Limit of painted training frames per recording, evenly spaced."""
     taught_places: int = 16
-    """Places of a large frame that teach at most."""
+    """Limit of training places per large frame."""
     taught_points: int = 200_000
-    """Points round such a place that are described."""
+    """Points around such a place that are processed."""
     looked_frames: int = 6
-    """Frames of a recording in which doubt is looked for."""
+    """Number of frames of a recording that are searched for uncertain places."""
     looked_recordings: int = 4
-    """Recordings of a workspace in which doubt is looked for."""
+    """Number of recordings of a workspace that are searched for uncertain places."""
 
     def check(self) -> None:
         """Raise BadInputError for a number that is not above 0."""
@@ -52,7 +52,7 @@ class ClassifierOptions:
 
 @dataclass
 class ApplyOptions:
-    """Choices for applying a classifier, each with its help.
+    """Options for applying a classifier, with help texts.
 
     Raises BadInputError.
     """
@@ -67,5 +67,5 @@ class ApplyOptions:
 
     @classmethod
     def of(cls, source: object) -> dict[str, Any]:
-        """Return the choices as ``source``'s attributes have them, by name."""
+        """Return the options by name from attributes of ``source``."""
         return {each.name: getattr(source, each.name) for each in fields(cls)}

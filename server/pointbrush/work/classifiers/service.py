@@ -1,4 +1,4 @@
-"""Classifiers of a workspace: made, taught, asked, applied, deleted."""
+"""The classifiers of a workspace: creation, training, prediction and deletion."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ from pointbrush.work.classifiers.teaching import Teacher, cell_classes
 
 Numbers = NDArray[np.int64]
 REACH = 0.35
-"""Edges of a piece in doubt that a stroke is wide which answers it."""
+"""Radius of the stroke that answers an uncertain piece, in edges of the piece."""
 
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """A classifier in words: ``taught_by`` recordings with their numbers of examples."""
+    """Description of a classifier; ``taught_by``: number of examples by recording."""
 
     id: str
     name: str
@@ -62,8 +62,8 @@ class About:
 class Prediction:
     """Classes of points of a frame by a classifier, in stored order.
 
-    ``numbers`` (n,) of the points, or None: all; ``label`` (n,) uint16, 0 where the palette has
-    none of the class; ``kind`` (n,) uint8 class from 1, 0 where nothing taught it yet;
+    ``numbers`` (n,) of the points, or None: all; ``label`` (n,) uint16, 0 if the palette has no
+    label of the class; ``kind`` (n,) uint8 class from 1, 0 if the classifier is untrained;
     ``confidence`` (n,) uint8.
     """
 
@@ -78,8 +78,11 @@ class Prediction:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A place to answer: ``centre`` (3,) source metres, ``radius`` of a stroke,
-    ``points`` of the piece, the two ``classes`` that it may be, and the ``doubt``, 0 to 1."""
+    """An uncertain place for a person to label.
+
+    ``centre`` (3,) source metres, ``radius`` of a stroke, ``points`` of the piece, the two most
+    probable ``classes``, and the ``doubt``, 0 to 1.
+    """
 
     sequence: str
     frame: int
@@ -103,9 +106,9 @@ class Classifiers:
         options: ClassifierOptions | None = None,
         models: Models | None = None,
     ) -> None:
-        """``recording`` opens one by its id; ``recordings`` lists their ids.
+        """``recording`` opens a recording by its id; ``recordings`` lists the ids.
 
-        ``models``: those that may answer in place of trees.
+        ``models``: models available instead of trees.
         """
         self.models = models or Models()
         self.options = options or ClassifierOptions()
@@ -116,14 +119,14 @@ class Classifiers:
         self._teacher = Teacher(store, self._frames, self.options)
         self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None
         self._known: dict[str, tuple[ClassNames, Classifier]] = {}
-        """Classifiers by id, each with the class names of the moment when it was read."""
+        """Classifiers by id, each with the class names at the time it was read."""
         self._locks: dict[str, threading.RLock] = {}
         self._lock = threading.Lock()
 
-    # ── what there is ────────────────────────────────────────────────────────────────────
+    # ── management ───────────────────────────────────────────────────────────────────────
 
     def listing(self) -> list[About]:
-        """Return all, by id; files that cannot be read are left out."""
+        """Return all classifiers, by id; unreadable files are left out."""
         found = []
         for identifier in self._files.ids():
             try:
@@ -133,18 +136,18 @@ class Classifiers:
         return found
 
     def about(self, identifier: str) -> About:
-        """Return one in words; raises NotFoundError."""
+        """Return the description of a classifier; raises NotFoundError."""
         return _about(identifier, self._read(identifier)[1])
 
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
         model: str = BUILT_IN, imported: bool = False,
     ) -> About:  # fmt: skip
-        """Make a classifier, taught by what is painted in recordings.
+        """Create a classifier, trained on painted points of recordings.
 
-        ``classes``: the model's, or all of the recordings' palettes, unless given; ``model``: the
-        name of one that answers in place of trees; ``imported``: imported labels teach, too.
-        Raises BadInputError, NotFoundError (a recording), UnavailableError (the model).
+        ``classes``: by default the model's, or all of the recordings' palettes; ``model``: name of
+        a model instead of trees; ``imported``: also train on imported labels.  Raises
+        BadInputError, NotFoundError (a recording), UnavailableError (the model).
         """
         self._require_writable()
         if not recordings:
@@ -155,7 +158,7 @@ class Classifiers:
             palettes = [self._store.palette(each) for each in map(self._checked, recordings)]
             classes = list(dict.fromkeys(name for one in palettes for name in classes_of(one)))
         first = self._recording(recordings[0])
-        size = self._frames.scale(first, 0) if model else 0.0  # others find it in what is painted
+        size = self._frames.scale(first, 0) if model else 0.0  # 0: from painted points
         made = Classifier(
             check_name(name), check_classes(list(classes)), size, model=model, imported=imported
         )
@@ -165,7 +168,7 @@ class Classifiers:
         return self.teach(identifier, recordings)
 
     def teach(self, identifier: str, recordings: Sequence[str] = ()) -> About:
-        """Learn from what is painted now, also in ``recordings``; and write it down."""
+        """Train on the current painted points, also of ``recordings``, and store the result."""
         self._require_writable()
         for each in recordings:
             self._checked(each)
@@ -177,7 +180,7 @@ class Classifiers:
         return _about(identifier, taught)
 
     def delete(self, identifier: str) -> None:
-        """Delete a classifier; what it predicted stays.  Raises NotFoundError."""
+        """Delete a classifier; its predictions are kept.  Raises NotFoundError."""
         self._require_writable()
         with self._guard(identifier):
             self._files.delete(identifier)
@@ -186,11 +189,11 @@ class Classifiers:
             self._locks.pop(identifier, None)
 
     def file(self, identifier: str) -> bytes:
-        """Return the bytes of a classifier's file, as it is now, without places of recordings."""
+        """Return the bytes of a classifier's current file, without ignored places."""
         return to_file(replace(self._read(identifier)[1], ignored=()))
 
     def bring(self, data: bytes, name: str | None = None) -> About:
-        """Take in a classifier's file; raises BadInputError for anything else."""
+        """Import a classifier's file; raises BadInputError for an invalid file."""
         self._require_writable()
         given, names = from_file(data), self._store.class_names()
         given = given.called([names.meaning(word) for word in given.classes])
@@ -202,13 +205,13 @@ class Classifiers:
         return _about(identifier, given)
 
     def forget_features(self, sequence: str) -> None:
-        """Drop what is kept in memory of a recording's frames."""
+        """Drop the cached features of a recording's frames."""
         self._frames.forget(self._recording(sequence).identity)
 
-    # ── what it says ─────────────────────────────────────────────────────────────────────
+    # ── prediction ───────────────────────────────────────────────────────────────────────
 
     def current(self, identifier: str, also: Sequence[str] = ()) -> Classifier:
-        """Return a classifier that knows all that is painted in the recordings that teach it."""
+        """Return a classifier trained on all current painted points of its recordings."""
         with self._guard(identifier):
             return self._fresh(identifier, also)[1]
 
@@ -218,9 +221,9 @@ class Classifiers:
     ) -> Prediction:  # fmt: skip
         """Predict the classes of a frame's points; nothing is changed.
 
-        ``labels``: only these, by id; ``place``: only what is near it, (3,) source metres, which a
-        frame that is too large to be described whole needs.
-        Raises NotFoundError, BadInputError, TooLargeError.
+        ``labels``: predict only these, by id; ``place``: only points near it, (3,) source metres,
+        required for a frame that is too large to process whole.  Raises NotFoundError,
+        BadInputError, TooLargeError.
         """
         recording = self._recording(sequence)
         _ = recording[frame]
@@ -249,7 +252,7 @@ class Classifiers:
         self, classifier: Classifier, recording: Recording, frame: int, place: Described,
         members: Numbers | None,
     ) -> Chances:  # fmt: skip
-        """Ask a classifier about a frame, or about its points ``members``."""
+        """Return a classifier's chances for a frame, or for its points ``members``."""
         points = partial(example_frame, recording, frame, members)
         chance = classifier.chances(place, points, self._own(classifier))
         voter = voter_of(classifier, recording, frame, self.options.whole_points)
@@ -261,7 +264,7 @@ class Classifiers:
     def _said_of(
         self, classifier: Classifier, recording: Recording, frame: int
     ) -> tuple[Described, Chances]:
-        """Ask a classifier about a frame that others are compared with; the last one is kept."""
+        """Return the prediction for a frame that others are compared with; cached."""
         asked = (classifier, recording.identity, frame)
         known = self._voting
         if known is None or known[0] != asked:
@@ -277,7 +280,7 @@ class Classifiers:
         return classifier.size or self._frames.scale(recording, frame)
 
     def _label_ids(self, sequence: str, classifier: Classifier) -> NDArray[np.uint16]:
-        """Label ids (K + 1,) of classes from 1; 0 where there is none."""
+        """Return the label ids (K + 1,) of classes from 1; 0: no label."""
         palette = self._store.palette(sequence)
         found = [label_of(name, palette) for name in classifier.classes]
         return np.array([0, *(0 if each is None else each.id for each in found)], np.uint16)
@@ -288,10 +291,11 @@ class Classifiers:
         self, identifier: str, sequence: str, *, frame: int | None = None, workspace: bool = False,
         near: Sequence[float] | None = None, most: int = 5,
     ) -> list[Place]:  # fmt: skip
-        """Return the places whose answer would teach most, the best first.
+        """Return the most informative places for an answer, best first.
 
-        In one ``frame``, in some of the recording, or in some recordings of the workspace; ``near``
-        (3,) source metres: a place of a large frame of the recording round which it is looked.
+        The search covers one ``frame``, several frames of the recording, or several recordings of
+        the workspace.  ``near`` (3,), source metres: centre of the search in a large frame of the
+        recording.
         """
         classifier = self.current(identifier)
         names = [sequence]
@@ -348,9 +352,9 @@ class Classifiers:
     def ignore(
         self, identifier: str, sequence: str, frame: int, centre: Sequence[float], radius: float
     ) -> None:
-        """Answer a doubt with none of the classes: nothing is asked or predicted in this ball.
+        """Answer an uncertain place with none of the classes: ignore this ball from now on.
 
-        ``centre`` (3,) and ``radius``: source metres.  Raises NotFoundError, and BadInputError when
+        ``centre`` (3,) and ``radius``: source metres.  Raises NotFoundError, and BadInputError if
         the classifier ignores too many places.
         """
         recording = self._recording(sequence)
@@ -360,7 +364,7 @@ class Classifiers:
         self._set_ignored(identifier, lambda known: (*known, place))
 
     def heed(self, identifier: str, sequence: str) -> None:
-        """Take back the last answer of ``ignore`` in a recording; raises NotFoundError."""
+        """Undo the last ``ignore`` in a recording; raises NotFoundError."""
         identity = self._recording(sequence).identity
 
         def shorter(known: tuple[Ignored, ...]) -> tuple[Ignored, ...]:
@@ -397,7 +401,7 @@ class Classifiers:
             return self._locks.setdefault(identifier, threading.RLock())
 
     def _read(self, identifier: str) -> tuple[ClassNames, Classifier]:
-        """Return a classifier as last taught here, or from its file, and the class names."""
+        """Return the class names, and a classifier from the cache or its file."""
         names, known = self._store.class_names(), self._known.get(identifier)
         if (
             known is None
@@ -415,14 +419,14 @@ class Classifiers:
         self._files.write(identifier, classifier.called(keys))
 
     def _fresh(self, identifier: str, also: Sequence[str]) -> tuple[ClassNames, Classifier]:
-        """Bring a classifier up to date and return it with the class names; hold its guard."""
+        """Update a classifier and return it with the class names; requires its guard."""
         classes, known = self._read(identifier)
         names = tuple(dict.fromkeys([*known.taught_by, *also]))
         recordings: dict[str, Recording] = {}
         for name in names:
             try:
                 recordings[name] = self._recording(name)
-            except NotFoundError:  # taught elsewhere, or deleted since: its examples stay
+            except NotFoundError:  # of another workspace, or deleted: its examples are kept
                 continue
         fresh = self._teacher.fresh(known, recordings)
         if fresh.recordings != names:
@@ -444,7 +448,7 @@ def _about(identifier: str, classifier: Classifier) -> About:
 
 
 def _only(chances: Chances, wanted: NDArray[np.bool_]) -> Chances:
-    """Leave the chances (C, K) of the classes ``wanted`` (K,)."""
+    """Return the renormalized chances (C, K) of the classes ``wanted`` (K,)."""
     if not wanted.any():
         raise BadInputError("labels: expected at least one of a class of the classifier")
     kept = chances * wanted
@@ -452,5 +456,5 @@ def _only(chances: Chances, wanted: NDArray[np.bool_]) -> Chances:
 
 
 def _spread(count: int, most: int) -> list[int]:
-    """Choose at most ``most`` frames of ``count``, evenly."""
+    """Return at most ``most`` frames of ``count``, evenly spaced."""
     return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))

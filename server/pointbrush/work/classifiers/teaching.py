@@ -1,4 +1,4 @@
-"""Points that people painted, or imported, in recordings → examples of a classifier."""
+"""Examples of a classifier from painted or imported points of recordings."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from pointbrush.work.classifiers.naming import numbers_of
 from pointbrush.work.classifiers.options import ClassifierOptions
 
 PLACE = 8.0
-"""Edge, cells, of a cube whose examples are one place: held out together."""
+"""Edge of a cube of examples that are held out together, cells."""
 Key = tuple[str, int]
 Taken = tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64], NDArray[np.float64]]
-"""Features, classes from 0 and places of taught cells, and the spread of the part's features."""
+"""Features, classes from 0 and places of training cells, and the spread of the part's features."""
 
 
 class Teacher:
-    """Gathers examples of the recordings that teach a classifier."""
+    """Collects training examples of a classifier from recordings."""
 
     def __init__(
         self, store: LabelStore, frames: DescribedFrames, options: ClassifierOptions
@@ -38,9 +38,9 @@ class Teacher:
         self._parts: Cache[Hashable, Taken] = Cache(options.memory_bytes // 4)
 
     def fresh(self, classifier: Classifier, recordings: Mapping[str, Recording]) -> Classifier:
-        """Return a classifier that knows what is painted now; itself where nothing changed.
+        """Return a classifier with current examples, or ``classifier`` itself without changes.
 
-        ``recordings``: those that teach it, of this workspace; what others taught stays.
+        ``recordings``: its training recordings in this workspace; other examples are kept.
         """
         examples = {
             key: some
@@ -59,7 +59,7 @@ class Teacher:
         return replace(classifier, size=size, examples=examples)
 
     def _painted(self, recording: Recording, classifier: Classifier) -> list[int]:
-        """Return the frames in which its classes are taught, evenly chosen where many."""
+        """Return the training frames of its classes, evenly spaced above the limit."""
         sequence = recording.manifest.id
         table = numbers_of(self._store.palette(sequence), classifier.classes)
         by_hand: dict[int, bool] = {}
@@ -77,7 +77,7 @@ class Teacher:
         return [found[k] for k in np.linspace(0, len(found) - 1, most).astype(int)]
 
     def _has_imported(self, sequence: str, frame: int) -> bool:
-        """Tell whether a frame has imported labels; looked up once for each change of it."""
+        """Return whether a frame has imported labels; cached until the frame changes."""
         changed = self._store.changed(sequence, frame)
         known = self._bring.get((sequence, frame))
         if known is None or known[0] != changed:
@@ -94,7 +94,7 @@ class Teacher:
             recording.identity, changed,
         ):  # fmt: skip
             return known
-        # Read first: values newer than it are read again the next time.
+        # The revision is read first: newer values are then read again at the next call.
         table = numbers_of(self._store.palette(sequence), classifier.classes)
         values = self._store.values(sequence, frame)
         teaches = values.provenance == PAINTED
@@ -109,7 +109,7 @@ class Teacher:
         return Examples(features, classes, cubes, spread, recording.identity, changed)
 
     def _taken(self, part: Part, kind: NDArray[np.uint8]) -> Taken:
-        """Take the taught cells of a part; those of a part that nobody touched are kept."""
+        """Return the training cells of a part; cached until its labels change."""
         own = kind[part.members]
         key = part.key, hashlib.blake2b(own.tobytes()).digest()
         known = self._parts.known(key)
@@ -129,7 +129,7 @@ def _same(one: Mapping[Key, Examples], other: Mapping[Key, Examples]) -> bool:
 
 
 def _taken(place: Described, kind: NDArray[np.uint8], most: int) -> Taken:
-    """Take a frame's taught cells: features, classes from 0, places, and the features' spread."""
+    """Return training cells: features, classes from 0, places, and the features' spread."""
     of_cell = cell_classes(place, kind)
     cells = np.flatnonzero(of_cell)
     cells = cells[balanced(of_cell[cells].astype(np.int64), most)]
@@ -140,7 +140,7 @@ def _taken(place: Described, kind: NDArray[np.uint8], most: int) -> Taken:
 
 
 def cell_classes(place: Described, kind: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return the class (C,) that most of a cell's labelled points have, 0 where none."""
+    """Return the most frequent class (C,) of a cell's labelled points; 0: none."""
     labelled = np.flatnonzero(kind)
     if not len(labelled):
         return np.zeros(len(place.center), np.uint8)
@@ -148,6 +148,6 @@ def cell_classes(place: Described, kind: NDArray[np.uint8]) -> NDArray[np.uint8]
     key = place.of_point[labelled].astype(np.int64) * width + kind[labelled]
     keys, counts = np.unique(key, return_counts=True)
     out = np.zeros(len(place.center), np.uint8)
-    order = np.argsort(counts, kind="stable")  # the last one written is the most frequent
+    order = np.argsort(counts, kind="stable")  # the most frequent class is written last
     out[keys[order] // width] = (keys[order] % width).astype(np.uint8)
     return out
