@@ -1,1 +1,1 @@
-"""Recordings and labels that come in: previews, import jobs, uploads, allowed folders."""
+"""Import of recordings and labels: previews, jobs, uploads, allowed folders."""

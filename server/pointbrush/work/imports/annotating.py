@@ -1,4 +1,4 @@
-"""Labels made elsewhere → one edit of a recording, with a report of what was found."""
+"""Import of labels from files as one edit of a recording, with a report."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from pointbrush.work.imports.new_boxes import box_report, new_boxes
 from pointbrush.work.imports.requests import drop_upload
 
 TOLD = 100
-"""Entries of a report's lists."""
+"""Limit of entries in a report's lists."""
 
 
 class LabelImports:
-    """Starts imports of labels, and writes what they find."""
+    """Starts imports of labels, and commits their results."""
 
     def __init__(self, store: LabelStore, runner: JobRunner, max_points: int) -> None:
         self._store, self._runner, self._max_points = store, runner, max_points
@@ -48,9 +48,9 @@ class LabelImports:
         return self._begin(recording, request, job)
 
     def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
-        """Begin an import again that another server has left; return its result if it was done.
+        """Restart an import of an ended server; return its result if it was already committed.
 
-        Raises what ``start`` raises.
+        Raises the errors of ``start``.
         """
         made = self._store.find(recording.manifest.id, job.edit or job.id)
         if made is not None:
@@ -118,10 +118,10 @@ class LabelImports:
         boxes: FoundBoxes,
         naming: Naming,
     ) -> tuple[Chosen, Sequence[OrientedBox], Commit | None]:
-        """Apply the found labels and boxes as one edit, unless this is a trial or none were found.
+        """Commit the found labels and boxes as one edit, except in a trial or if there are none.
 
         Returns also the labels and boxes of the edit, or of the edit that a trial would make.
-        Raises BadInputError for nothing, unless the request allows it.
+        Raises BadInputError if none were found, unless the request allows it.
         """
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
         naming = naming.in_workspace(self._store)
@@ -137,7 +137,7 @@ class LabelImports:
         locked: set[int] = set()
 
         def choose(palette: Palette) -> tuple[Sequence[Label], Iterator[tuple[int, Write]]]:
-            nonlocal chosen, locked  # others may have added labels meanwhile
+            nonlocal chosen, locked  # others may have added labels
             chosen = Chosen.of(palette, keys, naming)
             locked = {label.id for label in palette.labels if label.locked}
             return chosen.fresh, _writes(recording, found, chosen)
@@ -161,7 +161,7 @@ class LabelImports:
 
 
 def _emptiness(found: Sequence[FrameLabels], boxes: FoundBoxes, chosen: Chosen) -> str:
-    """Return the error of an import that labels no point and keeps no box, "" for another one."""
+    """Return the error of an import without labelled points and boxes, otherwise ""."""
     used = {
         frame.keys[i] for frame in found for i in np.bincount(frame.which).nonzero()[0].tolist()
     }
@@ -188,7 +188,7 @@ def _writes(
 
 
 def _locked(store: LabelStore, recording: Recording, found: list[FrameLabels]) -> list[str]:
-    """Names of locked labels that have points which ``found`` labels otherwise, and keep them."""
+    """Return the names of locked labels with points that ``found`` would label differently."""
     sequence = recording.manifest.id
     locked = {label.id: label.name for label in store.palette(sequence) if label.locked}
     ids: set[int] = set()

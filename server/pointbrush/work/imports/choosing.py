@@ -1,7 +1,8 @@
-"""Classes and instances of points that came from elsewhere → labels of a palette.
+"""Choosing labels of a palette for imported classes and instances.
 
-One rule for labels in the files of a recording and for labels made elsewhere: a label of ours is
-itself, an instance of a class is a label, points of a class without an instance are one label.
+Labels in the files of a recording and labels in separate files have the same rule: a label of a
+pointbrush export is itself, an instance of a class is a label, points of a class without an
+instance are one label.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ from pointbrush.labels.palette import HIGHEST, Called, Palette, default_color
 from pointbrush.work.imports.naming import Key, Naming
 
 TOLD = 20
-"""Categories that a warning names."""
+"""Limit of categories named in a warning."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
     """Labels of the palette for keys.
 
-    ``ids``      the label of each key; 0: its category is left out.
-    ``fresh``    those of them that are new.
+    ``ids``      the label of each key; 0: its category is excluded.
+    ``fresh``    the new labels among them.
     ``unnamed``  class numbers without a name.
     ``classes``  the number of each category.
     ``left_out`` categories that the recording's project has not selected.
@@ -39,9 +40,9 @@ class Chosen:
 
     @classmethod
     def of(cls, palette: Palette, keys: Iterable[Key], naming: Naming) -> Chosen:
-        """Choose a label for each key: one of its name and category, or a new one.
+        """Return a label for each key: one of its name and category, or a new one.
 
-        Raises BadInputError for more keys than a palette has labels.
+        Raises BadInputError if a palette cannot have so many labels.
         """
         meant = {key: _called(key, naming, palette.classes) for key in keys}
         categories = {key: called[1] for key, (called, _, _) in meant.items()}
@@ -66,7 +67,8 @@ class Chosen:
             free = (each for each in alike if each not in reserved)
             known = wanted if own and wanted in alike else next(free, None)
             if own and known is not None:
-                # Labels of ours that share a name are several: each takes one of the palette.
+                # Labels of an export that share a name stay distinct: each takes one of the
+                # palette.
                 alike.remove(known)
             if known is None:
                 known = free_ids.take(called, wanted)
@@ -82,7 +84,7 @@ class Chosen:
         return cls(ids, fresh, sorted(unnamed), classes, without)
 
     def warnings(self) -> list[str]:
-        """Name the categories that are left out, in a sentence."""
+        """Return a sentence about the excluded categories, if any."""
         if not self.left_out:
             return []
         named = ", ".join(self.left_out[:TOLD])
@@ -90,7 +92,7 @@ class Chosen:
 
 
 def require_few(keys: Collection[Key]) -> None:
-    """Raise BadInputError for more classes and objects than a palette has labels."""
+    """Raise BadInputError if a palette cannot have labels for so many classes and objects."""
     if len(keys) > HIGHEST:
         raise BadInputError(
             f"labels: expected at most {HIGHEST:,} classes and objects, got {len(keys):,}"
@@ -98,7 +100,7 @@ def require_few(keys: Collection[Key]) -> None:
 
 
 def _called(key: Key, naming: Naming, classes: ClassNames) -> tuple[Called, str, int]:
-    """Name and category, colour and wished id of a key."""
+    """Return the name and category, colour and preferred id of a key."""
     number, instance = key
     if number in naming.own:
         label = naming.own[number]
@@ -107,5 +109,5 @@ def _called(key: Key, naming: Naming, classes: ClassNames) -> tuple[Called, str,
     category = naming.classes.get(number) or classes.meaning(given.name)
     if instance == 0:
         return (given.name, category), given.color, number
-    # A class's colour is of all its instances: they are told apart by colours of their own.
+    # The class's colour would be equal for all instances, so they get separate colours.
     return (f"{given.name} {instance}", category), "", 0

@@ -1,4 +1,4 @@
-"""Points of a frame that are in boxes, or marked, of labels made elsewhere."""
+"""Points of a frame inside imported boxes, or marked by imported labels."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 def figures_of(
     file: str, part: FrameBoxes, recording: Recording, frame: int, up: Floats, no_ground: bool
 ) -> NDArray[np.int64]:
-    """Find the figure (N,) that each point is of, -1 for none; marked points go before boxes."""
+    """Return the figure (N,) of each point, -1 for none; marks have precedence over boxes."""
     boxes = [k for k, figure in enumerate(part.boxes) if isinstance(figure, FrameBox)]
     which = np.full(recording.manifest.points[frame], -1, np.int64)
     if boxes:
@@ -43,7 +43,7 @@ def figures_of(
 
 
 def _source_points(recording: Recording, frame: int) -> NDArray[np.float64]:
-    """Points (N, 3) of a frame in source order and coordinates."""
+    """Return the points (N, 3) of a frame in source order and coordinates."""
     stored = recording[frame]
     xyz = np.empty((stored.count, 3))
     xyz[stored.source_index] = np.asarray(stored.xyz, np.float64) + recording.manifest.shift

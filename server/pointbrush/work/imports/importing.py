@@ -1,4 +1,4 @@
-"""Import in a worker process, and the labels that came with the files."""
+"""Import in a worker process, and the labels of the sample recording."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 
 PART_POINTS = 1_000_000
-"""Points of a large scan that are in memory at once, per step."""
+"""Number of points of a large scan that are in memory per step."""
 SINGLE_FPS = 1.0
-"""Rate of a single scan, which is no film."""
+"""Frame rate of a single scan."""
 GUESSED = "guessed"
-"""Origin of the axis that is up, where neither a person nor the kind of points tells it."""
+"""Source of the up axis if neither the request nor the kind of points determines it."""
 SAMPLE = "sample recording"
-"""Beginning of the sample's source in its manifest."""
+"""Prefix of the sample's source in its manifest."""
 
 
 @dataclass(frozen=True)
 class ImportWork:
-    """Picklable import of ``paths`` as the new recording ``target``; ``source`` names them."""
+    """Picklable import of ``paths`` as the new recording ``target``; ``source``: their name."""
 
     paths: tuple[Path, ...]
     target: ImportTarget
@@ -50,9 +50,9 @@ class ImportWork:
     source: str = ""
 
     def __call__(self, channel: Channel) -> None:
-        """Read, reorder and store every frame; the readers' warnings are an item.
+        """Read, reorder and store every frame; send the readers' warnings as an item.
 
-        Nothing is left behind on any error.
+        An error leaves no files.
         """
         with formats.reported() as warnings, self.target.building(channel.progress) as folder:
             for warning in self._import(channel, folder):
@@ -60,7 +60,7 @@ class ImportWork:
         channel.item(list(warnings))
 
     def _note_meaning(self, folder: Path, dataset: str) -> None:
-        """Keep what numbers of labels and coordinates mean: uploaded files are gone afterwards."""
+        """Store the meaning of label numbers and coordinates, as uploaded files are removed."""
         own = [asdict(label) for label in own_labels(self.paths)]
         note_meaning(folder, "" if own else dataset, own, self.chosen.scale)
 
@@ -111,7 +111,7 @@ class ImportWork:
 
 @dataclass(frozen=True)
 class SampleWork:
-    """Picklable making and importing of the sample recording."""
+    """Picklable generation and import of the sample recording."""
 
     target: ImportTarget
     sequence_id: str
@@ -120,7 +120,7 @@ class SampleWork:
     kind: str = "juggling"
 
     def __call__(self, channel: Channel) -> None:
-        """Generate frame by frame and store each as it comes."""
+        """Generate and store frame by frame."""
         from pointbrush.samples.kinds import sample
 
         recording = sample(self.kind, self.seed, self.frames)
@@ -138,14 +138,14 @@ class SampleWork:
 
 
 def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
-    """The one LAS file that is too large to read whole, or None."""
+    """Return the single LAS file that is too large to read whole, or None."""
     if len(paths) != 1 or paths[0].suffix.lower() not in (".las", ".laz"):
         return None
     return paths[0] if read_header(paths[0], limits).count > LARGE_POINTS else None
 
 
 def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> list[str]:
-    """Make a palette for the objects of the sample; painting them is left to the person.
+    """Create a palette for the objects of the sample, without painting them.
 
     Returns warnings: none.
     """
@@ -172,25 +172,25 @@ def _limited(
                 f"frame {number}: expected at most {max_points:,} points, got {len(frame):,}"
             )
         yield frame
-    # One empty frame is a moment without returns; nothing but empty ones is a wrong file.
+    # Single frames without returns are valid; if all are empty, the file is wrong.
     if total == 0:
         raise no_points(origins, dropped)
 
 
 def no_points(origins: ListOf[Origin], dropped: int) -> BadInputError:
-    """Return the error of frames without a point, ``dropped`` of which had no place."""
+    """Return the error of frames without points; ``dropped`` points had no valid position."""
     files = listed(list(dict.fromkeys(origin.file for origin in origins)))
     why = f"{dropped:,} are NaN, infinite or at 0 0 0" if dropped else "the file says 0 points"
     return BadInputError(f"{files}: expected points, got none in {len(origins)} frame(s): {why}")
 
 
 def up_source(given: str | None, *, camera: bool, far: bool) -> str:
-    """Return the origin of the axis that is up: ``given``, the kind of the points, or a guess."""
+    """Return the source of the up axis: ``given``, the kind of the points, or a guess."""
     return "given" if given else "depth camera" if camera else "map" if far else GUESSED
 
 
 def result(recording: Sequence, warnings: list[str], up: str | None = None) -> dict[str, Any]:
-    """Return the report of a finished import job; ``up`` is the axis that was given."""
+    """Return the report of a finished import job; ``up``: the given axis."""
     manifest = recording.manifest
     camera, far = "pixel" in manifest.fields, any(manifest.shift)
     return {

@@ -1,4 +1,4 @@
-"""Labels of frames, by numbers of class and instance, read from files made elsewhere."""
+"""Reading labels of frames, by numbers of class and instance, from files."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ from pointbrush.worker import Channel
 
 log = logging.getLogger(__name__)
 MICRO = 1e6
-"""Parts of a second by which times of an export of ours are compared."""
+"""Resolution of times in pointbrush exports, parts of a second."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LabelRequest(LabelOptions):
-    """Request of an import of labels: the file, folder or archive that has them, and choices."""
+    """Request of an import of labels: the file, folder or archive, and options."""
 
     place: Path
     names: Mapping[int, ClassName] = of_field(default_factory=dict)
@@ -67,10 +67,10 @@ class LabelRequest(LabelOptions):
     """Write nothing."""
     roots: tuple[Path, ...] = ()
     upload: Path | None = None
-    """Folder of files that were uploaded for it, which goes when the import has ended."""
+    """Folder of its uploaded files, which is removed after the import."""
 
     def as_json(self) -> dict[str, Any]:
-        """Return the record a job keeps, to be begun again by ``LabelImports.again``."""
+        """Return the record from which ``LabelImports.again`` can restart a job."""
         names = {str(number): (name.name, name.color) for number, name in self.names.items()}
         places = {"place": str(self.place), "roots": [str(root) for root in self.roots]}
         return (
@@ -82,7 +82,7 @@ class LabelRequest(LabelOptions):
 
     @classmethod
     def of_json(cls, kept: Mapping[str, Any]) -> LabelRequest:
-        """Return the request that ``as_json`` made ``kept`` of."""
+        """Return the request for ``kept`` of ``as_json``."""
         values = {name: value for name, value in kept.items() if name != "call"}
         return cls(
             **values
@@ -97,7 +97,7 @@ class LabelRequest(LabelOptions):
 
 @dataclass(frozen=True, eq=False)
 class FrameLabels:
-    """Labels of a frame: ``rows`` (n,) of the source that have one, ``which`` (n,) their keys."""
+    """Labels of a frame: ``rows`` (n,) of labelled source points, ``which`` (n,) their keys."""
 
     frame: int
     file: str
@@ -108,7 +108,7 @@ class FrameLabels:
 
 @dataclass(frozen=True, eq=False)
 class FoundBoxes:
-    """Boxes of objects, each with the key of its label; ``empty`` had a side of 0 and are left."""
+    """Boxes of objects with the keys of their labels; ``empty``: skipped boxes with a side of 0."""
 
     tracks: tuple[tuple[Key, BoxTrack], ...]
     empty: int = 0
@@ -116,21 +116,21 @@ class FoundBoxes:
 
 @dataclass(frozen=True, eq=False)
 class Unmatched:
-    """A file that is of no frame."""
+    """A file without a matching frame."""
 
     file: str
 
 
 @dataclass(frozen=True)
 class ReadLabelsWork:
-    """Picklable reading of label files; hands each frame's labels to the runner."""
+    """Picklable reading of label files; sends each frame's labels as an item."""
 
     request: LabelRequest
     recording: RecordingFiles
     limits: Limits
 
     def __call__(self, channel: Channel) -> None:
-        """Read every file, before anything is written.
+        """Read every file; nothing is written.
 
         Raises BadInputError naming file and frame.
         """
@@ -171,7 +171,7 @@ class ReadLabelsWork:
             channel.item(Naming(names))
 
     def _frames(self, files: LabelFiles, recording: Recording) -> list[int]:
-        """Find the frame of each file.  Raises BadInputError as ``matching.match``."""
+        """Return the frame of each file.  Raises the errors of ``matching.match``."""
         if files.export is not None:
             return [files.export.frames.get(path, 0) for path in files.paths]
         stamps = label_times(files.paths)
@@ -182,9 +182,9 @@ class ReadLabelsWork:
     def _box_frames(
         self, files: LabelFiles, found: Sequence[Sequence[FrameBoxes]], recording: Recording
     ) -> dict[FrameBoxes, int | None]:
-        """Find the frames of boxes: their index, or by their name, their time or that of the file.
+        """Return the frames of boxes by index, name, time, or the time of the file.
 
-        Raises BadInputError as ``matching.match``.
+        Raises the errors of ``matching.match``.
         """
         parts = [
             (path, part) for path, each in zip(files.paths, found, strict=True) for part in each
@@ -204,7 +204,7 @@ class ReadLabelsWork:
                 match(list(named.values()), known, by_order=self.request.by_order),
                 strict=True,
             )
-        # A table has the times of a whole drive, of which the recording may be a part.
+        # A table has the times of a whole drive; the recording may be a part of it.
         timed = {part: part.time for _, part in parts if part.time is not None}
         if files.export is not None and files.export.times:
             mine = {round(t * MICRO): frame for frame, t in files.export.times.items()}
@@ -217,7 +217,7 @@ class ReadLabelsWork:
         return frames | dict(zip(silent, self._frames(asked, recording), strict=True))
 
     def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
-        """Hand on the points inside boxes; a class has the number of its name's place."""
+        """Send the points inside boxes as items; classes are numbered in the order of names."""
         found = [read_boxes(path, files.format) for path in files.paths]
         if (export := files.export) is not None:
             found = [[part.moved_back(export.T_export_source) for part in f] for f in found]
@@ -237,7 +237,7 @@ class ReadLabelsWork:
             return number_of[figure.name], instance_of[figure.key]
 
         require_few({key_of(figure) for figure in figures})
-        # Without ids of labels (OpenPCDet's text) the palette beside says nothing of the numbers.
+        # Without ids of labels (OpenPCDet's text) the palette file does not apply to the numbers.
         own = files.own if any(figure.label for figure in figures) else {}
         channel.item(Naming(names, dict(own)))
         up = recording.manifest.T_room_local[1, :3]
@@ -266,7 +266,7 @@ class ReadLabelsWork:
     def _which(
         self, file: str, part: FrameBoxes, recording: Recording, frame: int, up: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Find the figure (N,) of each point of a frame, -1 for none; boxes may be kept alone."""
+        """Return the figure (N,) of each point of a frame, -1 for none; boxes only if requested."""
         if self.request.boxes == KEEP:
             marked = (each for each in part.boxes if isinstance(each, PointFigure))
             if not any(True for _ in marked):
@@ -275,7 +275,7 @@ class ReadLabelsWork:
 
 
 def _objects(boxes: Mapping[int, list[FrameBox]], key_of: Callable[[FrameBox], Key]) -> FoundBoxes:
-    """Join the boxes of each object.  Where they are too many for a recording, none is kept."""
+    """Join the boxes of each object; none if they exceed the limit of a recording."""
     whole = {f: [box for box in each if (box.size > 0).all()] for f, each in boxes.items()}
     empty = sum(map(len, boxes.values())) - sum(map(len, whole.values()))
     tracks = tracked(sorted(whole.items()))
@@ -290,19 +290,19 @@ def _objects(boxes: Mapping[int, list[FrameBox]], key_of: Callable[[FrameBox], K
 
 
 def frame_names(manifest: Manifest) -> list[FrameName]:
-    """List the files and times of a recording's frames, by which they are told apart."""
+    """Return the files and times that identify a recording's frames."""
     files = manifest.files or [""] * manifest.frames
     return [FrameName(*told) for told in zip(files, manifest.timestamps, strict=True)]
 
 
 def _ours(own: Mapping[int, SourceLabel], box: FrameBox) -> FrameBox:
-    """Give a box of an export of ours its label, where its key tells one."""
+    """Return a box of a pointbrush export with its label, if its key has one."""
     label = box.label or label_of(box.key)
     return replace(box, label=label if label in own else 0)
 
 
 def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
-    """Labels of a frame's points, where they are of all rows of its source, invalid ones too."""
+    """Select labels of a frame's points if a file has labels for invalid rows too."""
     manifest = recording.manifest
     dropped = manifest.dropped[frame]
     if not dropped or len(labels.category) != manifest.points[frame] + dropped:
@@ -319,7 +319,7 @@ def _of_points(labels: PointLabels, recording: Recording, frame: int) -> PointLa
 
 
 def _of_places(labels: PointLabels, recording: Recording, frame: int) -> PointLabels:
-    """Labels of all points of a frame, where they are of points with certain coordinates."""
+    """Return labels of all points of a frame for a file with labels by coordinates."""
     if labels.xyz is None or labels.instance is None:
         return labels
     xyz, scale = recording[frame].source_xyz(), recording.manifest.scale
@@ -331,7 +331,7 @@ def _of_places(labels: PointLabels, recording: Recording, frame: int) -> PointLa
 def _of_export(
     labels: PointLabels, export: OwnExport | None, recording: Recording, frame: int
 ) -> PointLabels:
-    """Labels of all points of a frame, where an export of ours has those of some."""
+    """Return labels of all points of a frame for a pointbrush export with a part of them."""
     if labels.rows is not None:
         whole = np.zeros(recording.manifest.points[frame], np.int64)
         if len(labels.rows) and int(labels.rows.max()) >= len(whole):
@@ -354,7 +354,7 @@ def _of_export(
 def _of_boxes(
     frame: int, file: str, rows: NDArray[np.int64], box: NDArray[np.int64], keys: tuple[Key, ...]
 ) -> FrameLabels:
-    """Labels of rows (n,) by the box (n,) they are in; boxes of one key are one."""
+    """Return labels of rows (n,) by the box (n,) that contains them; boxes are joined by key."""
     once = tuple(sorted(set(keys)))
     place = np.array([once.index(key) for key in keys], np.int64)
     return FrameLabels(frame, file, rows, place[box] if len(keys) else box, once)
@@ -367,7 +367,7 @@ def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -
             f"{labels.file}: expected {points:,} labels, one for each point of frame {frame}, "
             f"got {count:,}"
         )
-    # A label of ours is an instance.
+    # A label of an export is an instance already.
     instance = None if files.own else labels.instance
     instance = np.zeros(count, np.int64) if instance is None else instance
     rows = np.flatnonzero(labels.category > 0)

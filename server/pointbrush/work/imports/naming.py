@@ -1,4 +1,4 @@
-"""Numbers of classes and instances that points came with, and what they are called."""
+"""Numbers of classes and instances in imported files, and their names."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Key = tuple[int, int]
 class Naming:
     """Meaning of the numbers of labels; picklable.
 
-    ``names``: classes by number.  ``own``: labels by id, where the numbers are those of a palette
-    of ours.  ``dataset``: the one whose numbers they are, "" where it is not known.  ``classes``:
-    names of the workspace's classes by the dataset's numbers.
+    ``names``: classes by number.  ``own``: labels by id, for numbers of a pointbrush palette.
+    ``dataset``: the dataset that defines the numbers, "" if unknown.  ``classes``: names of the
+    workspace's classes by the dataset's numbers.
     """
 
     names: Mapping[int, ClassName] = field(default_factory=dict)
@@ -39,14 +39,14 @@ class Naming:
 def keys_of(
     category: NDArray[np.int64], instance: NDArray[np.int64]
 ) -> tuple[tuple[Key, ...], NDArray[np.int64]]:
-    """Keys that points (n,) have, in order, and which of them each point (n,) has."""
+    """Return the sorted keys of points (n,), and the index of the key of each point (n,)."""
     packed, which = np.unique(category << 32 | instance, return_inverse=True)
     keys = tuple((int(key) >> 32, int(key) & 0xFFFFFFFF) for key in packed)
     return keys, which.astype(np.int64)
 
 
 def learn_numbers(store: LabelStore, naming: Naming, classes: Mapping[str, int]) -> None:
-    """Keep the numbers that categories have where they came from, where nothing speaks against.
+    """Store the numbers of categories in their dataset, except conflicting ones.
 
     ``classes``: numbers of the dataset by category.
     """

@@ -17,11 +17,11 @@ from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.label_reading import FoundBoxes
 
 TOLD = 100
-"""Names of a report's list."""
+"""Limit of names in a report's list."""
 
 
 def new_boxes(found: FoundBoxes, chosen: Chosen, known: Sequence[OrientedBox]) -> list[OrientedBox]:
-    """Make the boxes of labels, without the poses at which a label has the same box already.
+    """Return the boxes of labels, without poses at which a label already has the same box.
 
     A box is the same if its size, its centre and the axes of its rotation differ by less than
     SAME_SIZE.
@@ -47,13 +47,13 @@ def new_boxes(found: FoundBoxes, chosen: Chosen, known: Sequence[OrientedBox]) -
 
 
 def _place(box: OrientedBox, frame: int) -> NDArray[np.float64]:
-    """Size, centre and rotation (15,) of a box in a frame."""
+    """Return size, centre and rotation (15,) of a box in a frame."""
     pose = box.poses[frame]
     return np.concatenate([box.size, pose.centre, rotation_of(pose.quaternion).ravel()])
 
 
 def box_report(found: FoundBoxes, made: Sequence[OrientedBox], chosen: Chosen) -> dict[str, Any]:
-    """Report new boxes, boxes that were there before, and objects with a median size."""
+    """Return a report of new boxes, known boxes, and objects with a median size."""
     resized = [f"{track.name} {track.key}".strip() for _, track in found.tracks if track.resized]
     poses = sum(len(track.poses) for key, track in found.tracks if chosen.ids[key])
     return {

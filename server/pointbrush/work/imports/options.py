@@ -1,4 +1,4 @@
-"""A person's choices for an import of labels; flags and job options derive from them."""
+"""Options of an import of labels, from which flags and job options are derived."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ BOTH, KEEP, POINTS = "both", "keep", "points"
 BOX_CHOICES = (BOTH, KEEP, POINTS)
 """Results of imported boxes: boxes of labels, labels of the points inside, or both."""
 SAMPLES = ("juggling", "aerial")
-"""Recordings that `pointbrush demo` makes."""
+"""Sample recordings of `pointbrush demo`."""
 
 
 @dataclass(frozen=True)
 class LabelOptions:
-    """Choices on how files of labels are read."""
+    """Options for reading files of labels."""
 
     format: str | None = choice(
         None, f"format of the labels (default: detected): {', '.join(LABEL_FORMATS)}"
@@ -31,7 +31,7 @@ class LabelOptions:
     )
 
     def __post_init__(self) -> None:
-        """Check the choices.  Raises BadInputError."""
+        """Check the options.  Raises BadInputError."""
         if self.boxes not in BOX_CHOICES:
             raise BadInputError(
                 f"boxes: expected one of {', '.join(BOX_CHOICES)}, got {self.boxes[:40]!r}"

@@ -37,28 +37,28 @@ from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.worker import local_processes
 
 TOLD = 100
-"""Files that are told of."""
+"""Limit of listed files."""
 FRAMES = 3
-"""Frames that are read."""
+"""Number of frames to read."""
 SINGLE = "a single scan"
-"""Origin of the rate of one frame."""
+"""Source of the rate of a single frame."""
 SURVEYS = ("las", "e57")
-"""Formats whose coordinates are metres, or a map's, by definition."""
+"""Formats with coordinates in metres or map units by definition."""
 DEPTHS = ("rgbd",)
-"""Formats whose units the reader knows."""
+"""Formats with units known to the reader."""
 
 
 SECONDS = 120.0
-"""Time that the first frames may take to read."""
+"""Timeout for reading the first frames."""
 FAR = 1e4
-"""Metres from the origin beyond which coordinates are a map's."""
+"""Distance from the origin beyond which coordinates are map coordinates, metres."""
 SAMPLE = 20_000
-"""Points that tell which axis is up."""
+"""Number of points used to estimate the up axis."""
 
 
 @dataclass(frozen=True, slots=True)
 class UnitGuess:
-    """Unit that the files seem to have, and ``scale``, metres for each of it."""
+    """Estimated unit of the files; ``scale``: metres per unit."""
 
     name: str
     scale: float
@@ -68,7 +68,7 @@ class UnitGuess:
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """Preview of an import; fields as JSON has them."""
+    """Preview of an import, with fields as in JSON."""
 
     name: str
     format: str
@@ -92,9 +92,9 @@ class Preview:
 
 
 def preview(request: ImportRequest, limits: Limits) -> Preview:
-    """Read the first frames of a recording and say what an import would make of it.
+    """Read the first frames of a recording and return a preview of its import.
 
-    Raises what ``open_source`` raises, and BadInputError for frames that cannot be read.
+    Raises the errors of ``open_source``, and BadInputError for unreadable frames.
     """
     chosen = request.chosen
     columns: dict[str, str] = {}
@@ -114,7 +114,7 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
         first = next(frame for frame in frames if len(frame))
         poses = _poses(listing, frames, warnings)
         units = guess_units(first.xyz, listing.format)
-        # Of a file with several frames all would have to be read.
+        # Unknown for files with several frames, as counting would read all of them.
         count = None if any(each.place for each in source.origins) else source.count
         fps, fps_from = source.rate(request.fps)
         if count == 1 and fps_from == ASSUMED:
@@ -149,7 +149,7 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
 
 
 def _files(source: Source) -> list[dict[str, Any]]:
-    """The file of each frame, as far as it is known before all are read; the first TOLD."""
+    """Return the file of each frame, as far as known without reading all; at most TOLD."""
     names = [file.name for listing in source.listings for file in listing.frames]
     if source.count != len(names):
         names = [origin.file for origin in source.origins]
@@ -159,7 +159,7 @@ def _files(source: Source) -> list[dict[str, Any]]:
 def _first_frames(
     request: ImportRequest, limits: Limits, frames: Iterator[PointFrame]
 ) -> list[PointFrame]:
-    """The first frames; of a scan that is too large to read whole, its first part."""
+    """Return the first frames, or the first part of a scan that is too large to read whole."""
     scan = large_scan(request.paths, limits)
     if scan is None:
         return list(islice(frames, FRAMES))
@@ -168,7 +168,7 @@ def _first_frames(
 
 
 def _up(frame: PointFrame, given: str | None) -> tuple[str, str]:
-    """The axis of the coordinates that is nearest to up, as an import finds it, and its origin."""
+    """Return the coordinate axis nearest to up, as found by an import, and its source."""
     step = -(-len(frame) // SAMPLE)
     points = frame.xyz[::step].astype(np.float64)
     viewpoints = np.empty((0, 3)) if frame.viewpoint is None else frame.viewpoint[None]
@@ -193,7 +193,7 @@ def _topics(listing: Listing) -> list[dict[str, Any]]:
 
 
 def _cameras(listing: Listing, pictures: PictureSource | None) -> list[dict[str, Any]]:
-    """List the depth camera with the facts about its images, or else the cameras of pictures."""
+    """Return the depth camera with properties of its images, or else the cameras of pictures."""
     if listing.depth is not None:
         return [{"name": "depth", "projects": True, **asdict(listing.depth)}]
     return [
@@ -219,10 +219,10 @@ def _poses(
 
 
 def guess_units(xyz: NDArray[Any], format: str) -> UnitGuess:
-    """Guess the unit of coordinates (N, 3) by how wide they spread; metres where it is not clear.
+    """Guess the unit of coordinates (N, 3) by their extent; metres if it is ambiguous.
 
-    Only what cannot be metres is called otherwise: scanners see some hundred metres at most, and
-    rooms are some metres wide in all directions.
+    Another unit is chosen only if metres are implausible: scanners have a range of a few hundred
+    metres at most, and rooms are several metres wide in all directions.
     """
     low, high = np.quantile(xyz, [0.02, 0.98], axis=0)
     extent = (high - low).astype(np.float64)
@@ -238,14 +238,14 @@ def guess_units(xyz: NDArray[Any], format: str) -> UnitGuess:
 
 
 class Previews:
-    """Previews in a process of their own, which a damaged file may end; thread-safe."""
+    """Previews in a separate process, which a damaged file may crash; thread-safe."""
 
     def __init__(self) -> None:
         self._pool: ProcessPoolExecutor | None = None
         self._lock = threading.Lock()
 
     def of(self, request: ImportRequest, limits: Limits) -> Preview:
-        """Preview a recording; raises what ``preview`` raises, UnavailableError after a time."""
+        """Preview a recording; raises the errors of ``preview``, UnavailableError on a timeout."""
         with self._lock:
             self._pool = self._pool or local_processes(1)
             pool = self._pool

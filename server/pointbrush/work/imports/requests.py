@@ -1,4 +1,4 @@
-"""Requests of imports, as the jobs that carry them out keep them."""
+"""Requests of imports, as stored with their jobs."""
 
 from __future__ import annotations
 
@@ -15,36 +15,36 @@ from pointbrush.job import ENDED, Job
 from pointbrush.labels.project_tables import FIRST
 
 UPLOAD = "upload"
-"""Of a job's request: the folder of its uploaded files, or None."""
+"""Key in a job's request: the folder of its uploaded files, or None."""
 
 IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
-"""Of a job's request: an import of paths, of the sample recording, or of labels made elsewhere."""
+"""Calls in a job's request: an import of paths, of the sample recording, or of labels."""
 
 
 @dataclass(frozen=True)
 class ImportRequest:
-    """An import of files that are at absolute ``paths``."""
+    """An import of files at absolute ``paths``."""
 
     paths: tuple[Path, ...]
     name: str | None = None
     fps: float | None = None
     chosen: Corrections = field(default_factory=Corrections)
-    """Choices of a person on how the files are read."""
+    """Options for reading the files."""
     roots: tuple[Path, ...] = ()
-    """Folders outside which nothing is read, if any."""
+    """Folders that must contain all files, if any."""
     upload: Path | None = None
-    """Folder of files that were uploaded for it, which goes when the import has ended."""
+    """Folder of its uploaded files, which is removed after the import."""
     project: str = FIRST
     """Id of the project that the recording joins."""
 
     @property
     def source(self) -> str:
-        """Origin of the recording as its manifest says; of uploaded files their names alone."""
+        """Return the source for the recording's manifest; for uploaded files only their names."""
         shown = (path.name if self.upload else str(path) for path in self.paths)
         return ", ".join(shown)
 
     def as_json(self) -> dict[str, Any]:
-        """Return the record a job keeps, to be begun again by ``Imports.again``."""
+        """Return the record from which ``Imports.again`` can restart a job."""
         return {
             "call": IMPORT,
             "paths": [str(path) for path in self.paths],
@@ -58,7 +58,7 @@ class ImportRequest:
 
     @classmethod
     def of_json(cls, kept: Mapping[str, Any]) -> ImportRequest:
-        """Return the request that ``as_json`` made ``kept`` of."""
+        """Return the request for ``kept`` of ``as_json``."""
         chosen = kept["chosen"] | {"columns": tuple(kept["chosen"]["columns"])}
         return cls(
             tuple(map(Path, kept["paths"])),
@@ -72,9 +72,9 @@ class ImportRequest:
 
 
 def recordings_in(folder: Path) -> list[Path]:
-    """Return the files and folders in a folder, each of which is to be a recording.
+    """Return the files and folders in a folder, each for one recording.
 
-    Raises NotFoundError, BadInputError where there is none in it.
+    Raises NotFoundError, BadInputError for an empty folder.
     """
     if not folder.exists():
         raise NotFoundError(f"path: expected a folder, {folder} does not exist")
@@ -91,12 +91,12 @@ def bytes_of(path: Path) -> int:
 
 
 def drop_upload(upload: Path | None, job: Job) -> None:
-    """Remove the uploaded files of a job that has ended; another server may go on with it."""
+    """Remove the uploaded files of a job if it has ended, as another server may continue it."""
     if upload is not None and job.state in ENDED:
         shutil.rmtree(upload, ignore_errors=True)
 
 
 def drop_repeated(upload: Path | None, job: Job) -> None:
-    """Remove uploaded files that ``job`` does not read, as it was begun with the first upload."""
+    """Remove uploaded files of a repeated request, as ``job`` uses the first upload."""
     if upload is not None and (job.request or {}).get(UPLOAD) != str(upload):
         shutil.rmtree(upload, ignore_errors=True)

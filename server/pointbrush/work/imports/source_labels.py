@@ -1,4 +1,4 @@
-"""Labels that came in the files of a recording → an edit of it; those that did not come in."""
+"""Import of labels from the files of a recording as an edit, and failures of it."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ INTERRUPTED = "their import was interrupted"
 
 
 class SourceLabels:
-    """Imports the labels in the files of recordings, and knows whose did not come in."""
+    """Imports the labels in the files of recordings, and keeps the reasons of failures."""
 
     def __init__(self, store: LabelStore) -> None:
         self._store = store
         self._reasons: dict[str, str] = {}  # by identity
 
     def bring(self, recording: Recording, author: str = "import") -> list[str]:
-        """Make the labels that came with the files an edit, once; raises what keeps them out.
+        """Commit the labels in the files as an edit, once; raises the error of a failure.
 
-        Returns what is to be told of those that are left out.
+        Returns warnings about labels that are left out.
         """
         if "label" not in recording.manifest.fields:
             return []
@@ -46,9 +46,9 @@ class SourceLabels:
         return warnings
 
     def missing(self, manifests: Iterable[Manifest]) -> dict[str, str]:
-        """Reasons why labels did not come in, by the ids of recordings; UnavailableError.
+        """Return reasons for missing labels by ids of recordings; raises UnavailableError.
 
-        The journal tells which did; an import that goes on is not missing.
+        The journal shows imported labels; unfinished imports are not included.
         """
         found = {each.id: each for each in manifests if "label" in each.fields}
         edits = {sequence: edit_of(manifest) for sequence, manifest in found.items()}
@@ -59,19 +59,19 @@ class SourceLabels:
 
 
 def edit_of(manifest: Manifest) -> str:
-    """Id of the edit that a recording's own labels make, the same at every attempt."""
+    """Return the id of the edit with a recording's own labels, equal for every attempt."""
     return str(uuid.uuid5(uuid.NAMESPACE_OID, manifest.imported_as))
 
 
 def came_with_files(frames: int) -> str:
-    """Summarize the edit that brings them."""
+    """Return the summary of the edit with these labels."""
     return f"labels that came with the files, {frames} frames"
 
 
 def import_source_labels(store: LabelStore, recording: Recording, author: str) -> list[str]:
-    """Make the labels that came with the files an edit, with a palette for them.
+    """Commit the labels in the files as an edit that also adds their palette.
 
-    It is made where no point has one, too: it says that they came in.  Returns warnings.
+    An edit without labelled points is also committed, as a mark of success.  Returns warnings.
     """
     sequence = recording.manifest.id
     naming = _naming_of(recording.manifest).in_workspace(store)
@@ -122,9 +122,9 @@ def _ids(chosen: Chosen, keys: tuple[Key, ...]) -> NDArray[np.uint16]:
 def _labelled_parts(
     recording: Recording, naming: Naming
 ) -> Iterator[tuple[int, NDArray[np.int64], tuple[Key, ...], NDArray[np.int64]]]:
-    """Labelled points, a part of a frame at once: frame, numbers (n,), keys, which (n,) of them.
+    """Yield labelled points of parts of frames: frame, numbers (n,), keys, indices (n,) of keys.
 
-    A label of ours is an instance already.
+    A label of a pointbrush export is an instance already.
     """
     for frame in recording:
         if frame.label is None:

@@ -1,4 +1,4 @@
-"""Import jobs: files, or the sample, become a recording with the labels that came with it."""
+"""Import jobs, which create recordings with their labels from files or the sample."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 WITHOUT_LABELS = "the recording was imported, but its labels were not imported"
-"""Beginning of the error of an import that made a recording and not its labels."""
+"""Prefix of the error of an import that created a recording without its labels."""
 
 
 class Imports:
-    """Imports recordings, and labels of them, in jobs, and makes them known; thread-safe."""
+    """Imports recordings and labels in jobs, and registers them; thread-safe."""
 
     def __init__(
         self,
@@ -57,15 +57,15 @@ class Imports:
         publish: Callable[[Event], None],
         max_points: int,
     ) -> None:
-        """``max_points``: most points of a frame that is read."""
+        """``max_points``: limit of points in a frame."""
         self._library, self._store, self._runner, self._jobs = library, store, runner, jobs
         self._publish, self._max_points = publish, max_points
         self.source_labels = SourceLabels(store)
 
     def complete(self, manifests: Iterable[Manifest]) -> None:
-        """Do what a server that was killed as an import ended has left out.
+        """Complete imports of servers that were killed at the end of an import.
 
-        One recording that cannot be completed keeps no other from it; raises UnavailableError.
+        A failure for one recording does not affect others; raises UnavailableError.
         """
         running = self._store.guards.importing()
         for manifest in manifests:
@@ -95,9 +95,9 @@ class Imports:
     ) -> Job:
         """Import files as one sequence in a job.
 
-        ``request``: fields of ``ImportRequest``.  ``owner``: who asks.  With the ``job_id`` of a
-        job that they have begun before, that job is returned and nothing is begun; raises
-        ConflictError for another person's, NotFoundError for an unknown project.
+        ``request``: fields of ``ImportRequest``.  ``owner``: account of the caller.  For the
+        ``job_id`` of an earlier job of the same owner, that job is returned.  Raises ConflictError
+        for another person's job, NotFoundError for an unknown project.
         """
         wanted = _request(paths, request)
         if wanted.project != FIRST:
@@ -115,13 +115,13 @@ class Imports:
         return job
 
     def preview(self, paths: Sequence[Path], **request: Any) -> Preview:
-        """Preview ``begin``; nothing is written.  Raises what readers raise."""
+        """Preview ``begin``; nothing is written.  Raises the errors of readers."""
         wanted = _request(paths, request)
         limits = formats.Limits(self._max_points, roots=wanted.roots)
         return self._previews.of(wanted, limits)
 
     def begin_sample(self, *, frames: int = 90, seed: int = 0, kind: str = "juggling") -> Job:
-        """Make a sample recording and import it in a job, with a palette for its objects.
+        """Generate a sample recording and import it in a job, with a palette for its objects.
 
         ``kind``: ``juggling`` or ``aerial``.
         """
@@ -137,9 +137,9 @@ class Imports:
         job_id: str | None = None,
         **request: Any,
     ) -> Job:
-        """Import labels made elsewhere as one edit, in a job whose result reports what was found.
+        """Import labels from files as one edit, in a job with a report as its result.
 
-        ``request``: fields of ``LabelRequest``; ``job_id`` as of ``begin``.  Raises NotFoundError.
+        ``request``: fields of ``LabelRequest``; ``job_id``: see ``begin``.  Raises NotFoundError.
         """
         from pointbrush.work.imports.label_reading import LabelRequest
 
@@ -151,14 +151,14 @@ class Imports:
         return job
 
     def labels_again(self, job: Job) -> dict[str, Any] | None:
-        """Begin an import of labels again; see ``LabelImports.again``."""
+        """Restart an import of labels; see ``LabelImports.again``."""
         return self._of_labels.again(self._library.recording(job.sequence or ""), job)
 
     def bring_labels(self, sequence: str, author: str) -> None:
-        """Bring in the labels in a recording's own files, which did not come in with it.
+        """Import labels from a recording's own files that its import has not imported.
 
-        Where they did, nothing happens.  Raises ConflictError where the files have none, and what
-        keeps them out.
+        A repeated call has no effect.  Raises ConflictError if the files have none, and the errors
+        of their import.
         """
         recording = self._library.recording(sequence)
         if "label" not in recording.manifest.fields:
@@ -187,9 +187,9 @@ class Imports:
         return LabelImports(self._store, self._runner, self._max_points)
 
     def again(self, job: Job) -> dict[str, Any] | None:
-        """Begin an import again that another server has left; return its result if it was done.
+        """Restart an import of an ended server; return its result if it was already done.
 
-        Raises what the first call raises.
+        Raises the errors of the first call.
         """
         kept = job.request or {}
         request = None if kept["call"] == SAMPLE else ImportRequest.of_json(kept)
@@ -232,7 +232,7 @@ class Imports:
         return self._submit(guard, work, label, job)
 
     def _reserve(self, name: str) -> Guard:
-        """A readable, URL-safe id made from ``name``; nobody else gets it meanwhile."""
+        """Reserve a readable, URL-safe id derived from ``name``."""
         self._library.require_writable()
         self._library.store.clear_remains(self._store.guards.importing)
         return self._store.guards.reserve(ids_for(name), self._library.is_free)
@@ -281,7 +281,7 @@ class Imports:
 
 
 def _given_up(job: Job) -> str | None:
-    """The axis that is up, where the request of an import says it."""
+    """Return the up axis in the request of an import, or None."""
     up = (job.request or {}).get("chosen", {}).get("up")
     return None if up is None else str(up)
 

@@ -1,4 +1,4 @@
-"""Folders of running servers: each keeps a heartbeat, and what has none is nobody's any more."""
+"""Folders of running servers with heartbeats; folders without one are removed."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from pointbrush.system import process_alive
 
 BEAT_SECONDS = 5.0
 STALE_SECONDS = 60.0
-"""A server whose heartbeat is older has ended without a word."""
+"""Age of a heartbeat after which its server counts as ended."""
 ALIVE = "alive"
-"""Heartbeat: its time is the last beat's, its text names the machine and the process."""
+"""Heartbeat file: its time is the last beat, its text the machine and the process."""
 
 
 class Uploads:
     """One server's uploads and temporary files, on the workspace's own disk.
 
-    ``uploads/OWNER.ID`` waits for its import; ``servers/OWNER`` holds the heartbeat and temporary
-    files.  Several servers on a workspace leave each other's alone, and what a job needs that goes
-    on at another one.
+    ``uploads/OWNER.ID`` is an upload for an import; ``servers/OWNER`` has the heartbeat and
+    temporary files.  Servers of a workspace do not remove files of other running servers, nor files
+    of jobs that another server continues.
     """
 
     def __init__(self, workspace: Path, needed: Callable[[], Iterable[Path]] = tuple) -> None:
-        """``needed`` gives the uploads of all jobs that have not ended; UnavailableError."""
+        """``needed`` returns the uploads of all unfinished jobs; raises UnavailableError."""
         self._needed = needed
         self._servers, self._uploads = workspace / "servers", workspace / "uploads"
         self.owner = uuid.uuid4().hex
@@ -40,25 +40,25 @@ class Uploads:
         self._thread = threading.Thread(target=self._run, name="pointbrush-beat", daemon=True)
 
     def open(self) -> None:
-        """Begin the heartbeat, and remove what servers without one have left."""
+        """Start the heartbeat, and remove files of servers without one."""
         if self._beat():
             self.clean()
         self._thread.start()
 
     def close(self) -> None:
-        """End the heartbeat; nothing of this server stays but what its jobs need."""
+        """End the heartbeat, and remove files of this server that its jobs do not need."""
         self._stop.set()
         self._thread.join()
         self._remove(self._uploads.glob(f"{self.owner}.*"))
         shutil.rmtree(self._servers / self.owner, ignore_errors=True)
 
     def new(self) -> Path:
-        """Return the folder for one upload, which is not there yet."""
+        """Return the path of a new folder for one upload."""
         return self._uploads / f"{self.owner}.{uuid.uuid4().hex}"
 
     def clean(self) -> None:
-        """Remove what belongs to no server that is alive."""
-        # Times of the same disk are compared, whatever the clocks of its servers say.
+        """Remove files that belong to no running server."""
+        # Only times of the same disk are compared, independent of the servers' clocks.
         now = (self._servers / self.owner / ALIVE).stat().st_mtime
         alive = {self.owner}
         for server in self._servers.iterdir():
@@ -71,7 +71,7 @@ class Uploads:
             self._remove(each for each in uploads if each.name.partition(".")[0] not in alive)
 
     def _remove(self, uploads: Iterable[Path]) -> None:
-        """Remove uploads that no job needs; none while the database cannot say."""
+        """Remove uploads that no job needs; none while the database is unavailable."""
         unowned = list(uploads)
         try:
             needed = {each.name for each in self._needed()} if unowned else set()
@@ -82,7 +82,7 @@ class Uploads:
                 shutil.rmtree(upload, ignore_errors=True)
 
     def _beat(self) -> bool:
-        """Write the heartbeat; False where the disk cannot be written."""
+        """Write the heartbeat; return False if the disk cannot be written."""
         try:
             self.temporary.mkdir(parents=True, exist_ok=True)
             heartbeat = self._servers / self.owner / ALIVE
@@ -96,14 +96,14 @@ class Uploads:
 
     def _run(self) -> None:
         while not self._stop.wait(BEAT_SECONDS):
-            # A full disk takes no new heartbeat for a while; the next one may fit.
+            # A full disk prevents a heartbeat; the next one may succeed.
             with contextlib.suppress(OSError):
                 if self._beat():
                     self.clean()
 
 
 def any_alive(workspace: Path) -> bool:
-    """Return whether a server runs on a workspace, as far as heartbeats tell."""
+    """Return whether a server runs on a workspace, according to heartbeats."""
     servers = workspace / "servers"
     if not servers.is_dir():
         return False
@@ -117,7 +117,7 @@ def any_alive(workspace: Path) -> bool:
 
 
 def _is_alive(server: Path, now: float) -> bool:
-    """Tell by the heartbeat at ``now`` of the disk's clock, or by the process, if it is here."""
+    """Return whether a server has a recent heartbeat and, on this machine, a running process."""
     if now - _last_beat(server) >= STALE_SECONDS:
         return False
     with contextlib.suppress(OSError, ValueError):
@@ -135,7 +135,7 @@ def _last_beat(server: Path) -> float:
 
 
 def _made(server: Path) -> float:
-    """A server that begins has its folder before its first heartbeat."""
+    """Return the time of a server's folder, which exists before its first heartbeat."""
     try:
         return server.stat().st_mtime
     except OSError:
