@@ -1,4 +1,4 @@
-"""Several labels at once: a palette file, or the template of a dataset."""
+"""Adding several labels: from a palette file, or the template of a dataset."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pointbrush.labels.selection import require_allowed
 
 @dataclass(frozen=True, slots=True)
 class NamedLabel:
-    """A label that has no id yet; ``color`` None: one of its own."""
+    """A label without an id; ``color`` None: the default colour of its id."""
 
     name: str
     category: str = ""
@@ -24,7 +24,7 @@ class NamedLabel:
 
 @dataclass(frozen=True, slots=True)
 class CountedLabel(Label):
-    """A label with its ``points``, the number in all frames."""
+    """A label with its number of ``points`` in all frames."""
 
     points: int = 0
 
@@ -41,7 +41,7 @@ def counted_labels(store: LabelStore, sequence: str) -> list[CountedLabel]:
 def add_labels(
     store: LabelStore, sequence: str, wanted: Sequence[NamedLabel], author: str
 ) -> list[str]:
-    """Add those that are not there by name and category, as one edit; returns their names.
+    """Add missing labels, by name and category, as one edit; return their names.
 
     Raises BadInputError for a category that the recording's project has not selected.
     """
@@ -65,7 +65,7 @@ def add_labels(
 
 
 def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
-    """Return those of ``wanted`` that a palette has not."""
+    """Return the labels of ``wanted`` that a palette does not have."""
     known = {(label.name, label.category) for label in palette.labels}
     ids, fresh = palette.free_ids(), []
     for each in wanted:
@@ -81,7 +81,7 @@ def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
 def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str) -> list[str]:
     """Add a label for each class of a dataset; the classes keep their numbers in its files.
 
-    Those that the recording's project has not selected are left out.
+    Classes that the recording's project has not selected are left out.
     """
     palette, listed = store.choosing(sequence), dataset.classes
     words = {number: each.name for number, each in listed.items()}
@@ -95,7 +95,7 @@ def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str
 
 
 def offered(store: LabelStore, sequence: str) -> tuple[bool, list[str]]:
-    """Categories to choose from for labels; whether the project has selected them."""
+    """Return whether the project has selected categories, and the available categories."""
     selected = store.team.projects.selection(sequence)
     known = [each.name for each in store.taxonomy.entries()]
     return selected is not None, [each for each in known if selected is None or each in selected]

@@ -9,11 +9,11 @@ from pointbrush.sequences import Sequence as Recording
 
 
 class Part:
-    """Edits of recordings that are named by their ids; thread-safe.
+    """Edits of recordings by id; thread-safe.
 
     Every method raises NotFoundError for an unknown sequence or frame, DamagedError.
     """
 
     def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
-        """``recording``: opens the recording of an id."""
+        """``recording``: opens a recording by its id."""
         self._store, self._recording = store, recording

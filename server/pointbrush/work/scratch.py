@@ -1,4 +1,4 @@
-"""The scratch recording of headset checks: made when it is first needed, and in no list."""
+"""The scratch recording of headset checks: created at its first use, and not listed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.library import Library
 
 FRAMES = 4
-"""Frames of a Kinect 2, 0.2 million points each: a second of work for each, and 4 MB."""
+"""Number of frames of a Kinect 2, 0.2 million points each: a second of work and 4 MB per frame."""
 LABELS = {"First label": "#ff8c42", "Second label": "#3fa7d6"}
 """Labels to switch between: name → colour."""
 
@@ -20,7 +20,7 @@ LABELS = {"First label": "#ff8c42", "Second label": "#3fa7d6"}
 class Scratch:
     """The scratch recording of one workspace; thread-safe.
 
-    It counts as a copy of itself, so that figures, versions and webhooks of projects leave it out.
+    It is marked as a copy of itself, which excludes it from statistics, versions and webhooks.
     """
 
     def __init__(self, store: LabelStore, library: Library) -> None:
@@ -29,9 +29,9 @@ class Scratch:
         self._lock = threading.Lock()
 
     def prepare(self) -> str:
-        """Return the id of the scratch recording, whose points have no labels.
+        """Return the id of the scratch recording after clearing all its labels.
 
-        Raises ReadOnlyError, UnavailableError, and ConflictError while another server makes it.
+        Raises ReadOnlyError, UnavailableError, and ConflictError while another server creates it.
         """
         with self._lock:
             if not self._library.has(SCRATCH):
@@ -50,7 +50,7 @@ class Scratch:
         from pointbrush.samples import generate
 
         self._library.require_writable()
-        self._store.recordings.forget(SCRATCH)  # labels whose files were removed
+        self._store.recordings.forget(SCRATCH)  # labels of removed files
         guard = self._store.guards.reserve([SCRATCH], self._library.is_free)
         recording = generate("juggling", frames=FRAMES)
         try:

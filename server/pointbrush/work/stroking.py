@@ -1,4 +1,4 @@
-"""Strokes of all shapes on frames, whole or while they are drawn, and their previews."""
+"""Strokes of all shapes on frames, complete or incremental, and their previews."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ class Strokes(Part):
     def __init__(
         self, store: LabelStore, recording: Callable[[str], Recording], objects: Objects
     ) -> None:
-        """``objects`` answers clicks of the shape ``object``."""
+        """``objects``: for strokes of the shape ``object``."""
         super().__init__(store, recording)
         self._objects = objects
 
     def begin(
         self, sequence: str, frame: int, brush: Mapping[str, Any], stroke_id: str | None = None
     ) -> LiveStroke | ObjectStroke | Commit:
-        """Start a stroke that is still being drawn; see LiveStroke.
+        """Start an incremental stroke; see LiveStroke.
 
-        One that is sent again after its answer was lost has been applied: that is its commit.
+        For a repeated stroke that is already applied, its commit is returned.
         """
         given = edit_id(stroke_id)
         begun = self._store.begin(sequence, given)
@@ -39,7 +39,7 @@ class Strokes(Part):
         return LiveStroke(self._store, begun, recording, frame, brush, given)
 
     def apply(self, sequence: str, frame: int, fields: Mapping[str, Any], author: str) -> Commit:
-        """Apply a whole stroke (the fields of REST's); durable when this returns."""
+        """Apply a complete stroke (fields of REST) and return when it is durable."""
         live = self.begin(sequence, frame, fields, fields.get("id"))
         if isinstance(live, Commit):
             return live
@@ -49,8 +49,8 @@ class Strokes(Part):
     def preview(self, sequence: str, frame: int, fields: Mapping[str, Any]) -> Answer:
         """Preview a stroke: levels of an object, or a region of another shape.
 
-        ``fields`` are those of a stroke, with ``positives`` for its samples.
-        Raises BadInputError, NotFoundError.
+        ``fields``: of a stroke, with ``positives`` for its samples.  Raises BadInputError,
+        NotFoundError.
         """
         recording = self._recording(sequence)
         if fields.get("shape", "object") == "object":

@@ -12,13 +12,13 @@ from pointbrush.sequences import StoredFrame
 WIDTH, HEIGHT = 256, 144
 """Pixels."""
 POINTS = 60_000
-"""Points that are drawn at most: the first ones of a frame are an even part of it."""
+"""Limit of drawn points; the first points of a frame are a uniform sample."""
 SPLAT = 2
-"""Pixels that a point is wide."""
+"""Width of a point, pixels."""
 _FIELD = np.tan(np.deg2rad(50) / 2)
-"""Half the height of the picture at a distance of 1."""
+"""Half the height of the field of view at a distance of 1."""
 _ONE_WAY = 0.6
-"""Unit directions from a sensor that sees one way have a longer mean than this."""
+"""Length of the mean unit direction from a sensor above which it has a limited field of view."""
 _OVERVIEW = np.array([0.45, 0.5, 0.75]) / np.linalg.norm([0.45, 0.5, 0.75])
 _BACK = np.array([11, 14, 18], np.uint8)
 _QUALITY = 80
@@ -27,7 +27,7 @@ Points = NDArray[np.float64]
 
 
 def thumbnail(frame: StoredFrame, T_room_local: Points) -> bytes:
-    """Return a JPEG of ``WIDTH`` x ``HEIGHT`` pixels, from the sensor or over all of the frame."""
+    """Return a JPEG of ``WIDTH`` x ``HEIGHT`` pixels, from the sensor or an overview."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -47,7 +47,7 @@ def draw(frame: StoredFrame, T_room_local: Points) -> NDArray[np.uint8]:
     eye, target = _view(points, rotation @ sensor + origin)
     across, down, depth = _project(points, eye, target)
     inside = (depth > 1e-3) & (across >= 0) & (across < WIDTH) & (down >= 0) & (down < HEIGHT)
-    # What is near is drawn last.
+    # Near points are drawn last.
     order = np.flatnonzero(inside)[np.argsort(-depth[inside], kind="stable")]
     colors = _colors(frame, points)[order]
     x, y = across[order].astype(np.intp), down[order].astype(np.intp)
@@ -59,7 +59,7 @@ def draw(frame: StoredFrame, T_room_local: Points) -> NDArray[np.uint8]:
 
 
 def _view(points: Points, sensor: Points) -> tuple[Points, Points]:
-    """Eye and target: a sensor's own view if it sees one way, else all from above the side."""
+    """Return eye and target: the view of a sensor with a limited field, else an overview."""
     offset = points - sensor
     distance = np.maximum(np.linalg.norm(offset, axis=1), 1e-9)
     mean = (offset / distance[:, None]).mean(axis=0)
@@ -74,7 +74,7 @@ def _view(points: Points, sensor: Points) -> tuple[Points, Points]:
 
 
 def _project(points: Points, eye: Points, target: Points) -> tuple[Points, Points, Points]:
-    """Pixels across and down, and metres away."""
+    """Return pixel columns and rows, and depths in metres."""
     ahead = (target - eye) / max(float(np.linalg.norm(target - eye)), 1e-9)
     right = np.cross(ahead, [0.0, 1.0, 0.0])
     right /= max(float(np.linalg.norm(right)), 1e-9)
@@ -86,7 +86,7 @@ def _project(points: Points, eye: Points, target: Points) -> tuple[Points, Point
 
 
 def _colors(frame: StoredFrame, points: Points) -> NDArray[np.uint8]:
-    """(n, 3): the frame's own, else grey by intensity or height."""
+    """Return colours (n, 3): of the frame, else grey by intensity or height."""
     if frame.rgb is not None:
         return np.asarray(frame.rgb[: len(points)])
     values = points[:, 1] if frame.intensity is None else frame.intensity[: len(points)]

@@ -1,4 +1,4 @@
-"""One click, one object: frames prepared ahead, clicks answered with nested candidates."""
+"""The object tool: frames prepared in advance, and nested candidates for clicks."""
 
 from pointbrush.work.objects.options import ObjectOptions
 from pointbrush.work.objects.service import Answer, Clicks, Level, Objects, StaleCandidateError

@@ -1,4 +1,4 @@
-"""Selectors of a workspace: one for all recordings, or one for each."""
+"""Selectors of a workspace, for all recordings or for single ones."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from pointbrush.selection.selectors import BUILT_IN, Selector, make_selector
 
 @dataclass(frozen=True, eq=False)
 class Chosen:
-    """A selector and the name by which another process makes the same."""
+    """A selector and the name by which another process can create it."""
 
     name: str
 
     @cached_property
     def selector(self) -> Selector:
-        """The selector, made when it is first asked for.  Raises BadInputError."""
+        """Return the selector, created at its first use.  Raises BadInputError."""
         return make_selector(self.name)
 
 
 @dataclass(frozen=True, eq=False)
 class Selectors:
-    """Selectors by a recording's id; ``common`` answers for the others."""
+    """Selectors by a recording's id; ``common`` is used for other recordings."""
 
     common: Chosen
     own: Mapping[str, Chosen]
 
     @classmethod
     def parse(cls, text: str) -> Selectors:
-        """Read ``NAME`` and ``RECORDING=NAME``, separated by commas.
+        """Parse ``NAME`` and ``RECORDING=NAME``, separated by commas.
 
         Raises BadInputError for an unknown selector and for a recording named twice.
         """
@@ -49,13 +49,13 @@ class Selectors:
         made: dict[str, Chosen] = {}
         for name in {*named.values(), BUILT_IN}:
             made[name] = Chosen(name)
-            if name != BUILT_IN:  # which is there, and loads much that no other command needs
+            if name != BUILT_IN:  # always exists, and is slow to import
                 _ = made[name].selector
         common = made[named.pop("", BUILT_IN)]
         return cls(common, MappingProxyType({key: made[name] for key, name in named.items()}))
 
     def every(self) -> set[Chosen]:
-        """Return the selectors that answer for any recording."""
+        """Return the distinct selectors."""
         return {self.common, *self.own.values()}
 
     def of(self, recording: str) -> Chosen:

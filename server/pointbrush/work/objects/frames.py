@@ -1,4 +1,4 @@
-"""A stored frame, or its part round a click, as selectors want it."""
+"""A stored frame, or its part around a click, as input of selectors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 SENSED_POINTS = 250_000
-"""Points by which a frame's sensor is told, the first ones, which are an even part of it."""
+"""Number of first points, a uniform sample, used to determine a frame's sensor."""
 
 
 def object_frame(
@@ -31,7 +31,7 @@ def object_frame(
             return None
         return np.ascontiguousarray(column if members is None else column[members])
 
-    from pointbrush.selection.objects import ObjectFrame  # loads what is compiled
+    from pointbrush.selection.objects import ObjectFrame  # imports compiled loops
 
     sensor = sensor_of(frame, manifest)
     return ObjectFrame(
@@ -45,14 +45,14 @@ def object_frame(
 
 
 def sensor_of(frame: StoredFrame, manifest: Manifest) -> Sensing:
-    """Tell the kind of a frame's sensor and its place, local metres."""
-    from pointbrush.tracking.sensors.kind import sense  # loads what is compiled
+    """Return the kind of a frame's sensor and its position, local metres."""
+    from pointbrush.tracking.sensors.kind import sense  # imports compiled loops
 
     return sense(_positions(frame), -np.asarray(manifest.shift, np.float64))
 
 
 def _positions(frame: StoredFrame) -> PositionsFrame:
-    """Take the part of a frame by which its sensor is told."""
+    """Return the part of a frame used to determine its sensor."""
     from pointbrush.tracking.interface import PositionsFrame  # not loaded by most commands
 
     xyz = np.asarray(frame.coordinates[:SENSED_POINTS], np.float32)
@@ -61,7 +61,7 @@ def _positions(frame: StoredFrame) -> PositionsFrame:
 
 
 def near(points: Points, middle: Floats, reach: float, most: int) -> NDArray[np.int64]:
-    """Return numbers of the points round a place (3,), in a cube with at most ``most`` of them."""
+    """Return numbers of points around a place (3,), in a cube with at most ``most`` of them."""
     first = points.blocks.first
     while reach > 1e-3:
         blocks = points.blocks_in_box(middle - reach, middle + reach)

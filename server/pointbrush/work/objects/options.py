@@ -1,4 +1,4 @@
-"""Bounds of what is prepared and kept for the object tool."""
+"""Limits of preparation and caches of the object tool."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ class ObjectOptions:
     """Sizes and counts; all above 0."""
 
     memory_bytes: int = 512 * 2**20
-    """States kept in memory, bytes on disk."""
+    """Size of cached states in memory, by their bytes on disk."""
     disk_bytes: int = 2 * 2**30
-    """States kept on disk, of all recordings together, bytes."""
+    """Size of cached states on disk, for all recordings together, bytes."""
     ahead: int = 2
-    """Frames on either side of the current one that are prepared after it."""
+    """Number of frames on either side of the current one that are prepared after it."""
     waiting: int = 16
-    """Frames that wait to be prepared; the oldest wish is dropped."""
+    """Limit of frames queued for preparation; the oldest is dropped."""
     whole_points: int = 5_000_000
-    """Points of the largest frame that is prepared whole; of larger ones what is near a click."""
+    """Points of the largest frame that is prepared whole; for larger ones only around a click."""
     near_points: int = 150_000
-    """Points of what is near a click, while the frame is not prepared."""
+    """Number of points around a click that are used while the frame is not prepared."""
     near_reach: float = 8.0
-    """Metres round a click that are near at most."""
+    """Largest distance of these points from the click, metres."""
     near_kept: int = 8
-    """Surroundings of clicks that are kept prepared."""
+    """Limit of cached surroundings of clicks."""
     answers: int = 128
-    """Candidates that are remembered."""
+    """Limit of cached candidates."""
     clicks: int = 64
-    """Positive clicks in a call, and negative ones."""
+    """Limit of positive, and of negative, clicks in a call."""
 
     def check(self) -> None:
         """Raise BadInputError for a number that is not above 0."""

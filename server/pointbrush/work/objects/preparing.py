@@ -1,6 +1,6 @@
-"""Frames prepared ahead, one after another, in a process of their own, and kept on disk.
+"""Frames prepared in advance, one after another, in a separate process, and stored on disk.
 
-Their files lie beside the recordings, bounded in bytes.
+Their files are beside the recordings, with a limit of bytes.
 """
 
 from __future__ import annotations
@@ -32,21 +32,20 @@ logger = logging.getLogger(__name__)
 Wish = tuple[str, int]
 """An import's identity and a frame of it."""
 Done = Callable[[Recording, int, object], None]
-"""Called with a prepared frame's state, or with None when it lies on disk."""
+"""Called with a prepared frame's state, or None if it is on disk."""
 
 
 class StateFiles:
-    """Files under ``folder``: one a recording's import, selector and frame.
+    """Files in ``folder``, one per import of a recording, selector and frame.
 
-    They can be made again, so that any of them may be missing; a folder that cannot be written
-    keeps nothing.
+    They are a cache: any file may be missing, and a read-only folder stays empty.
     """
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
         self.folder, self._most = folder, most_bytes
 
     def path(self, identity: str, selector: str, version: str, frame: int) -> Path:
-        """Return the path of a state, whether it is there or not."""
+        """Return the path of a state, which may not exist."""
         return self.folder / identity / _key(selector, version) / f"{frame:06d}.npz"
 
     def of(self, selector: str, version: str) -> list[Path]:
@@ -54,7 +53,7 @@ class StateFiles:
         return sorted(self.folder.glob(f"*/{_key(selector, version)}/*.npz"))
 
     def write(self, path: Path, save: Callable[[Path], None]) -> bool:
-        """Write a state whole or not at all; False when the disk did not take it."""
+        """Write a state atomically; return False if it cannot be written."""
         partial = path.with_name(f".{path.name}-{uuid.uuid4().hex}")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -68,12 +67,12 @@ class StateFiles:
         return True
 
     def used(self, path: Path) -> None:
-        """Note that a file was read: those that were not for longest go first."""
+        """Mark a file as used, for the removal of least recently used files."""
         with contextlib.suppress(OSError):
             os.utime(path)
 
     def remove(self, path: Path) -> bool:
-        """Remove a state that cannot be read; False where the folder cannot be written."""
+        """Remove an unreadable state; return False if the folder is read-only."""
         try:
             path.unlink(missing_ok=True)
         except OSError:
@@ -81,7 +80,7 @@ class StateFiles:
         return True
 
     def prune(self) -> None:
-        """Remove what was not used for longest until the rest fits."""
+        """Remove the least recently used states until the rest fits."""
         found = []
         for path in self.folder.glob("*/*/*.npz"):
             with contextlib.suppress(OSError):
@@ -101,10 +100,10 @@ def _key(selector: str, version: str) -> str:
 
 
 class Preparer:
-    """Prepares the frames that are wished for, the newest wish first."""
+    """Prepares requested frames, newest request first."""
 
     def __init__(self, selectors: Selectors, files: StateFiles, waiting: int, done: Done) -> None:
-        """At most ``waiting`` wishes wait."""
+        """``waiting``: limit of the queue."""
         self._selectors, self._files = selectors, files
         self._waiting, self._done = waiting, done
         self._wishes: OrderedDict[Wish, tuple[Recording, int]] = OrderedDict()
@@ -116,7 +115,7 @@ class Preparer:
         self._thread: threading.Thread | None = None
 
     def wish(self, recording: Recording, frames: list[int]) -> None:
-        """Have frames prepared, the first of them first."""
+        """Queue frames for preparation, in their order."""
         with self._changed:
             for frame in reversed(frames):
                 wish = (recording.identity, frame)
@@ -134,7 +133,7 @@ class Preparer:
             self._changed.notify()
 
     def failed(self, recording: Recording, frame: int) -> bool:
-        """Return whether a frame was tried, in vain."""
+        """Return whether the preparation of a frame has failed."""
         return (recording.identity, frame) in self._failed
 
     def close(self) -> None:
@@ -159,7 +158,7 @@ class Preparer:
                 self._failed.add((recording.identity, frame))
                 logger.warning("frame %d is not prepared for the object tool: %s", frame, error)
             except Exception:
-                # A plug-in may raise anything; the tool works on what is near then.
+                # A plug-in may raise any error; the tool then uses points around a click.
                 self._failed.add((recording.identity, frame))
                 logger.exception("frame %d is not prepared for the object tool", frame)
             finally:

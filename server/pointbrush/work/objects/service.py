@@ -1,6 +1,6 @@
-"""Clicks on a frame → nested candidates, remembered until one of them is taken.
+"""Nested candidates for clicks on a frame, cached until one of them is committed.
 
-A click is rays into a frame, and the points that they may take.
+A click consists of rays into a frame, and the points that can be selected.
 """
 
 from __future__ import annotations
@@ -36,13 +36,12 @@ Version = tuple[str | None, int, int]
 
 @dataclass(frozen=True, eq=False)
 class Clicks:
-    """Rays that point at an object (``positives``) and at what is no part of it (``negatives``).
+    """Rays that hit an object (``positives``) and that hit other surfaces (``negatives``).
 
-    Both are ``Stroke`` values of which the samples count, in source coordinates; ``reach`` is how
-    far beside a ray a point may lie, metres.  ``label`` is the label to paint with: its own points
-    are taken, those of other labels only with ``take_labelled``.  ``hidden`` are labels that only
-    this viewer hides.  Outside the clip box that both carry nothing is taken.  ``previous`` is
-    the id of the candidate taken so far, or "".
+    Both are ``Stroke`` values with samples in source coordinates, a radius around a ray and a clip
+    box that limits the selection.  ``label``: the label to paint; its own points can be selected,
+    points of other labels only with ``take_labelled``.  ``hidden``: labels that only this viewer
+    hides.  ``previous``: the id of the current candidate, or "".
     """
 
     positives: Stroke
@@ -99,9 +98,9 @@ def surface_hits(points: Points, rays: Stroke, shift: Floats, alive: Alive) -> F
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A candidate: ``numbers`` are the points that it would take, stored order, ascending.
+    """A candidate: ``numbers`` are its points, stored order, ascending.
 
-    ``id`` is opaque, and stands for frame, clicks and revision; ``level`` counts from the smallest.
+    ``id`` is opaque and identifies frame, clicks and revision; ``level`` counts from the smallest.
     """
 
     id: str
@@ -112,9 +111,9 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Candidates of some clicks, from part to group; ``first`` is the one to show first.
+    """Candidates for clicks, from part to group; ``first`` is the one to show first.
 
-    ``ready``: they come from all of the frame, not from what is near the clicks.
+    ``ready``: they are based on the whole frame, not only on points around the clicks.
     """
 
     candidates: tuple[Level, ...]
@@ -123,7 +122,7 @@ class Answer:
 
 
 class StaleCandidateError(ConflictError):
-    """The frame changed since a candidate was offered; ``answer`` holds what is offered now."""
+    """The frame changed since a candidate was offered; ``answer`` has the current candidates."""
 
     title = "Candidate is stale"
 
@@ -137,14 +136,14 @@ class StaleCandidateError(ConflictError):
 
 @dataclass(frozen=True, eq=False)
 class _Offer:
-    """A candidate that was offered, and ``version``: the frame that it is of, see ``_version``."""
+    """An offered candidate; ``version``: of its frame, see ``_version``."""
 
     level: Level
     version: Version
 
 
 class Objects:
-    """Answers clicks on the frames of a workspace; thread-safe."""
+    """Selects objects by clicks on the frames of a workspace; thread-safe."""
 
     def __init__(
         self,
@@ -155,7 +154,7 @@ class Objects:
         compile_loops: Callable[[], None],
         options: ObjectOptions | None = None,
     ) -> None:
-        """Prepared frames are kept in ``folder``; ``compile_loops`` waits until loops can run.
+        """``folder``: of prepared frames; ``compile_loops`` waits until loops are compiled.
 
         Raises BadInputError for an unknown selector.
         """
@@ -169,7 +168,7 @@ class Objects:
         )
 
     def close(self) -> None:
-        """Stop preparing."""
+        """Stop the preparation."""
         self._states.close()
 
     def problems(self, *, repair: bool) -> tuple[list[str], list[str]]:
@@ -183,15 +182,15 @@ class Objects:
     # ── answering ────────────────────────────────────────────────────────────────────────
 
     def answer(self, recording: Recording, frame: int, clicks: Clicks) -> Answer:
-        """Answer clicks; without a positive one, only whether the frame is ready.
+        """Return the candidates of clicks; without positive ones only whether the frame is ready.
 
-        The frame is prepared after this, and those around it.  Raises NotFoundError.
+        The frame and its neighbours are queued for preparation.  Raises NotFoundError.
         """
         stored = recording[frame]
         ready = self._states.ready(recording, frame)
         if len(clicks.positives.origins) == 0 or stored.count == 0:
             return Answer((), 0, ready)
-        # Read first: values newer than it make the next answer another one, never this one wrong.
+        # The version is read first: newer values then only invalidate this answer.
         version = self._version(recording, frame)
         values = self._store.values(recording.manifest.id, frame)
         kept = self._kept(recording.manifest.id, clicks)
@@ -218,11 +217,11 @@ class Objects:
     def take(
         self, recording: Recording, frame: int, clicks: Clicks, candidate: str, level: int | None
     ) -> Level:
-        """Return the candidate that a stroke names by its id, or by its level.
+        """Return the candidate of a stroke by its id or level.
 
-        An id is good while the frame is as it was when the candidate was offered, also for a stroke
-        with another label: points of labels that the stroke must not take are left out.
-        Raises StaleCandidateError for any other id, BadInputError for a level that is not offered.
+        An id is valid until the frame changes, also for a stroke with another label; points of
+        labels that the stroke must not change are left out.  Raises StaleCandidateError for any
+        other id, BadInputError for a level that is not offered.
         """
         known = self._offer(candidate)
         if known is not None and known.version == self._version(recording, frame):
@@ -244,7 +243,7 @@ class Objects:
     # ── rules and names ──────────────────────────────────────────────────────────────────
 
     def _kept(self, sequence: str, clicks: Clicks) -> list[int]:
-        """Return the labels, ascending, whose points no object takes: locked and hidden ones."""
+        """Return the locked and hidden labels, ascending; their points are never selected."""
         palette = self._store.palette(sequence)
         kept = {label.id for label in palette if label.locked or not label.visible}
         return sorted(kept | clicks.hidden)
@@ -253,7 +252,7 @@ class Objects:
         return recording.identity, frame, self._store.changed(recording.manifest.id, frame)
 
     def _allowed(self, recording: Recording, frame: int, clicks: Clicks, level: Level) -> Level:
-        """Return the candidate without the points that a stroke with ``clicks`` must not take."""
+        """Return the candidate without points that a stroke with ``clicks`` must not change."""
         sequence = recording.manifest.id
         free = _free(self._store.values(sequence, frame), self._kept(sequence, clicks), clicks)
         return replace(level, numbers=level.numbers[free[level.numbers]])
@@ -272,7 +271,7 @@ class Objects:
 
 
 def _free(values: FrameValues, kept: list[int], clicks: Clicks) -> NDArray[np.bool_]:
-    """Points (N,) that an object may take: not deleted, of no kept label, of no other one."""
+    """Return the mask (N,) of selectable points: not deleted, not of kept or other labels."""
     free = ~values.deleted & ~np.isin(values.label, kept)
     if not clicks.take_labelled:
         free &= (values.label == 0) | (values.label == clicks.label)
@@ -280,7 +279,7 @@ def _free(values: FrameValues, kept: list[int], clicks: Clicks) -> NDArray[np.bo
 
 
 def _ladder(regions: list[tuple[Numbers, float]], key: bytes, *, ready: bool) -> Answer:
-    """Regions by size, without empty and equal ones; the first of them is the one to show."""
+    """Return regions by size, except empty and equal ones; the first given one is shown first."""
     kept: list[tuple[Numbers, float]] = []
     for numbers, score in regions:
         if len(numbers) and not any(len(numbers) == len(other) for other, _ in kept):

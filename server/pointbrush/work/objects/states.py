@@ -1,4 +1,4 @@
-"""Prepared frames: in memory, on disk, on their way, or only what is near a click."""
+"""Prepared frames in memory and on disk, and surroundings of clicks until a frame is ready."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Regions of some clicks; ``ready``: they come from the whole frame."""
+    """Regions of clicks; ``ready``: they are based on the whole frame."""
 
     regions: list[tuple[Numbers, float]]
     ready: bool
@@ -37,7 +37,7 @@ class Found:
 
 @dataclass(frozen=True, eq=False)
 class _Near:
-    """Surroundings of a click, prepared: ``members`` (n,) are their stored numbers."""
+    """Prepared surroundings of a click: ``members`` (n,) are their stored numbers."""
 
     state: Any
     members: Numbers
@@ -46,7 +46,7 @@ class _Near:
 
 
 class States:
-    """Asks a recording's selector about the frames that are prepared; thread-safe."""
+    """Runs a recording's selector on prepared frames; thread-safe."""
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class States:
         compile_loops: Callable[[], None],
         options: ObjectOptions,
     ) -> None:
-        """Prepared frames are kept in ``folder``; ``compile_loops`` waits until they can run."""
+        """``folder``: of prepared frames; ``compile_loops`` waits until loops are compiled."""
         self._selectors, self._publish, self._options = selectors, publish, options
         self._compile = compile_loops
         self._files = StateFiles(folder, options.disk_bytes)
@@ -66,18 +66,18 @@ class States:
         self._preparer = Preparer(selectors, self._files, options.waiting, self._prepared)
 
     def close(self) -> None:
-        """Stop preparing."""
+        """Stop the preparation."""
         self._preparer.close()
 
     def problems(self, *, repair: bool) -> tuple[list[str], list[str]]:
-        """Return a sentence for each file that its selector cannot read: removed ones, others.
+        """Return sentences about removed files, and about other files that a selector cannot read.
 
-        ``repair``: remove them.
+        ``repair``: remove unreadable files.
         """
         removed: list[str] = []
         left: list[str] = []
         if not self._files.folder.is_dir():
-            return removed, left  # making the selectors needs large libraries
+            return removed, left  # selectors are slow to import
         for chosen in self._selectors.every():
             selector = chosen.selector
             if not isinstance(selector, StoredSelector):
@@ -86,14 +86,14 @@ class States:
                 try:
                     selector.load(path)
                 except BadInputError as error:
-                    if path.exists():  # not removed meanwhile
+                    if path.exists():  # not removed by another process
                         gone = repair and self._files.remove(path)
                         name = path.relative_to(self._files.folder.parent)
                         (removed if gone else left).append(f"{name.parent}: {error}")
         return removed, left
 
     def ready(self, recording: Recording, frame: int) -> bool:
-        """Return whether a frame is prepared; if not it will be, and those around it."""
+        """Return whether a frame is prepared; if not, queue it and its neighbours."""
         if self._state(recording, frame) is not None:
             return True
         self._expect(recording, frame)
@@ -110,8 +110,8 @@ class States:
     ) -> Found:
         """Return the regions of clicks at places (K, 3), (L, 3), local metres.
 
-        Waits until the loops are compiled.
-        Raises StateLostError when the selector has forgotten the frame, which is prepared anew.
+        Waits until the loops are compiled.  Raises StateLostError if the selector has lost the
+        frame's state; it is prepared again.
         """
         self._compile()
         selector = self._selectors.of(recording.manifest.id).selector
@@ -141,7 +141,7 @@ class States:
         except OSError:
             return None
         except BadInputError:
-            self._files.remove(path)  # the frame is prepared anew
+            self._files.remove(path)  # the frame is prepared again
             return None
         self._files.used(path)
         return self._states.get(key, lambda: state, size=max(size, 1))
@@ -159,7 +159,7 @@ class States:
         self._preparer.wish(recording, wanted)
 
     def _forget(self, recording: Recording, frame: int) -> None:
-        """Have a frame prepared anew: its selector does not know its state any more."""
+        """Prepare a frame again after its selector has lost the state."""
         self._states.drop((recording.identity, frame))
         with self._lock:
             self._near.clear()

@@ -1,4 +1,4 @@
-"""A stroke that takes one candidate of the object tool, as one edit."""
+"""A stroke that commits a candidate of the object tool as one edit."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pointbrush.work.annotate.strokes import write_of
 from pointbrush.work.objects.service import Level, Objects
 
 REPLACED = uuid.UUID("6f0a6f9e-7d0e-5a3c-9c77-6f626a656374")
-"""Namespace of the undo that goes before a stroke that replaces another one."""
+"""Namespace for the id of the undo before a stroke that replaces another one."""
 
 
 class ObjectStroke:
@@ -38,10 +38,10 @@ class ObjectStroke:
     ) -> None:
         """``fields``: a stroke of REST or the socket, of shape ``object`` without samples.
 
-        In further ``frames`` it takes what lies where the object's points are.
-        ``replaces`` names this author's last edit, which is taken back first: an object that was
-        refined by another click stays one undo.
-        Raises BadInputError, NotFoundError (frame, label), LockedLabelError.
+        In further ``frames`` it selects points at the place of the object's points.  ``replaces``:
+        id of this author's last edit, which is undone first, so that an object refined by another
+        click remains one edit to undo.  Raises BadInputError, NotFoundError (frame, label),
+        LockedLabelError.
         """
         self._objects, self._store, self._recording = objects, store, recording
         self.id, self.frame = stroke_id, frame
@@ -58,23 +58,24 @@ class ObjectStroke:
 
     @property
     def changing(self) -> int:
-        """Points taken so far: known only when it is committed."""
+        """Return the number of selected points, which is known only after the commit."""
         return self.touched
 
     def add(self, samples: Sequence[Mapping[str, Any]]) -> int:
-        """Take in positive clicks."""
+        """Add positive clicks."""
         self._samples.extend(samples)
         return self.touched
 
     def adding(self, samples: Sequence[Mapping[str, Any]]) -> Iterator[None]:
-        """Take in positive clicks, as ``LiveStroke.adding`` takes in samples: in one part."""
+        """Add positive clicks in one part; see ``LiveStroke.adding``."""
         self.add(samples)
         yield
 
     def commit(self, author: str) -> Commit:
-        """Write the candidate as one edit, durable when this returns.
+        """Commit the candidate as one edit and return when it is durable.
 
-        Raises StaleCandidateError, and ConflictError when ``replaces`` is not this author's last.
+        Raises StaleCandidateError, and ConflictError if ``replaces`` is not this author's last
+        edit.
         """
         level = self._level()
         self._take_back(author)
@@ -94,7 +95,7 @@ class ObjectStroke:
         )
 
     def _others(self, own: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
-        """Return the further frames, each with stored numbers of the points at the same place."""
+        """Yield the further frames with stored numbers of the points at the same place."""
         xyz = self._recording[self.frame].coordinates[own].astype(np.float64)
         reach = reach_of(xyz) if self._placed[1:] else 0.0
         local = self._brush.to_local(np.asarray(self._recording.manifest.shift, np.float64))
@@ -121,7 +122,7 @@ class ObjectStroke:
         sequence = self._recording.manifest.id
         undo_id = str(uuid.uuid5(REPLACED, self.id))
         if self._store.find(sequence, undo_id) is not None:
-            return  # this stroke came before, and its answer was lost
+            return  # a repeated stroke
         last, _ = self._store.stacks(sequence, author)
         if last is None or last.id != replaced:
             raise ConflictError(f"replaces: expected your last edit, got {replaced}")
