@@ -1,4 +1,4 @@
-"""Copies of recordings for several people: compared by points and objects, merged, scored."""
+"""Comparing, merging and scoring copies of recordings for several people."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ from pointbrush.work.reviewing import comparing
 
 Labels = NDArray[np.uint16]
 HANDED_IN = frozenset({"done", "review", "accepted"})
-"""States of tasks whose labels are compared."""
+"""States of tasks with labels to compare."""
 MAJORITY = "majority"
 FEWEST = 3
-"""People of whom a majority can be taken."""
+"""Minimum number of people for a majority."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """A disagreement in a frame; ``first``, ``second``: names of the labels of either.
 
-    ``labels``: their numbers in the copies.  ``place``: a point that differs, source metres; None
-    in an octree.  ``has``: whose labels the recording has there, the first's (0), the second's (1).
+    ``labels``: their numbers in the copies.  ``place``: a differing point, source metres; None in
+    an octree.  ``has``: the copy with the same labels as the recording there, first (0) or second
+    (1).
     """
 
     kind: matching.Kind
@@ -48,9 +49,9 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Region:
-    """Points that are merged: those to which a copy gives one of ``labels``, by its id.
+    """Points to merge: points with one of ``labels`` in a copy, by the copy's id.
 
-    ``frame``: the one that they are in; None: all that are handed in.
+    ``frame``: their frame; None: all frames that are handed in.
     """
 
     labels: Mapping[str, Sequence[int]]
@@ -59,7 +60,7 @@ class Region:
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """Agreement of two copies: by points, and the places where they differ, the largest first."""
+    """Agreement of two copies: by points, and disagreements, largest first."""
 
     first: str
     second: str
@@ -69,9 +70,9 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Frames of known truth that a person has labelled; ``miou`` by class, of points.
+    """A person's score on frames with ground truth; ``miou``: of points by class.
 
-    ``found``, ``missed``, ``added``: objects of the truth that are there, or not; others.
+    ``found``, ``missed``: objects of the ground truth; ``added``: other objects.
     """
 
     account: str
@@ -83,13 +84,13 @@ class Score:
 
 
 class Agreeing:
-    """Work of several people on the same points; thread-safe."""
+    """Comparison of several people's labels of the same points; thread-safe."""
 
     def __init__(self, store: LabelStore, library: Library) -> None:
         self._store, self._library = store, library
 
     def compare(self, project: str, sequence: str) -> list[Pair]:
-        """Compare each two copies of a recording in the frames that both have handed in."""
+        """Compare each pair of copies of a recording in the frames that both have handed in."""
         recording = self._library.recording(sequence)
         copies = self._copies(project, sequence)
         pairs = []
@@ -129,11 +130,11 @@ class Agreeing:
         edit_id: str | None = None,
         region: Region | None = None,
     ) -> Commit:
-        """Write one copy's labels, or those of the majority, into the recording, as one edit.
+        """Write the labels of one copy, or of the majority, to the recording as one edit.
 
         ``take``: the id of a copy, or "majority" of three or more, in frames that all of them have
-        handed in; points about which no majority agrees stay as they are, as do those outside of
-        ``region``.  Raises NotFoundError, BadInputError for too few people.
+        handed in.  Points without a majority and points outside ``region`` are not changed.  Raises
+        NotFoundError, BadInputError for too few people.
         """
         named = {each.id: each for each in self._copies(project, sequence)}
         region = region or Region({})
@@ -182,7 +183,7 @@ class Agreeing:
         return matching.groups(total)
 
     def _in(self, region: Region, frame: int) -> NDArray[np.bool_] | slice:
-        """Return the points of a region, for an index."""
+        """Return an index of the points of a region."""
         if not region.labels:
             return slice(None)
         asked = [np.isin(self._labels(name, frame), each) for name, each in region.labels.items()]
@@ -192,9 +193,9 @@ class Agreeing:
     def _chosen(
         self, copies: Sequence[Copy], numbers: Mapping[matching.Member, int], palette: Palette
     ) -> tuple[NDArray[np.uint16], list[Label]]:
-        """Return the label of each object in the recording, by its number, and the new ones.
+        """Return the recording's label for each object, by its number, and new labels.
 
-        An object is called as most call it; a label that is there already is used again.
+        An object gets its most frequent name; an existing label with this name is reused.
         """
         members: dict[int, list[Label]] = defaultdict(list)
         for (who, number), group in sorted(numbers.items()):
@@ -245,7 +246,7 @@ class Agreeing:
                 )
 
     def scores(self, project: str) -> list[Score]:
-        """Compare what each person has handed in of known truth with it; the best come first."""
+        """Return the score of each person's handed-in labels against ground truth, best first."""
         pairs: dict[str, list[tuple[Copy, int]]] = defaultdict(list)
         for copy in self._store.team.copies.of(project, "truth"):
             for task in copy.tasks:
@@ -317,7 +318,7 @@ def _class(label: Label | None) -> str:
 def _place(
     recording: Recording, frame: int, differs: NDArray[np.bool_]
 ) -> tuple[float, float, float] | None:
-    """Return the point among those that differ which is nearest to the middle of them."""
+    """Return the differing point nearest to the median of all differing points."""
     if recording.manifest.large or not differs.any():
         return None
     stored = recording[frame]
@@ -329,7 +330,7 @@ def _place(
 def _alike(
     parts: Sequence[NDArray[np.uint16]], classes: Sequence[Mapping[int, str]], who: int
 ) -> bool:
-    """Whether the recording, the last of ``parts``, has one's objects, under whatever numbers."""
+    """Return whether the recording, the last of ``parts``, has the objects of person ``who``."""
     pairs = comparing.pairs(parts[who], parts[-1]).keys()
     one_to_one = len({a for a, _ in pairs}) == len({b for _, b in pairs}) == len(pairs)
     return one_to_one and all(

@@ -1,4 +1,4 @@
-"""Copies of recordings for one person each, which look like any other recording to them."""
+"""Copies of recordings, each for one person; the person sees an ordinary recording."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from pointbrush.work.trash import ids_for
 def make_copy(
     store: LabelStore, library: Library, sequence: str, project: str, frames: range, kind: CopyKind
 ) -> str:
-    """Make a copy of a recording in a project, with its palette; returns its id.
+    """Copy a recording with its palette within a project; return the id of the copy.
 
-    One for agreement begins with the labels of ``frames`` as they are, one with known truth
-    without any.  Raises NotFoundError.
+    A copy for agreement starts with the current labels of ``frames``, a copy with ground truth
+    without labels.  Raises NotFoundError.
     """
     recording = library.recording(sequence)
     library.require_writable()
     known = [*store.recordings.live(), *store.recordings.deleted()]
     taken = {one.id for one in known}
-    ids = ids_for(recording.manifest.name)  # as an import of the same file would get
+    ids = ids_for(recording.manifest.name)  # as for an import of the same file
     guard = store.guards.reserve(ids, lambda id_: id_ not in taken and library.is_free(id_))
     try:
         with library.store.staging() as partial:
@@ -46,7 +46,7 @@ def make_copy(
     store.team.access.forget()
     palette = [replace(each, locked=False) for each in store.palette(sequence)]
     chosen = frames if kind == "agreement" else range(0)
-    store.apply(  # as labels that came with the files: its history tells nobody what it is
+    store.apply(  # like labels from files, so that the history does not reveal the copy
         guard.sequence,
         edit_id=edit_of(recording.manifest),
         author="import",
@@ -74,12 +74,12 @@ def _copied(store: LabelStore, recording: Recording, frames: range) -> Iterator[
 
 
 def _linked(files: RecordingFiles, target: Path) -> None:
-    """Copy a recording; where it is a folder, by links to its files, which never change."""
+    """Copy a recording; for a folder, by hard links, as its files never change."""
 
     def link(source: str, place: str) -> None:
         try:
             os.link(source, place)
-        except OSError:  # of a file system without links
+        except OSError:  # a file system without links
             shutil.copy2(source, place)
 
     if isinstance(files, FolderFiles):

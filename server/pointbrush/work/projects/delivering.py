@@ -1,4 +1,4 @@
-"""Events told to webhooks: signed, to public addresses, again and again until they are taken."""
+"""Delivery of webhook events: signed, to public addresses, with retries."""
 
 from __future__ import annotations
 
@@ -15,34 +15,34 @@ from pointbrush.outgoing import Bounds, exchange, parse_url, resolve
 
 log = logging.getLogger(__name__)
 LOOK_SECONDS = 1.0
-"""Interval in which the outbox is looked at."""
+"""Polling interval of the outbox."""
 FOLD_SECONDS = 60.0
-"""Interval in which edits of labels become an event."""
+"""Interval at which edits of labels are combined into an event."""
 ANSWER_SECONDS = 10.0
-"""For one exchange with a receiver, as a whole."""
+"""Timeout of a whole request to a receiver."""
 LONGEST_ERROR = 200
 END_SECONDS = 2.0
 """Longest wait for receivers when the server ends."""
 AT_ONCE = 32
-"""Receivers that are told at the same time, each by a thread of its own."""
+"""Limit of concurrent receivers, each with its own thread."""
 
 
 class Hooks:
-    """The webhooks of a workspace, and the threads that tell them; thread-safe."""
+    """The webhooks of a workspace, and the threads that deliver events; thread-safe."""
 
     def __init__(self, webhooks: Webhooks, *, private: bool) -> None:
-        """``private``: addresses of this machine and its networks may be told too."""
+        """``private``: also allow addresses of this machine and its networks."""
         self._webhooks, self._private = webhooks, private
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="pointbrush-webhooks", daemon=True)
         self._lock = threading.Lock()
         self._telling: dict[str, threading.Thread] = {}  # by webhook
-        self._told: dict[str, float] = {}  # when each was told last
+        self._told: dict[str, float] = {}  # time of the last delivery
 
     def add(self, project: str, url: str, topics: list[Topic] | None = None) -> Webhook:
-        """Add a webhook of a project, of all topics unless given.
+        """Add a webhook of a project, by default for all topics.
 
-        Raises BadInputError for no address, ForbiddenError for one that is not public.
+        Raises BadInputError for an invalid address, ForbiddenError for a private one.
         """
         parsed = parse_url(url)
         resolve(parsed.host, parsed.port or 443, public=not self._private)
@@ -53,19 +53,19 @@ class Hooks:
         return self._webhooks.all(project)
 
     def remove(self, project: str, webhook: str) -> None:
-        """Remove one; raises NotFoundError."""
+        """Delete a webhook; raises NotFoundError."""
         self._webhooks.remove(project, webhook)
 
     def deliveries(self, project: str, webhook: str) -> list[Delivery]:
-        """Return the latest events of a webhook, the newest first."""
+        """Return the latest events of a webhook, newest first."""
         return self._webhooks.deliveries(project, webhook)
 
     def open(self) -> None:
-        """Tell events from now on."""
+        """Start the delivery of events."""
         self._thread.start()
 
     def close(self) -> None:
-        """Stop; what is not told is told by the next server."""
+        """Stop the delivery; other servers deliver the remaining events."""
         self._stop.set()
         with self._lock:
             threads = [self._thread, *self._telling.values()]
@@ -85,14 +85,14 @@ class Hooks:
             except UnavailableError as error:
                 log.warning("webhooks wait: %s", error)
             except Exception:
-                if self._stop.is_set():  # the workspace was closed meanwhile
+                if self._stop.is_set():  # the workspace was closed
                     return
                 log.exception("webhooks could not be told")
 
     def tell(self) -> None:
-        """Begin to tell events that are due, each receiver by itself: a slow one delays no other.
+        """Start to deliver due events, with one thread per receiver.
 
-        Where there are more than ``AT_ONCE`` those come first that were told the longest ago.
+        Above ``AT_ONCE``, receivers with the oldest last delivery come first.
         """
         waiting = self._webhooks.waiting()
         with self._lock:
@@ -108,7 +108,7 @@ class Hooks:
                 thread.start()
 
     def _tell_one(self, webhook: str) -> None:
-        """Tell a receiver what is due, a few events at a time, until one does not arrive."""
+        """Deliver a receiver's due events, a few at a time, until one fails."""
         try:
             error = ""
             while not (error or self._stop.is_set()) and (due := self._webhooks.take(2, webhook)):
@@ -124,7 +124,7 @@ class Hooks:
                 del self._telling[webhook]
 
     def _send(self, delivery: Delivery) -> str:
-        """Send an event; returns the error, or ""."""
+        """Send an event; return the error, or ""."""
         try:
             answer = exchange(
                 "POST",
@@ -139,9 +139,9 @@ class Hooks:
 
 
 def headers_of(delivery: Delivery, now: int) -> dict[str, str]:
-    """Return the headers of an event, named as Standard Webhooks does; ``now``: epoch seconds.
+    """Return the headers of an event by Standard Webhooks; ``now``: seconds since the epoch.
 
-    The signature is of id, time and body, so that an old event cannot be sent again by others.
+    The signature covers id, time and body, which prevents replays by others.
     """
     signed = f"{delivery.id}.{now}.{delivery.body}".encode()
     digest = hmac.new(delivery.secret.encode(), signed, hashlib.sha256).digest()

@@ -1,7 +1,7 @@
-"""Agreement of people by objects: which of one's is which of another's, whatever their numbers.
+"""Agreement of people by objects: matching of objects independent of their numbers.
 
 Two annotations of the same points are compared by the points that each pair of labels has in
-common.  Nothing here knows a recording; labels are numbers, 0 is none.
+common.  The functions do not use recordings; labels are numbers, 0 is none.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ Kind = Literal["missed", "added", "split", "merged", "renamed", "outline"]
 
 @dataclass(frozen=True, slots=True)
 class MatchOptions:
-    """Bounds of what is one object; all are shares, 0 to 1."""
+    """Thresholds for matching objects; all are shares, 0 to 1."""
 
     least: float = 0.1
-    """IoU below which two objects have nothing to do with each other."""
+    """IoU below which two objects do not match."""
     same: float = 0.75
-    """IoU from which their outlines agree."""
+    """IoU from which the outlines of two objects agree."""
     inside: float = 0.5
-    """Share of an object's points in another's, from which it is a part of that."""
+    """Share of an object's points inside another object from which it is a part of it."""
 
     def __post_init__(self) -> None:
         if not 0 < self.least <= self.same <= 1 or not 0 < self.inside <= 1:
@@ -38,7 +38,7 @@ class MatchOptions:
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """An object of the first, one of the second, and their IoU."""
+    """An object of the first annotation, one of the second, and their IoU."""
 
     first: int
     second: int
@@ -47,13 +47,13 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class Disagreement:
-    """A difference of the second from the first.
+    """A difference of the second annotation from the first.
 
     ``missed``, ``added``  an object of the first, or second, alone.
-    ``split``, ``merged``  one of the first is several of the second, or the reverse.
-    ``renamed``            the same object of another class.
-    ``outline``            the same object of other points.
-    ``points``             those that differ, by which one looks at the largest first.
+    ``split``, ``merged``  an object of the first is several of the second, or the reverse.
+    ``renamed``            the same object with another class.
+    ``outline``            the same object with other points.
+    ``points``             number of differing points, for the order.
     """
 
     kind: Kind
@@ -63,7 +63,7 @@ class Disagreement:
 
 
 def matches(pairs: Pairs, options: MatchOptions | None = None) -> list[Match]:
-    """Match objects one to one so that the sum of their IoU is the greatest."""
+    """Return the one-to-one matches of objects with the greatest sum of IoU."""
     options = options or MatchOptions()
     sizes = _sizes(pairs)
     rows, columns = (sorted(each) for each in sizes)
@@ -73,7 +73,7 @@ def matches(pairs: Pairs, options: MatchOptions | None = None) -> list[Match]:
             union = sizes[0][mine] + sizes[1][theirs] - points
             iou[rows.index(mine), columns.index(theirs)] = points / union
     iou[iou < options.least] = 0.0
-    from scipy.optimize import linear_sum_assignment  # a server starts without
+    from scipy.optimize import linear_sum_assignment  # slow to import
 
     chosen = zip(*linear_sum_assignment(iou, maximize=True), strict=True)
     return [Match(rows[i], columns[j], float(iou[i, j])) for i, j in chosen if iou[i, j] > 0]
@@ -85,7 +85,7 @@ def disagreements(
     second: Mapping[int, str],
     options: MatchOptions | None = None,
 ) -> list[Disagreement]:
-    """List the differences of the second from the first; those of most points come first.
+    """Return the differences of the second annotation from the first, most points first.
 
     ``first``, ``second``: the class of each label.
     """
@@ -124,7 +124,7 @@ def disagreements(
 
 
 def _whole_of(own: int, there: Pairs, size: int, inside: float) -> int:
-    """Return the other's object that has most of an object's points; 0: none has enough."""
+    """Return the other object that contains most of an object's points; 0: none has enough."""
     shared = {theirs: points for (mine, theirs), points in there.items() if mine == own and theirs}
     whole = max(shared, key=lambda each: (shared[each], -each), default=0)
     return whole if whole and shared[whole] >= inside * size else 0
@@ -144,7 +144,7 @@ def _of_matches(
         ends = ((match.first,), (match.second,))
         if classes[0].get(match.first, "") != classes[1].get(match.second, ""):
             found.append(Disagreement("renamed", *ends, shared))
-        told = match.first in wholes[0] or match.second in wholes[1]  # as split or merged
+        told = match.first in wholes[0] or match.second in wholes[1]  # reported as split or merged
         if match.iou < options.same and not told:
             union = sizes[0][match.first] + sizes[1][match.second] - shared
             found.append(Disagreement("outline", *ends, union - shared))
@@ -161,16 +161,16 @@ def _sizes(pairs: Pairs) -> tuple[Counter[int], Counter[int]]:
 
 
 Member = tuple[int, int]
-"""A person's number, and the label of an object of theirs."""
+"""A person's number, and the label of one of their objects."""
 
 
 def groups(
     pairs: Mapping[tuple[int, int], Pairs], options: MatchOptions | None = None
 ) -> dict[Member, int]:
-    """Number the objects of several people, 1, 2, …: one number, one object.
+    """Return a number 1, 2, … for each object of several people, equal for the same object.
 
-    ``pairs``: of each two people, the first below the second.  The likest are joined first, and
-    never two of one person's.
+    ``pairs``: of each two people, the first below the second.  Objects with the greatest IoU are
+    joined first, and never two objects of one person.
     """
     options = options or MatchOptions()
     likes: list[tuple[float, Member, Member]] = []
@@ -200,15 +200,15 @@ def groups(
 
 
 UNDECIDED = -1
-"""A point about which no two people agree."""
+"""A point without a majority."""
 
 
 def majority(
     labels: Sequence[NDArray[np.uint16]], numbers: Mapping[Member, int]
 ) -> NDArray[np.int64]:
-    """Return for each point the object that more than half of the people gave it.
+    """Return for each point the object chosen by more than half of the people.
 
-    ``labels``: each person's, (N,); ``numbers``: of ``groups``.  0: no object, UNDECIDED.
+    ``labels``: (N,) per person; ``numbers``: of ``groups``.  0: no object; or UNDECIDED.
     """
     votes = np.stack([_numbered(each, who, numbers) for who, each in enumerate(labels)])
     counts = np.stack([(votes == each).sum(axis=0) for each in votes])
@@ -231,7 +231,7 @@ def _numbered(
 def pairs_of_people(
     labels: Sequence[NDArray[np.uint16]],
 ) -> dict[tuple[int, int], Counter[tuple[int, int]]]:
-    """Count the points of each pair of labels of each two people; labels (N,) of each."""
+    """Return the number of points of each pair of labels, by pairs of people; labels (N,)."""
     found = {}
     for one, other in combinations(range(len(labels)), 2):
         joined = labels[one].astype(np.uint32) << 16 | labels[other]

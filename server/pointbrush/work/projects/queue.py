@@ -1,4 +1,4 @@
-"""The queue of a project, for the fronts: tasks made, taken, handed in, accepted, returned."""
+"""The service for the queue of a project: creation and steps of tasks."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from pointbrush.work.exporting import parse_frames
 from pointbrush.work.projects.rules import Person, Wish, fulfilled
 
 MOST_PEOPLE = 9
-"""People who label the same frames."""
+"""Limit of people that label the same frames."""
 MOST_TASKS = 10_000
-"""Tasks that one call makes."""
+"""Limit of tasks created by one call."""
 
 __all__ = ["NewTasks", "Queue", "Wish"]
 
 
 @dataclass(frozen=True, slots=True)
 class NewTasks:
-    """Tasks to be made.
+    """Tasks to create.
 
     ``recordings``  their ids; None: all of the project.
     ``frames``      "I:J" of each; None: all.
     ``every``       frames of a task; None: a task has all.
-    ``assignee``    account that it is meant for, or "".
-    ``people``      who label the same, each a copy of their own; ``truth``: one copy without
-                    labels, to be compared with those that are known.
-    ``id``          of the call: repeated, it makes no others.
+    ``assignee``    account that the tasks are reserved for, or "".
+    ``people``      number of people that label separate copies; ``truth``: one copy without
+                    labels, to compare with ground truth.
+    ``id``          of the call; a repeated call creates no other tasks.
     """
 
     recordings: Sequence[str] | None = None
@@ -59,11 +59,11 @@ class Queue:
         recording: Callable[[str], Recording],
         copy: Callable[[str, str, range, CopyKind], str],
     ) -> None:
-        """``copy``: makes a copy of frames of a recording in a project, for one person."""
+        """``copy``: copies frames of a recording within a project, for one person."""
         self._store, self._recording, self._copy = store, recording, copy
 
     def add(self, project: str, author: str, new: NewTasks) -> list[Task]:
-        """Make tasks; raises ConflictError for frames that have one which is not accepted yet."""
+        """Create tasks; raises ConflictError for frames with a task that is not accepted."""
         if new.every is not None and new.every < 1:
             raise BadInputError(f"every: expected 1 frame or more, got {new.every}")
         if new.assignee:
@@ -73,7 +73,7 @@ class Queue:
                 f"people: expected 1 to {MOST_PEOPLE}, and 1 with known truth, got {new.people}"
             )
         if (made := self._store.team.tasks.made(project, new.id)) is not None:
-            return [self._named(task) for task in made]  # and no other copies
+            return [self._named(task) for task in made]  # without new copies
         chosen = self._store.team.projects.get(project).recordings
         wanted = {
             sequence: parse_frames(new.frames, len(self._recording(sequence)))
@@ -93,7 +93,7 @@ class Queue:
         return [self._named(task) for task in made]
 
     def _require_room(self, project: str, count: int) -> None:
-        """Raise BadInputError for too many tasks, before copies are made for them."""
+        """Raise BadInputError for too many tasks, before recordings are copied."""
         if count > MOST_TASKS:
             raise BadInputError(f"tasks: expected at most {MOST_TASKS:,} of a call, got {count:,}")
         self._store.team.tasks.require_room(project, count)
@@ -106,13 +106,13 @@ class Queue:
         return [self._copy(sequence, project, frames, "agreement") for _ in range(new.people)]
 
     def next(self, project: str, account: str, *, review: bool = False) -> Task | None:
-        """Take the next task to label, or to look at, if any; asked twice it is the same one."""
+        """Return the next task to label or review, or None; a repeated call returns the same."""
         task = self._store.team.tasks.take(project, account, review=review)
-        self._store.team.access.forget()  # a copy takes the place of its recording
+        self._store.team.access.forget()  # a copy replaces its recording for the account
         return None if task is None else self._named(task)
 
     def change(self, project: str, number: int, who: Person, wish: Wish) -> Task:
-        """Give a task another state, assignee or note; see ``rules.fulfilled``."""
+        """Change the state, assignee or note of a task; see ``rules.fulfilled``."""
         if wish.assignee:
             require_name(wish.assignee)
         self.get(project, number, who)
@@ -122,30 +122,30 @@ class Queue:
         return self._named(task)
 
     def remove(self, project: str, number: int) -> None:
-        """Remove a task with its history; labels stay."""
+        """Delete a task with its history; labels are kept."""
         self._store.team.tasks.remove(project, number)
 
     def get(self, project: str, number: int, who: Person) -> Task:
-        """Return one task, people by their names."""
+        """Return a task, with names of people."""
         task = self._store.team.tasks.get(project, number)
         if task.sequence in self._hidden(who):
             raise unknown_task(project, number)
         return self._named(task)
 
     def _hidden(self, who: Person) -> frozenset[str]:
-        """Return the recordings whose tasks are not for ``who``: others' copies, for one."""
+        """Return the recordings with tasks hidden from ``who``, such as copies of others."""
         if includes(who.role, COMPARES):
             return frozenset()
         return self._store.team.access.sight(who.account).hidden
 
     def entries(self, project: str, wanted: Wanted, who: Person) -> list[Task]:
-        """Return tasks by number, people by their names."""
+        """Return tasks by number, with names of people."""
         self._store.team.projects.get(project)
         wanted = replace(wanted, without=self._hidden(who))
         return [self._named(task) for task in self._store.team.tasks.entries(project, wanted)]
 
     def history(self, project: str, number: int, who: Person) -> list[TaskEvent]:
-        """Return the changes of a task, the newest first, people by their names."""
+        """Return the changes of a task, newest first, with names of people."""
         self.get(project, number, who)
         name = self._name
         return [

@@ -1,4 +1,4 @@
-"""The steps of a task from state to state, and who may make each."""
+"""The steps of a task between states, and the roles that may make them."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pointbrush.roles import Role, includes
 
 Maker = Literal["anyone", "assignee", "reviewer"]
 LEADS: Role = "manager"
-"""Role that may make every step, and give tasks to people."""
+"""Role that may make every step and assign tasks."""
 DECIDES: Role = "reviewer"
-"""Role that looks at others' work."""
+"""Role that reviews others' work."""
 LONGEST_NOTE = 2_000
-"""Characters of a note."""
+"""Longest note, characters."""
 
 STEPS: Mapping[tuple[TaskState, TaskState], Maker] = {
     ("open", "taken"): "anyone",
@@ -35,13 +35,13 @@ STEPS: Mapping[tuple[TaskState, TaskState], Maker] = {
     ("accepted", "returned"): "reviewer",
     ("accepted", "done"): "reviewer",
 }
-"""The steps that there are for others than who leads; ``anyone`` is an annotator."""
+"""The steps for roles below LEADS; ``anyone`` includes annotators."""
 _LEADS_ALONE = frozenset((state, "open") for state in TASK_STATES)
 
 
 @dataclass(frozen=True, slots=True)
 class Person:
-    """An account that asks, and its role in the project."""
+    """The account of a caller, and its role in the project."""
 
     account: str
     role: Role
@@ -49,9 +49,9 @@ class Person:
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """Values that a task is to have; None keeps, "" takes a note or a person away.
+    """New values of a task; None keeps a value, "" removes a note or a person.
 
-    ``place`` (source coordinates, metres) of ``frame``: where the note is pinned.
+    ``place`` (source coordinates, metres) in ``frame``: position of the note.
     """
 
     state: TaskState | None = None
@@ -62,9 +62,9 @@ class Wish:
 
 
 def fulfilled(task: Task, wish: Wish, who: Person) -> Task:
-    """Make of a task what ``who`` wishes; what it is already is no change.
+    """Return a task with the changes that ``who`` requests; equal values are no change.
 
-    Raises ForbiddenError for a step that is not theirs, ConflictError for one that there is not,
+    Raises ForbiddenError for a step that ``who`` may not make, ConflictError for an invalid step,
     BadInputError.
     """
     _check(task, wish)
@@ -122,7 +122,7 @@ def _stepped(task: Task, state: TaskState, who: Person) -> Task:
     if state == "done":
         return replace(task, reviewer="")
     task = replace(task, reviewer=who.account)
-    # What is good has no fault to tell of any more.
+    # An accepted task keeps no note about faults.
     return replace(task, note="", frame=None, place=None) if state == "accepted" else task
 
 

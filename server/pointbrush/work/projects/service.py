@@ -1,4 +1,4 @@
-"""Projects of a workspace, for the fronts: made, changed, and how far each is."""
+"""The service for projects of a workspace, with their progress."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from pointbrush.work.trash import ids_for
 
 @dataclass(frozen=True, slots=True)
 class Overview:
-    """A project as somebody sees it.
+    """A project as seen by an account.
 
-    ``role``: theirs in it.  ``tasks``: how many are in each state; ``people``: the same by the
-    name of the assignee, "" for nobody.
+    ``role``: of the account in it.  ``tasks``: number of tasks by state; ``people``: the same by
+    the name of the assignee ("": none).
     """
 
     project: Project
@@ -39,7 +39,7 @@ class Projects:
         self._store, self._publish = store, publish
 
     def all(self, account: str, role: Role) -> list[Overview]:
-        """Return the projects that an account may see, by name."""
+        """Return the visible projects of an account, by name."""
         found, seen = [], cache(partial(self._seen, account))
         for project in self._store.team.projects.all():
             own = project.role_of(account, role)
@@ -48,7 +48,7 @@ class Projects:
         return found
 
     def get(self, project: str, account: str, role: Role) -> Overview:
-        """Return one, for an account with ``role`` in it; raises NotFoundError."""
+        """Return a project for an account with ``role`` in it; raises NotFoundError."""
         seen = self._seen(account, includes(role, COMPARES))
         return self._overview(self._store.team.projects.get(project), role, *seen)
 
@@ -60,9 +60,9 @@ class Projects:
         return sight, self._store.team.summaries.tasks(sight.hidden)
 
     def statistics(self, project: str, account: str, role: Role) -> Figures:
-        """Return points, objects and hours of a project, by class and person; people by name.
+        """Return points, objects and times of a project by class and person, with names of people.
 
-        Recordings that an account with ``role`` does not see, such as ground truth, do not count.
+        Recordings that are hidden from the account, such as ground truth, are excluded.
         """
         self._store.team.projects.get(project)
         options = EffortOptions()
@@ -74,7 +74,7 @@ class Projects:
         return replace(found, people=tuple(people))
 
     def create(self, change: Change, project: str | None, account: str, role: Role) -> Overview:
-        """Make a project, of an id made from its name unless given; raises ConflictError."""
+        """Create a project, by default with an id derived from its name; raises ConflictError."""
         there = {each.id for each in self._store.team.projects.all()}
         wanted = project or next(name for name in ids_for(change.name or "") if name not in there)
         made = self._store.team.projects.create(wanted, change)
@@ -82,7 +82,7 @@ class Projects:
         return self.get(made.id, account, role)
 
     def change(self, project: str, change: Change, account: str, role: Role) -> Overview:
-        """Change what is given of a project; raises as the store does."""
+        """Apply a change to a project; raises the errors of the store."""
         self._store.team.projects.change(project, change)
         self._changed(change)
         return self.get(project, account, role)

@@ -1,4 +1,4 @@
-"""Versions of a project's labels, for the fronts: named, read, and compared."""
+"""The service for versions of a project's labels: creation, reading and comparison."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Kind = Literal["came", "went", "changed"]
 
 @dataclass(frozen=True, slots=True)
 class LabelDifference:
-    """A label that came, went, or was changed (name, category or colour)."""
+    """A label that was added, removed or changed (name, category or colour)."""
 
     label: int
     name: str
@@ -30,9 +30,9 @@ class LabelDifference:
 
 @dataclass(frozen=True, slots=True)
 class FrameDifference:
-    """Points of a frame that got a label, lost theirs, or have another; and objects.
+    """Numbers of points of a frame that got, lost or changed their label; and objects.
 
-    ``objects_came``, ``objects_went``: ids of labels that have points in one of the two alone.
+    ``objects_came``, ``objects_went``: ids of labels with points in only one of the two.
     """
 
     frame: int
@@ -45,7 +45,7 @@ class FrameDifference:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Difference of a recording's labels between two moments; what is the same is left out."""
+    """Difference of a recording's labels between two versions, without equal labels and frames."""
 
     sequence: str
     labels: Sequence[LabelDifference]
@@ -62,7 +62,7 @@ class Versions:
         self._store = store
 
     def create(self, project: str, name: str, author: str) -> Version:
-        """Name a project's labels as they are now."""
+        """Create a version of a project's current labels."""
         there = {
             version.id
             for each in self._store.team.projects.all()
@@ -72,28 +72,28 @@ class Versions:
         return self._named(self._store.team.versions.create(project, wanted, name, author))
 
     def all(self, project: str) -> list[Version]:
-        """Return those of a project, the newest first."""
+        """Return the versions of a project, newest first."""
         self._store.team.projects.get(project)
         return [self._named(each) for each in self._store.team.versions.all(project)]
 
     def get(self, project: str, version: str) -> Version:
-        """Return one."""
+        """Return a version."""
         return self._named(self._store.team.versions.get(project, version))
 
     def remove(self, project: str, version: str) -> None:
-        """Forget one; labels stay."""
+        """Delete a version; labels are kept."""
         self._store.team.versions.remove(project, version)
 
     def labels(self, sequence: str, version: str) -> PastLabels:
-        """Return the labels of a recording as they were in a version."""
+        """Return the labels of a recording in a version."""
         return self._store.team.at(self._store.team.versions.moment(version, sequence))
 
     def difference(
         self, project: str, version: str, other: str | None = None, sequence: str | None = None
     ) -> list[Difference]:
-        """Compare a version with a later one, or with the labels of now (None).
+        """Compare a version with a later one, or with the current labels (None).
 
-        ``sequence``: of this recording alone; recordings that are not in both are left out.
+        ``sequence``: only this recording; recordings that are not in both are left out.
         """
         first = self._store.team.versions.get(project, version).recordings
         second = None if other is None else self._store.team.versions.get(project, other).recordings
