@@ -1,4 +1,4 @@
-"""Review: states and notes, who does which frames, checks, agreement, a report."""
+"""Review: states, notes, assignments of frames, checks, agreement, a report."""
 
 from __future__ import annotations
 

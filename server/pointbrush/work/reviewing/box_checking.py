@@ -1,4 +1,4 @@
-"""Checks of a recording's boxes, with as little looked at again as has not changed."""
+"""Checks of a recording's boxes, with a cache of unchanged frames."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from pointbrush.work.reviewing.checks.boxes import BoxSketch, sketch_boxes
 from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
 
 REMEMBERED = 20_000
-"""Sketches of frames that are kept."""
+"""Limit of cached sketches of frames."""
 
 
 class BoxChecker:
-    """Checks boxes; keeps what it knows of frames until they change.  Thread-safe."""
+    """Checks boxes; caches sketches of frames until they change.  Thread-safe."""
 
     def __init__(self, store: LabelStore, options: CheckOptions) -> None:
         self._store, self._options = store, options
@@ -30,13 +30,13 @@ class BoxChecker:
         self._lock = threading.Lock()
 
     def labels(self, sequence: str) -> set[int]:
-        """Return the labels that have boxes."""
+        """Return the labels with boxes."""
         return {box.label for box in self._store.boxes.listing(sequence).boxes}
 
     def check(
         self, recording: Recording, frames: range, names: Mapping[int, str], unchecked: list[str]
     ) -> Iterator[Finding]:
-        """Yield suspicious boxes in ``frames``; add a sentence on each frame not looked at."""
+        """Yield suspicious boxes in ``frames``; add a sentence about each unchecked frame."""
         boxes = self._store.boxes.listing(recording.manifest.id).boxes
         if not boxes:
             return
@@ -47,7 +47,7 @@ class BoxChecker:
         yield from checks.sizes(names, boxes, self._options)
         yield from checks.headings(names, boxes)
         yield from checks.overlaps(names, boxes, frames, self._options)
-        if not recording.manifest.large:  # said already
+        if not recording.manifest.large:  # reported by Checker
             sketches = self._sketches(recording, frames, boxes, unchecked)
             yield from checks.around(names, boxes, sketches, self._options)
 
@@ -99,7 +99,7 @@ def _key(box: OrientedBox, frame: int) -> Hashable:
 
 
 def _poses(recording: Recording, frames: range) -> dict[int, NDArray[np.float64]]:
-    """``T_world_frame`` of the frames that can be read and have one."""
+    """Return ``T_world_frame`` of readable frames with a pose."""
     found = {}
     for frame in frames:
         try:

@@ -19,14 +19,14 @@ from pointbrush.work.reviewing.comparing import require_same_points
 
 Floats = NDArray[np.float64]
 AT = (0.5, 0.7)
-"""3D IoU from which boxes are the same."""
+"""3D IoU thresholds of equal boxes."""
 
 
 @dataclass(frozen=True, slots=True)
 class BoxScore:
-    """Boxes of the second against those of the first, of IoU ``iou`` or more.
+    """Score of the second recording's boxes against the first's at IoU ``iou`` or more.
 
-    ``ap`` is the area under precision over recall, by the boxes' confidence; all 0..1.
+    ``ap`` is the area under the precision-recall curve by the boxes' confidence; all 0..1.
     """
 
     iou: float
@@ -37,9 +37,9 @@ class BoxScore:
 
 @dataclass(frozen=True, slots=True)
 class ClassAgreement:
-    """Boxes of a class, counted in each frame.
+    """Agreement of a class, with boxes counted per frame.
 
-    ``mean_iou`` of pairs that overlap at all, each box in one at most; None without any.
+    ``mean_iou``: of overlapping pairs, each box in at most one pair; None: no pair.
     """
 
     name: str
@@ -51,9 +51,9 @@ class ClassAgreement:
 
 @dataclass(frozen=True, slots=True)
 class BoxAgreement:
-    """Agreement by class.
+    """Agreement of boxes by class.
 
-    ``hota``: higher order tracking accuracy (Luiten et al. 2021) by 3D IoU, mean of its
+    ``hota``: higher order tracking accuracy (Luiten et al. 2021) by 3D IoU, mean over its
     thresholds; None without boxes or without the package trackeval.
     """
 
@@ -83,7 +83,7 @@ class _Set:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pair:
-    """Boxes of a class in a frame of both, and their IoU (N, M)."""
+    """Boxes of a class in a frame of both recordings, and their IoU (N, M)."""
 
     first: _Set
     second: _Set
@@ -93,7 +93,7 @@ class _Pair:
 def compare_boxes(
     store: LabelStore, first: Recording, second: Recording, frames: range
 ) -> BoxAgreement:
-    """Compare boxes, class by class: the first recording's are the truth.
+    """Compare boxes by class; the first recording's boxes are the ground truth.
 
     Raises BadInputError for recordings of other points.
     """
@@ -141,7 +141,7 @@ def _sides(pairs: Sequence[_Pair]) -> Iterable[tuple[_Set, _Set]]:
 
 
 def _matches(pair: _Pair, least: float) -> dict[int, tuple[int, float]]:
-    """Pair boxes of the second with those of the first, the surest first, then the likest."""
+    """Return matches of second to first boxes, highest confidence first, then IoU."""
     rows, columns = np.nonzero((pair.iou >= least) & (pair.iou > 0))
     order = np.lexsort((-pair.iou[rows, columns], -pair.second.confidence[columns]))
     found: dict[int, tuple[int, float]] = {}
@@ -166,7 +166,7 @@ def _score(pairs: Sequence[_Pair], at: float, truth: int) -> BoxScore:
 
 
 def _average_precision(confidence: Floats, hit: Floats, truth: int) -> float:
-    """Compute the area under precision over recall; boxes that are equally sure come together."""
+    """Return the area under the precision-recall curve; equal confidences form one step."""
     if not truth or not len(hit):
         return 0.0
     order = np.argsort(-confidence, kind="stable")
@@ -177,9 +177,9 @@ def _average_precision(confidence: Floats, hit: Floats, truth: int) -> float:
 
 
 def _hota(classes: Sequence[Sequence[_Pair]]) -> float | None:
-    """Compute HOTA of all classes, boxes of two classes being never the same."""
+    """Return HOTA of all classes; boxes of different classes never match."""
     try:
-        with redirect_stdout(io.StringIO()):  # it tells which other packages it misses
+        with redirect_stdout(io.StringIO()):  # it prints missing optional packages
             from trackeval.metrics import HOTA
     except ImportError:
         return None
@@ -197,7 +197,7 @@ def _hota(classes: Sequence[Sequence[_Pair]]) -> float | None:
 
 
 def _numbered(frames: Sequence[Sequence[_Set]]) -> tuple[list[NDArray[np.int64]], int]:
-    """Number the objects of all frames from 0: of each frame (N,), and how many there are."""
+    """Return numbers from 0 of the objects in each frame (N,), and the number of objects."""
     known: dict[int, int] = {}
     found = []
     for row in frames:
@@ -207,7 +207,7 @@ def _numbered(frames: Sequence[Sequence[_Set]]) -> tuple[list[NDArray[np.int64]]
 
 
 def _blocks(parts: Sequence[Floats]) -> Floats:
-    """Put matrices along the diagonal of one that is 0 elsewhere."""
+    """Return a block-diagonal matrix."""
     whole = np.zeros(tuple(sum(part.shape[axis] for part in parts) for axis in (0, 1)))
     row = column = 0
     for part in parts:

@@ -1,4 +1,4 @@
-"""All checks of a recording, with as little looked at again as has not changed."""
+"""All checks of a recording, with a cache of unchanged frames."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from pointbrush.work.reviewing.checks.finding import KINDS, CheckOptions, Findin
 from pointbrush.work.reviewing.checks.positions import Sketch, sketch_frame
 
 REMEMBERED = 8
-"""Recordings whose sketches are kept."""
+"""Limit of recordings with cached sketches."""
 EXCUSED = ("occluded", "painted")
-"""States of a track without points that a person, or the tracker, is sure of."""
+"""States of a track in which missing points are certain."""
 Sketches = dict[int, Mapping[int, Sketch]]
 Unsure = Mapping[int, tuple[int, int]]
-"""By label: predicted points of little confidence, and all predicted ones; only where many are."""
+"""By label: number of low-confidence predicted points, and of all predicted ones, if many are."""
 Looked = tuple[int, Mapping[int, Sketch], Unsure]
-"""The revision of a frame's last change when it was looked at, and what was found."""
+"""The last changed revision of a frame at its check, and the results."""
 
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """Findings in the order to go through them, and sentences about what was not looked at."""
+    """Findings in their order, and sentences about unchecked parts."""
 
     findings: Sequence[Finding]
     unchecked: Sequence[str] = field(default_factory=tuple)
 
 
 class Checker:
-    """Runs the checks; keeps what it knows of frames until they change.  Thread-safe."""
+    """Runs the checks; caches sketches of frames until they change.  Thread-safe."""
 
     def __init__(self, store: LabelStore, options: CheckOptions | None = None) -> None:
         self._store, self._options = store, options or CheckOptions()
@@ -49,7 +49,7 @@ class Checker:
         self._boxes = BoxChecker(store, self._options)
 
     def check(self, recording: Recording, frames: range) -> Checked:
-        """Return the suspicious things in ``frames`` of a recording."""
+        """Return the findings in ``frames`` of a recording."""
         sequence, count = recording.manifest.id, len(recording)
         palette = self._store.palette(sequence)
         counts = _counts(self._store, sequence, palette, count)
@@ -74,7 +74,7 @@ class Checker:
     def _sketches(
         self, recording: Recording, counts: Mapping[int, Counts], frames: range
     ) -> tuple[Sketches, dict[int, Unsure], list[str]]:
-        """Look at the frames that have labels, and at as many beside as are neighbours."""
+        """Return sketches of labelled frames and their neighbours."""
         if recording.manifest.large:
             return {}, {}, ["positions of points in octree frames"]
         beside = self._options.window + 1
@@ -143,7 +143,7 @@ def _excused(tracks: Sequence[Mapping[str, Any]]) -> dict[int, set[int]]:
 
 
 def _placed(finding: Finding, sketches: Sketches) -> Finding:
-    """Return a finding with a place: its own, or its label's in its frame or one beside."""
+    """Return a finding with a place: its own, or its label's in its frame or a neighbour."""
     if finding.place is not None or finding.first is None or finding.last is None:
         return finding
     for place in _places(finding, sketches):
@@ -160,5 +160,5 @@ def _places(finding: Finding, sketches: Sketches) -> Iterator[tuple[float, float
 
 
 def _order(finding: Finding) -> tuple[bool, int, int]:
-    """Order findings: those about the palette, then by frames."""
+    """Return the sort key: findings about the palette, then by frames."""
     return finding.first is not None, finding.first or 0, KINDS.index(finding.kind)

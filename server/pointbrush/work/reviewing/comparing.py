@@ -1,4 +1,4 @@
-"""Agreement of two recordings of the same points, labelled by two people; as a picture too."""
+"""Agreement of two recordings of the same points, labelled by two people, with a picture."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from pointbrush.sequences import source_blocks
 from pointbrush.work.annotate.layers import KeptAnnotation
 
 Names = Mapping[int, str]
-"""Key by which a label is compared: name or category; 0, no label, is "" and compared too."""
+"""Key for the comparison by label: name or category; for 0, no label, it is ""."""
 BITS = 16
 SIZE = 720
-"""Pixels of the longer side."""
+"""Longer side of the picture, pixels."""
 DOT = 2
-"""Pixels of a point's side; of one that differs twice as many."""
+"""Side of a drawn point, pixels; differing points have twice the side."""
 MARGIN = 0.15
-"""Around the labelled points, as a share of their extent."""
+"""Margin around the labelled points, as a share of their extent."""
 OUTLIERS = 1.0
-"""Percent of points at each end that do not decide what is shown."""
+"""Percent of points at each end that the shown extent ignores."""
 BACKGROUND = (17, 19, 24)
 By = Literal["name", "category"]
 SAME_PLACE = 1e-3
-"""Metres that the bounds of two imports of the same points may differ by."""
+"""Allowed difference between bounds of two imports of the same points, metres."""
 
 
 @dataclass(frozen=True, slots=True)
 class LabelAgreement:
-    """Points that the first, the second, and both gave a label of this name; ``iou`` 0..1."""
+    """Number of points with this label name in the first, the second, and both; ``iou`` 0..1."""
 
     name: str
     first: int
@@ -46,13 +46,13 @@ class LabelAgreement:
 
     @property
     def iou(self) -> float:
-        """Intersection over union."""
+        """Return the intersection over union."""
         return self.both / max(1, self.first + self.second - self.both)
 
 
 @dataclass(frozen=True, slots=True)
 class FrameAgreement:
-    """Points of a frame that either labelled, and those of them that differ."""
+    """Number of points of a frame that either has labelled, and of differing ones among them."""
 
     frame: int
     labelled: int
@@ -61,9 +61,9 @@ class FrameAgreement:
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """Per label by name, per frame; ``miou`` is the mean over the names that either used.
+    """Agreement by label name and by frame; ``miou``: mean over all used names.
 
-    ``same``: the share of points with a label in either that have the same in both.
+    ``same``: share of the points labelled in either that have the same label in both.
     """
 
     labels: Sequence[LabelAgreement]
@@ -71,19 +71,19 @@ class Agreement:
 
     @property
     def miou(self) -> float | None:
-        """Mean of the labels' IoU; None where neither has labelled anything."""
+        """Return the mean of the labels' IoU; None: no labels."""
         return float(np.mean([each.iou for each in self.labels])) if self.labels else None
 
     @property
     def same(self) -> float | None:
-        """Share of labelled points that agree; None where there are none."""
+        """Return the share of labelled points that agree; None: no labelled points."""
         labelled = sum(each.labelled for each in self.frames)
         differ = sum(each.differ for each in self.frames)
         return 1 - differ / labelled if labelled else None
 
 
 def pairs(first: NDArray[np.uint16], second: NDArray[np.uint16]) -> Counter[tuple[int, int]]:
-    """Count the points of each pair of label ids; both (N,)."""
+    """Return the number of points of each pair of label ids; both (N,)."""
     joined = first.astype(np.uint32) << BITS | second
     values, numbers = np.unique(joined, return_counts=True)
     return Counter(
@@ -97,7 +97,7 @@ def pairs(first: NDArray[np.uint16], second: NDArray[np.uint16]) -> Counter[tupl
 def agreement(
     frames: Mapping[int, Counter[tuple[int, int]]], first: Names, second: Names
 ) -> Agreement:
-    """Return the agreement from each frame's pairs of label ids, labels compared by name."""
+    """Return the agreement for each frame's pairs of label ids, compared by name."""
     alone: tuple[Counter[str], Counter[str]] = (Counter(), Counter())
     both: Counter[str] = Counter()
     told = []
@@ -119,7 +119,7 @@ def agreement(
 
 
 class Difference(IntEnum):
-    """Comparison of two annotations at a point, in the order in which it is drawn."""
+    """Comparison of two annotations at a point, in drawing order."""
 
     UNLABELLED = 0
     SAME = 1
@@ -135,12 +135,12 @@ COLORS = {
     Difference.SECOND: (255, 159, 28),
     Difference.OTHER: (255, 64, 129),
 }
-"""Told apart by people who see red and green alike."""
+"""Colours that are distinct with red-green colour blindness."""
 
 
 def draw(places: NDArray[np.float64], what: NDArray[np.uint8]) -> bytes:
-    """Return a PNG of points at (N, 2), right and down in metres, that are ``what`` (N,)."""
-    from PIL import Image  # a server that answers has not loaded it
+    """Return a PNG of points at (N, 2), right and down in metres; ``what`` (N,): differences."""
+    from PIL import Image  # slow to import
 
     low, high = _window(places, what)
     scale = SIZE / max(float((high - low).max()), 1e-6)
@@ -158,7 +158,7 @@ def draw(places: NDArray[np.float64], what: NDArray[np.uint8]) -> bytes:
 def _window(
     places: NDArray[np.float64], what: NDArray[np.uint8]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the box that is shown: the labelled points and some room, or all without any."""
+    """Return the shown rectangle: the labelled points with a margin, or all points."""
     shown = places[what != Difference.UNLABELLED] if what.any() else places
     if not len(shown):
         return np.zeros(2), np.ones(2)
@@ -183,8 +183,8 @@ def compare(
 ) -> Agreement:
     """Compare the labels of two recordings of the same points.
 
-    ``by``: labels are the same whose names are, or whose categories are.
-    Raises BadInputError for recordings of other points.
+    ``by``: labels are equal by name, or by category.  Raises BadInputError for recordings of other
+    points.
     """
     require_same_points(first, second)
     found = {frame: _pairs(store, first, second, frame) for frame in frames}
@@ -193,15 +193,15 @@ def compare(
 
 
 def picture(store: LabelStore, first: Recording, second: Recording, by: By, frame: int) -> bytes:
-    """Return a PNG of a frame from above, in the room: where the labels differ.
+    """Return a PNG with the differences of labels in a frame, from above.
 
-    Raises BadInputError for recordings of other points, and for the frame of an octree.
+    Raises BadInputError for recordings of other points, and for a frame stored as an octree.
     """
     require_same_points(first, second)
     if first.manifest.large:
         raise BadInputError("frame: expected one that is no octree, to draw all its points")
     names = [_names(store.palette(each.manifest.id), by) for each in (first, second)]
-    # Both in the first one's room; stored order of the second may be another.
+    # In source order and the first recording's room, as stored orders may differ.
     stored = first[frame]
     labels = [
         _by_name(np.concatenate(list(_labels(store, each, frame))), known)
@@ -214,7 +214,7 @@ def picture(store: LabelStore, first: Recording, second: Recording, by: By, fram
 
 
 def require_same_points(first: Recording, second: Recording) -> None:
-    """Raise BadInputError unless two recordings have the same frames of as many points there."""
+    """Raise BadInputError unless two recordings have equal numbers of points and bounds."""
     one, other = first.manifest, second.manifest
     if list(one.points) != list(other.points):
         raise BadInputError(
@@ -238,7 +238,7 @@ def _pairs(
 
 
 def _labels(store: LabelStore, recording: Recording, frame: int) -> Iterator[NDArray[np.uint16]]:
-    """Yield labels in source order, in blocks; deleted points have none."""
+    """Yield labels in source order, in blocks; 0 for deleted points."""
     kept = KeptAnnotation(store, recording.manifest.id, frame, ("label", "deleted"))
     for columns in source_blocks(recording[frame], kept.read):
         yield np.where(columns["deleted"], np.uint16(0), columns["label"])
@@ -258,7 +258,7 @@ def _by_name(label: NDArray[np.uint16], names: dict[int, str]) -> NDArray[np.str
 
 
 def _difference(first: NDArray[np.str_], second: NDArray[np.str_]) -> NDArray[np.uint8]:
-    """Classify each point: see ``Difference``."""
+    """Return the ``Difference`` of each point."""
     found = np.full(len(first), Difference.UNLABELLED, np.uint8)
     found[(first != "") & (first == second)] = Difference.SAME
     found[(first != "") & (second == "")] = Difference.FIRST

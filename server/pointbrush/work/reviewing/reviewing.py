@@ -1,4 +1,4 @@
-"""The review of recordings, for the fronts: each call names a recording by its id."""
+"""The service for the review of recordings by id."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from pointbrush.work.reviewing.report.gather import Report, gather
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
 
 SETTLED = ("open", "accepted")
-"""States in which an earlier note has been seen to."""
+"""States in which an earlier note is resolved."""
 LONGEST_NOTE = 2_000
-"""Characters of a note."""
+"""Longest note, characters."""
 
 
 class Reviewing:
-    """States, notes and people of all recordings; thread-safe."""
+    """States, notes and assignees of all recordings; thread-safe."""
 
     def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
         self._store, self._recording = store, recording
@@ -54,17 +54,17 @@ class Reviewing:
         return states.state_at(self.overview(sequence), frame, label)
 
     def history(self, sequence: str) -> list[Review]:
-        """List the review decisions, the newest first; authors by their names."""
+        """Return the review decisions, newest first, with names of authors."""
         self._recording(sequence)
         log = self._store.reviews.entries(sequence)
         return [replace(entry, author=self._name(entry.author)) for entry in reversed(log)]
 
     def put(self, sequence: str, author: str, review: Review, *, decides: bool = True) -> None:
-        """Set state, note or person of frames, or of a label; those left out stay.
+        """Set the state, note or person of frames, or of a label; None keeps a value.
 
-        What is accepted or open again loses its note, unless a new one comes with it.
-        ``decides``: may take back what was accepted.  Raises NotFoundError (frame, label),
-        BadInputError for what cannot be, ForbiddenError.
+        Accepting or reopening removes the note, unless a new one is given.  ``decides``: the caller
+        may revoke acceptance.  Raises NotFoundError (frame, label), BadInputError for invalid
+        values, ForbiddenError.
         """
         recording = self._recording(sequence)
         _check_frames(review, len(recording))
@@ -83,9 +83,9 @@ class Reviewing:
         )
 
     def checks(self, sequence: str, frames: str | None = None) -> Checked:
-        """Return suspicious things in frames ``I:J``, all unless given, in their order.
+        """Return the findings of checks in frames ``I:J``, by default all, in their order.
 
-        Raises NotFoundError, BadInputError for a range that cannot be.
+        Raises NotFoundError, BadInputError for an invalid range.
         """
         recording = self._recording(sequence)
         found = self._checker.check(recording, parse_frames(frames, len(recording)))
@@ -96,7 +96,7 @@ class Reviewing:
     def agreement(
         self, sequence: str, other: str, by: By = "name", frames: str | None = None
     ) -> Agreement:
-        """Compare the labels with those of another recording of the same points.
+        """Compare the labels with the labels of another recording of the same points.
 
         Raises NotFoundError, BadInputError for a recording of other points.
         """
@@ -104,15 +104,15 @@ class Reviewing:
         return comparing.compare(self._store, first, second, by, parse_frames(frames, len(first)))
 
     def box_agreement(self, sequence: str, other: str, frames: str | None = None) -> BoxAgreement:
-        """Compare the boxes with those of another recording of the same points, by class.
+        """Compare the boxes with the boxes of another recording of the same points, by class.
 
-        Raises as ``agreement``.
+        Raises the errors of ``agreement``.
         """
         first, second = self._recording(sequence), self._recording(other)
         return compare_boxes(self._store, first, second, parse_frames(frames, len(first)))
 
     def difference(self, sequence: str, other: str, frame: int, by: By = "name") -> bytes:
-        """Return a PNG of a frame from above: where the labels differ; raises as ``agreement``."""
+        """Return a PNG of label differences in a frame, from above; raises like ``agreement``."""
         first, second = self._recording(sequence), self._recording(other)
         _ = first[frame]
         return comparing.picture(self._store, first, second, by, frame)
@@ -130,7 +130,7 @@ class Reviewing:
 
 
 def _is_settled(finding: Finding, overview: Overview) -> bool:
-    """Whether a reviewer has accepted its frames, or each of its labels, as they are."""
+    """Return whether a reviewer has accepted its frames, or each of its labels, unchanged since."""
     if finding.first is None or finding.last is None:
         accepted = {each.label for each in overview.labels if each.state == "accepted"}
         return bool(finding.labels) and accepted.issuperset(finding.labels)

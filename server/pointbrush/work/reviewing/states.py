@@ -13,16 +13,16 @@ from pointbrush.labels import Review
 
 State = Literal["open", "review", "accepted", "rejected"]
 STATES: tuple[State, ...] = get_args(State)
-"""From nothing said, by waiting for a reviewer, to what the reviewer decided."""
+"""Not reviewed; waiting for a reviewer; accepted or rejected by a reviewer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Standing:
     """State of frames ``first`` to ``last``, or of a label.
 
-    ``first``, ``last`` are None of a label as a whole; ``label`` is 0 of the frames themselves.
+    ``first``, ``last`` are None for a label as a whole; ``label`` is 0 for the frames themselves.
     ``by``, ``at``: the account and time (seconds since the epoch) of the last state or note.
-    ``changed``: the labels of these frames changed after ``state`` was given.
+    ``changed``: the labels of these frames changed after ``state`` was set.
     """
 
     first: int | None
@@ -41,10 +41,10 @@ class Standing:
 class Overview:
     """The review of a recording.
 
-    ``counts``  frames in each state.
-    ``frames``  runs of frames about which anything was said, by label and frame.
-    ``labels``  labels that were judged as a whole.
-    ``people``  names of those who have edited, judged, or were given frames.
+    ``counts``  number of frames in each state.
+    ``frames``  runs of reviewed frames, by label and frame.
+    ``labels``  labels that were reviewed as a whole.
+    ``people``  names of editors, reviewers and assignees.
     """
 
     counts: Mapping[State, int]
@@ -62,7 +62,7 @@ def replay(
 ) -> Overview:
     """Replay the log into the state of each frame and label of ``palette``.
 
-    ``changes``: for each frame that was ever changed, the revision of its last change.
+    ``changes``: the revision of the last change by frame, for changed frames.
     """
     changed = np.zeros(frames, np.int64)
     for frame, revision in changes.items():
@@ -104,7 +104,7 @@ def overlapping(overview: Overview, first: int, last: int, label: int) -> Iterat
 
 
 def accepted_all(overview: Overview, first: int, last: int, label: int) -> bool:
-    """Whether all of the frames, or a label in them, are accepted and unchanged since."""
+    """Return whether all frames, or a label in them, are accepted and unchanged since."""
     good = sum(
         min(last, each.last) - max(first, each.first) + 1
         for each in overlapping(overview, first, last, label)
@@ -127,7 +127,7 @@ def _set(marks: Marks, part: slice, index: int, entry: Review) -> None:
 def _runs(
     log: Sequence[Review], marks: Marks, label: int, changed: NDArray[np.int64]
 ) -> list[Standing]:
-    """Consecutive frames that stand alike, those of which nothing was said left out."""
+    """Return runs of consecutive frames with equal reviews, except frames without reviews."""
     revisions = np.array([entry.revision for entry in log] or [0], np.int64)
     decided = marks["state"]
     stale = (decided >= 0) & (changed > revisions[np.maximum(decided, 0)])

@@ -1,1 +1,1 @@
-"""Suspicious things: each check is a function of what was gathered, in a module of its own."""
+"""Checks, each a function of collected data, grouped in modules by data."""

@@ -1,4 +1,4 @@
-"""Checks of boxes: how they move, how they lie to each other, and the points around them."""
+"""Checks of boxes: their motion, their relations, and the points around them."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from pointbrush.work.reviewing.checks.positions import Place, as_place
 
 F64 = NDArray[np.float64]
 Names = Mapping[int, str]
-"""Of labels, by id."""
+"""Names of labels by id."""
 LOW = 10.0
-"""Percentile of the heights round a box that is its ground: what stands there is above."""
+"""Percentile of the heights around a box used as its ground, below objects that stand there."""
 LEAST_GROUND = 10
-"""Points from which on there is ground round a box."""
+"""Minimum number of points for the ground around a box."""
 DEEPEST = 3.0
-"""Metres below a box where its ground may be."""
+"""Largest distance of the ground below a box, metres."""
 HIDDEN = 2
-"""From this value of ``occluded`` on a box may be without points."""
+"""Lowest value of ``occluded`` at which a box may have no points."""
 
 
 @dataclass(frozen=True, slots=True)
 class BoxSketch:
-    """Points of a frame about its boxes.
+    """Relation of a frame's points to its boxes.
 
     ``empty``    boxes without a point.
-    ``above``    metres from the ground round a box up to its underside, by box.
-    ``outside``  points of a label outside its boxes, all of them, and a place among those outside;
-                 by label.
+    ``above``    height of a box's underside above the ground around it, metres, by box.
+    ``outside``  number of a label's points outside its boxes, of all its points, and a position
+                 outside; by label.
     """
 
     empty: frozenset[int] = frozenset()
@@ -54,7 +54,7 @@ def sketch_boxes(
     xyz: F64, label: NDArray[np.uint16], boxes: Sequence[OrientedBox], frame: int,
     options: CheckOptions,
 ) -> BoxSketch:  # fmt: skip
-    """Look at the points ``xyz`` (N, 3), source coordinates, round the boxes of a frame.
+    """Return a sketch of the points ``xyz`` (N, 3), source coordinates, around a frame's boxes.
 
     ``label`` (N,), 0 also for deleted points.
     """
@@ -86,7 +86,7 @@ def sketch_boxes(
 def _near(
     points: _ByX, box: OrientedBox, pose: BoxPose, options: CheckOptions
 ) -> tuple[F64, NDArray[np.int64]]:
-    """Find the points round a box: in its axes (n, 3), and their numbers (n,)."""
+    """Return the points around a box in its axes (n, 3), and their numbers (n,)."""
     reach = float(np.linalg.norm(box.size / 2)) + max(options.ground_round, DEEPEST)
     first, last = np.searchsorted(points.x, pose.centre[0] + np.array([-reach, reach]))
     near = points.order[first:last]
@@ -96,7 +96,7 @@ def _near(
 
 
 def _gap(local: F64, half: F64, reach: float) -> float | None:
-    """Compute the height of a box's underside over the ground round it; None: none is seen."""
+    """Return the height of a box's underside above the ground around it; None: no ground."""
     flat = np.abs(local[:, :2])
     ring = (flat <= half[:2] + reach).all(axis=1) & (flat > half[:2]).any(axis=1)
     heights = local[ring & (local[:, 2] < 0) & (local[:, 2] > -half[2] - DEEPEST), 2]
@@ -109,9 +109,9 @@ def _gap(local: F64, half: F64, reach: float) -> float | None:
 def jumps(
     names: Names, boxes: Sequence[OrientedBox], world: Mapping[int, F64], options: CheckOptions
 ) -> Iterator[Finding]:
-    """Yield frames into which a box goes farther than in those around, or turns about.
+    """Yield frames at which a box moves farther than in neighbouring frames, or reverses.
 
-    ``world``: ``T_world_frame`` of frames that have one.
+    ``world``: ``T_world_frame`` of frames with a pose.
     """
     for box in boxes:
         Ts = {f: world.get(f, np.eye(4)) @ pose.transform for f, pose in box.poses.items()}
@@ -137,7 +137,7 @@ def jumps(
 
 
 def sizes(names: Names, boxes: Sequence[OrientedBox], options: CheckOptions) -> Iterator[Finding]:
-    """Yield boxes of one label that are not of one size."""
+    """Yield boxes of one label with different sizes."""
     first: dict[int, OrientedBox] = {}
     for box in boxes:
         other = first.setdefault(box.label, box)
@@ -151,7 +151,7 @@ def sizes(names: Names, boxes: Sequence[OrientedBox], options: CheckOptions) -> 
 
 
 def headings(names: Names, boxes: Sequence[OrientedBox]) -> Iterator[Finding]:
-    """Yield boxes whose front may also be at the opposite end."""
+    """Yield boxes with an unknown front."""
     for box in boxes:
         if not box.heading_known:
             text = f"the front of the box of “{names[box.label]}” is unknown"
@@ -161,7 +161,7 @@ def headings(names: Names, boxes: Sequence[OrientedBox]) -> Iterator[Finding]:
 def overlaps(
     names: Names, boxes: Sequence[OrientedBox], frames: range, options: CheckOptions
 ) -> Iterator[Finding]:
-    """Yield boxes that share much of their volume with another one in a frame."""
+    """Yield boxes that share much of their volume with another box in a frame."""
     for frame in frames:
         here = [box for box in boxes if frame in box.poses]
         Ts = {box.id: box.poses[frame].transform for box in here}
@@ -178,7 +178,7 @@ def overlaps(
 
 
 def _apart(size_a: F64, T_a: F64, size_b: F64, T_b: F64) -> bool:
-    """Look whether a plane along a face of one box parts it from the other; False: perhaps not."""
+    """Return whether a plane along a face separates two boxes; False is inconclusive."""
     ways = np.concatenate([T_a[:3, :3], T_b[:3, :3]], axis=1)
     between = np.abs((T_b[:3, 3] - T_a[:3, 3]) @ ways)
     reach_a = size_a / 2 @ np.abs(T_a[:3, :3].T @ ways)
@@ -195,7 +195,7 @@ def around(
     sketches: Mapping[int, BoxSketch],
     options: CheckOptions,
 ) -> Iterator[Finding]:
-    """Yield boxes without points, those off the ground, and points of a label outside its box."""
+    """Yield boxes without points, boxes off the ground, and points of a label outside its box."""
     by_id = {box.id: box for box in boxes}
     for frame, found in sketches.items():
         for number in sorted(found.empty):

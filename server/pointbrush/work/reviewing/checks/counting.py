@@ -1,4 +1,4 @@
-"""Checks that need the palette and the counts alone."""
+"""Checks that need only the palette and the counts."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from pointbrush.labels import Label
 from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind
 
 NAMED = 3
-"""Labels that a finding names; it counts the others."""
+"""Limit of labels named in a finding."""
 Counts = NDArray[np.int64]
-"""Points of a label (F,) in each frame."""
+"""Number of points of a label in each frame (F,)."""
 
 
 def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterator[Finding]:
-    """Yield labels that have the name of another, whatever their categories."""
+    """Yield labels with equal names, also of different categories."""
     by_name: dict[str, list[Label]] = defaultdict(list)
     for label in palette:
         by_name[label.name.strip().casefold()].append(label)
@@ -34,9 +34,9 @@ def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterat
 def no_category(
     palette: Sequence[Label], counts: Mapping[int, Counts], boxed: Collection[int]
 ) -> Iterator[Finding]:
-    """Yield in one finding the used labels without a category; ``boxed`` are those with boxes.
+    """Yield one finding for used labels without a category; ``boxed``: labels with boxes.
 
-    A recording without boxes may use names alone: nothing is found if no label has a category.
+    A recording without boxes may use only names: there is no finding if no label has a category.
     """
     used = [label for label in palette if label.id in boxed or counts[label.id].any()]
     bare = [label for label in used if not label.category]
@@ -45,7 +45,7 @@ def no_category(
 
 
 def _without(kind: Kind, labels: Sequence[Label], lacking: str) -> Finding:
-    """Return a finding about labels that lack something, the first of them by name."""
+    """Return a finding about labels that lack something, with names of the first ones."""
     names = ", ".join(f"“{label.name}”" for label in labels[:NAMED])
     more = f" and {len(labels) - NAMED} more" if len(labels) > NAMED else ""
     have = "has" if len(labels) == 1 else "have"
@@ -56,7 +56,7 @@ def _without(kind: Kind, labels: Sequence[Label], lacking: str) -> Finding:
 def few_points(
     palette: Sequence[Label], counts: Mapping[int, Counts], options: CheckOptions
 ) -> Iterator[Finding]:
-    """Yield labels with hardly a point in a frame, and in one finding those without any."""
+    """Yield labels with few points in a frame, and one finding for labels without points."""
     empty = [label for label in palette if not counts[label.id].any()]
     if empty:
         yield _without("few", empty, "no points in any frame")
@@ -68,7 +68,7 @@ def few_points(
 
 
 def empty_frames(counts: Mapping[int, Counts], frames: int, options: CheckOptions) -> list[int]:
-    """Return the frames without labels between frames that have some."""
+    """Return the unlabelled frames between labelled frames."""
     some = np.zeros(frames, bool)
     for mine in counts.values():
         some |= mine > 0
@@ -82,9 +82,9 @@ def unlike_neighbours(
     excused: Mapping[int, set[int]],
     options: CheckOptions,
 ) -> Iterator[Finding]:
-    """Yield frames without labels, labels that are missing, and counts unlike those beside them.
+    """Yield unlabelled frames, missing labels, and counts unlike in neighbouring frames.
 
-    ``excused``: for each label, the frames that it is known not to be seen in.
+    ``excused``: frames by label in which it is known to be invisible.
     """
     empty = empty_frames(counts, frames, options)
     for frame in empty:
@@ -102,8 +102,10 @@ def unlike_neighbours(
 def unsure_points(
     palette: Sequence[Label], unsure: Mapping[int, Mapping[int, tuple[int, int]]]
 ) -> Iterator[Finding]:
-    """Yield labels of which a classifier was not sure; ``unsure``: by frame and label, points
-    that are so, and all that it labelled."""
+    """Yield labels with uncertain predictions.
+
+    ``unsure``: number of uncertain and of all predicted points by frame and label.
+    """
     names = {label.id: label.name for label in palette}
     for frame, labels in unsure.items():
         for label, (few, every) in labels.items():
@@ -130,7 +132,7 @@ def _odd_counts(
 
 
 def _holes(there: NDArray[np.bool_], longest: int) -> list[int]:
-    """Indices in runs of at most ``longest`` False between True."""
+    """Return indices in runs of at most ``longest`` False between True."""
     at = np.flatnonzero(there)
     return [
         frame

@@ -1,4 +1,4 @@
-"""A finding of a check, and the thresholds from which something is suspicious."""
+"""The finding of a check, and the thresholds of checks."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 """Two labels of one name; labels without a category; a label of few points; points far from their
 object; a track that jumps; a frame unlike its neighbours; points that a classifier labelled without
 being sure.  A box that jumps or turns about; boxes of one label and two sizes; that share volume;
-off the ground; without points; points of a label outside its box; a box whose front is unknown."""
+off the ground; without points; points of a label outside its box; a box with an unknown front."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A suspicious thing.
+    """A suspicious place or label.
 
-    ``labels``         the labels that it is about; () where it is about frames.
-    ``first``, ``last``  its frames, both included; None where it is about the palette.
-    ``place``          where to look in frame ``first``, source coordinates in metres, or None.
-    ``settled``        a reviewer has accepted it: the frames, or the label, unchanged since.
+    ``labels``         its labels; () for a finding about frames.
+    ``first``, ``last``  its frames, both included; None for a finding about the palette.
+    ``place``          its position in frame ``first``, source coordinates in metres, or None.
+    ``settled``        a reviewer has accepted its frames or label, unchanged since.
     """
 
     kind: Kind
@@ -38,12 +38,12 @@ class Finding:
 
     @property
     def id(self) -> str:
-        """Tells this finding from the others of its recording, however often one looks."""
+        """Return an id that is unique within the recording and stable over checks."""
         return "-".join(map(str, (self.kind, *self.labels, self.first, self.last)))
 
 
 def grouped(found: Iterable[Finding]) -> list[Finding]:
-    """Join findings of one kind and label in consecutive frames; the first one's words stay."""
+    """Join findings of one kind and label in consecutive frames, with the text of the first."""
     runs: list[Finding] = []
     for each in sorted(found, key=lambda one: (one.kind, one.labels, one.first or 0)):
         before = runs[-1] if runs else None
@@ -61,30 +61,30 @@ def grouped(found: Iterable[Finding]) -> list[Finding]:
 
 @dataclass(frozen=True, slots=True)
 class CheckOptions:
-    """Numbers of the checks; raises ValueError for one that is not above 0.
+    """Thresholds of the checks; raises ValueError for one that is not above 0.
 
-    ``few_points``    a label with at most so many points in a frame is a slip of the brush.
-    ``sample``        points of a label that are looked at in a frame.
-    ``link``          metres: points no farther apart belong together, whatever their density.
+    ``few_points``    a label with at most so many points in a frame was painted by mistake.
+    ``sample``        limit of points of a label that are checked in a frame.
+    ``link``          largest distance within a piece, metres, independent of density.
     ``spacing``       the same, as a multiple of the median distance to the nearest point.
-    ``stray``         metres from the largest piece of a label at which another piece is far off,
-    ``stray_extent``  or this share of that piece's diagonal, whichever is more.
-    ``jump``          metres between two frames that are a jump,
-    ``jump_factor``   if they are also so many times the label's median step near there.
-    ``window``        frames to either side that are neighbours.
+    ``stray``         distance from a label's largest piece at which another piece is stray, metres,
+    ``stray_extent``  or this share of that piece's diagonal, if it is more.
+    ``jump``          distance between two frames that is a jump, metres,
+    ``jump_factor``   if it is also so many times the label's median step around there.
+    ``window``        number of neighbouring frames on either side.
     ``share``         a label with less than this share of its neighbours' points, or so much
                       more, is unlike them.
-    ``sizable``       points below which a label's count may do what it likes.
-    ``unsure``        share of a label's predicted points in a frame from which on somebody should
-                      look, when their confidence, 0 to 255, is below ``least_sure``.
-    ``gap``           frames that a label may be missing from between two that have it.
-    ``box_turn``      degrees between two frames that no object turns by.
-    ``box_size``      share by which boxes of one label may differ in a side.
-    ``box_overlap``   share of the smaller box's volume that another one may share.
-    ``box_hang``      metres from the ground that a box's underside may be.
-    ``ground_round``  metres round a box where its ground is looked for.
-    ``box_margin``    metres beyond a box that points still count as inside,
-    ``box_outside``   and the share of a label's points that may lie outside.
+    ``sizable``       points below which a label's count is not checked.
+    ``unsure``        minimum share of a label's predicted points in a frame with a confidence,
+                      0 to 255, below ``least_sure``.
+    ``gap``           longest run of frames without a label between frames that have it.
+    ``box_turn``      implausible rotation between two frames, degrees.
+    ``box_size``      allowed difference of a side between boxes of one label, as a share.
+    ``box_overlap``   allowed share of the smaller box's volume inside another box.
+    ``box_hang``      allowed distance of a box's underside from the ground, metres.
+    ``ground_round``  width of the surroundings of a box used for its ground, metres.
+    ``box_margin``    margin of a box within which points count as inside, metres,
+    ``box_outside``   and the allowed share of a label's points outside.
     """
 
     few_points: int = 5

@@ -1,7 +1,7 @@
-"""Checks of where the points of labels are, from a sketch of each frame's labels.
+"""Checks of the positions of labels, from a sketch of each frame's labels.
 
-A sketch is as much of a label's points as the checks need: its middle, and the piece that lies far
-from the rest.
+A sketch has the data of a label's points that checks need: the centre, and a piece far from the
+rest.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Stray:
-    """Points far from their object: their share 0..1, how far in metres, and a place among them."""
+    """Points far from their object: their share 0..1, distance in metres, and position."""
 
     share: float
     distance: float
@@ -30,8 +30,8 @@ class Stray:
 
 
 def find_stray(xyz: F64, options: CheckOptions) -> Stray | None:
-    """Return the farthest piece of points (N, 3) that is far from the largest one, or None."""
-    from scipy.spatial import cKDTree  # a server that answers has not loaded it
+    """Return the piece of points (N, 3) farthest from the largest piece, or None."""
+    from scipy.spatial import cKDTree  # slow to import
 
     if len(xyz) < 2:
         return None
@@ -44,7 +44,7 @@ def find_stray(xyz: F64, options: CheckOptions) -> Stray | None:
     far = max(options.stray, options.stray_extent * float(np.linalg.norm(np.ptp(main, axis=0))))
     others = piece != sizes.argmax()
     away = cKDTree(main).query(xyz[others])[0]
-    # A piece is as far as its nearest point.
+    # The distance of a piece is that of its nearest point.
     near = np.full(len(sizes), np.inf)
     np.minimum.at(near, piece[others], away)
     near[sizes.argmax()] = 0.0
@@ -58,13 +58,13 @@ def find_stray(xyz: F64, options: CheckOptions) -> Stray | None:
 
 
 def pieces(xyz: F64, cell: float) -> NDArray[np.int64]:
-    """Return the piece (N,) that each point is of: points in touching cells of ``cell`` metres."""
+    """Return the piece (N,) of each point, joined over touching cells of ``cell`` metres."""
     return touching(np.floor(xyz / cell).astype(np.int64))
 
 
 @dataclass(frozen=True, slots=True)
 class Sketch:
-    """A label in a frame: its middle in the frame's and the world's coordinates, its far piece."""
+    """A label in a frame: its centre in frame and world coordinates, and its stray piece."""
 
     points: int
     center: Place
@@ -81,8 +81,8 @@ def sketch_frame(
 ) -> Mapping[int, Sketch]:
     """Return a sketch of each label above 0.
 
-    ``xyz`` (N, 3) local metres in progressive order, so that the first points of a label are an
-    even sample of it; ``label`` (N,); ``pose`` ``T_world_frame`` of source coordinates or None;
+    ``xyz`` (N, 3) local metres in progressive order, so that the first points of a label are a
+    uniform sample of it; ``label`` (N,); ``pose`` ``T_world_frame`` of source coordinates or None;
     ``shift`` (3,) source − local.
     """
     numbers = np.flatnonzero(label)
@@ -107,11 +107,11 @@ def as_place(point: F64) -> Place:
 
 
 Sketches = Mapping[int, Mapping[int, Sketch]]
-"""Frame → label → how it looks there."""
+"""Sketches by frame and label."""
 
 
 def stray_points(palette: Sequence[Label], sketches: Sketches) -> Iterator[Finding]:
-    """Yield labels of which some points lie far from the rest."""
+    """Yield labels with points far from the rest."""
     names = {label.id: label.name for label in palette}
     for frame, labels in sketches.items():
         for label, found in labels.items():
@@ -126,7 +126,7 @@ def stray_points(palette: Sequence[Label], sketches: Sketches) -> Iterator[Findi
 
 
 def jumps(palette: Sequence[Label], sketches: Sketches, options: CheckOptions) -> Iterator[Finding]:
-    """Yield labels whose middle goes farther between two frames than in those around."""
+    """Yield labels with a centre that moves farther between frames than in neighbouring ones."""
     for label in palette:
         mine = {n: labels[label.id] for n, labels in sketches.items() if label.id in labels}
         steps = {

@@ -1,1 +1,1 @@
-"""A report of a recording: what is gathered, as HTML with plots and as CSV."""
+"""The report of a recording as HTML with plots and as CSV."""

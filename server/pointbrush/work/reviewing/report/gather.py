@@ -1,6 +1,6 @@
-"""Figures of a recording for its report, and tables of them as CSV.
+"""Statistics of a recording for its report, and CSV tables of them.
 
-The seconds and strokes that people spent on frames come from the times of their edits.
+People's seconds and strokes per frame are computed from the times of their edits.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from pointbrush.work.reviewing.states import Overview, State, overlapping
 
 STROKES = frozenset({"paint", "erase", "delete", "restore"})
 MACHINE = frozenset({"tracking", "import"})
-"""Kinds of edits that a person waits for and does not make."""
+"""Kinds of automatic edits, which are not counted as work."""
 PAGE = 1_000
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 Table = Literal["frames", "labels", "people"]
 TABLES: tuple[Table, ...] = get_args(Table)
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""A cell of words that begins so would be a formula in a spreadsheet."""
+"""Prefixes with which a text cell would be a formula in a spreadsheet."""
 Rows = Iterator[Sequence[Any]]
 
 
 @dataclass(frozen=True, slots=True)
 class EffortOptions:
-    """``idle`` seconds without an edit are a pause; ``first``: what an edit after one counts."""
+    """``idle`` seconds without an edit are a pause; ``first``: seconds for an edit after it."""
 
     idle: float = 60.0
     first: float = 5.0
@@ -46,14 +46,14 @@ class EffortOptions:
 
 @dataclass(slots=True)
 class Effort:
-    """Seconds, strokes and edits of a person in a frame, or of several together."""
+    """Seconds, strokes and edits of a person in a frame, or a sum of them."""
 
     seconds: float = 0.0
     strokes: int = 0
     edits: int = 0
 
     def add(self, other: Effort) -> None:
-        """Add another's."""
+        """Add another effort."""
         self.seconds += other.seconds
         self.strokes += other.strokes
         self.edits += other.edits
@@ -62,10 +62,10 @@ class Effort:
 def effort_of(
     edits: Iterable[EditInfo], options: EffortOptions | None = None
 ) -> Mapping[tuple[int | None, str], Effort]:
-    """Return effort by frame and author; frame None: edits of no frame, as of the palette.
+    """Return effort by frame and author; frame None: edits without a frame, as of the palette.
 
-    ``edits`` are in the order of their times.  The time since an author's last edit goes to the
-    frames of the next one, in equal parts; each of them gets its stroke.
+    ``edits`` are in chronological order.  The time since an author's last edit is divided equally
+    between the frames of the next edit; each frame counts its stroke.
     """
     options = options or EffortOptions()
     last: dict[str, float] = {}
@@ -85,14 +85,14 @@ def effort_of(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report:
-    """Of F frames and the labels of the palette.
+    """Statistics of F frames and the labels of the palette.
 
-    ``points``      (F,) points of each frame; ``labelled``, ``painted`` (F,) those of them with a
-                    label, and those that a person painted.
+    ``points``      (F,) points of each frame; ``labelled``, ``painted`` (F,) labelled points and
+                    painted points among them.
     ``by_label``    label id → points (F,).
-    ``confidence``  label id → (F,) 0..1, NaN where nothing was tracked.
+    ``confidence``  label id → (F,) 0..1, NaN without a track.
     ``states``, ``assignees``  of each frame.
-    ``effort``      by frame (None: of none) and the name of a person.
+    ``effort``      by frame (None: without a frame) and the name of a person.
     """
 
     name: str
@@ -109,7 +109,7 @@ class Report:
 
     @property
     def mean_confidence(self) -> F64:
-        """(F,) mean over the labels that were tracked; NaN where none was."""
+        """Return the mean (F,) over tracked labels; NaN: none."""
         if not self.confidence:
             return np.full(len(self.points), np.nan)
         rows = np.vstack(list(self.confidence.values()))
@@ -119,14 +119,14 @@ class Report:
         return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
     def people(self) -> dict[str, Effort]:
-        """Effort of each person in all frames together, who spent most first."""
+        """Return the effort of each person in all frames, longest time first."""
         found: dict[str, Effort] = {}
         for (_, person), effort in self.effort.items():
             found.setdefault(person, Effort()).add(effort)
         return dict(sorted(found.items(), key=lambda each: -each[1].seconds))
 
     def per_frame(self) -> list[Effort]:
-        """Effort of all people in each frame."""
+        """Return the effort of all people in each frame."""
         found = [Effort() for _ in self.points]
         for (frame, _), effort in self.effort.items():
             if frame is not None and frame < len(found):
@@ -137,7 +137,7 @@ class Report:
 def gather(
     store: LabelStore, recording: Recording, overview: Overview, name: Callable[[str], str]
 ) -> Report:
-    """Return the report of a recording; ``name`` gives what is shown for an account."""
+    """Return the report of a recording; ``name`` returns the name of an account."""
     sequence, frames = recording.manifest.id, len(recording)
     palette = store.palette(sequence)
     by_label = {label.id: np.zeros(frames, np.int64) for label in palette}
@@ -177,7 +177,7 @@ def _confidence(store: LabelStore, sequence: str, frames: int) -> dict[int, F64]
 
 
 def _edits(store: LabelStore, sequence: str) -> Iterator[EditInfo]:
-    """All edits, oldest first."""
+    """Yield all edits, oldest first."""
     pages: list[list[EditInfo]] = []
     before: int | None = None
     while page := store.edits(sequence, before=before, limit=PAGE):
@@ -188,7 +188,7 @@ def _edits(store: LabelStore, sequence: str) -> Iterator[EditInfo]:
 
 
 def to_csv(report: Report, table: Table) -> str:
-    """Return a table of the report, with a line of column names."""
+    """Return a table of the report with a header line."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for row in WRITERS[table](report):

@@ -1,4 +1,4 @@
-"""A report as one HTML file: nothing from elsewhere, no scripts."""
+"""A report as a single HTML file without external resources and scripts."""
 
 from __future__ import annotations
 
@@ -54,9 +54,9 @@ th { color: var(--soft); font-weight: 500; }
 """
 STYLE_HASH = base64.b64encode(hashlib.sha256(STYLE.encode()).digest()).decode()
 POLICY = f"default-src 'none'; style-src 'sha256-{STYLE_HASH}'; frame-ancestors 'none'"
-"""Content-Security-Policy under which the report shows as it should."""
+"""Content-Security-Policy of the report."""
 MOST_LINES = 40
-"""Labels with a line of their own; names of more could not be told apart."""
+"""Limit of labels with a separate line; more names would not be legible."""
 
 
 def to_html(report: Report, now: datetime | None = None) -> str:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 F64 = NDArray[np.float64]
 WIDTH, HEIGHT = 920, 150
 LEFT, BOTTOM, TOP = 56, 22, 10
-"""Room for the axes, pixels."""
+"""Space for the axes, pixels."""
 MOST = 460
-"""Columns of a plot; more frames than that are taken together."""
+"""Limit of columns of a plot; more frames are averaged."""
 ROW = 26
 NAMED = 190
 """Pixels for the names of bars."""
@@ -23,7 +23,7 @@ NAMED = 190
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
-    """Values (F,) of a colour, NaN where there is none; ``name`` is told by hovering."""
+    """Values (F,) with a colour; NaN: no value; ``name`` is shown on hover."""
 
     name: str
     color: str
@@ -31,7 +31,7 @@ class Series:
 
 
 def columns(values: F64) -> F64:
-    """Return means of so many frames together that MOST columns are enough; NaN stays aside."""
+    """Return means over frames for at most MOST columns, without NaN."""
     if len(values) <= MOST:
         return values
     edges = np.linspace(0, len(values), MOST + 1).astype(int)
@@ -40,9 +40,9 @@ def columns(values: F64) -> F64:
 
 
 def over_frames(series: Sequence[Series], frames: int, *, top: float | None, unit: str) -> str:
-    """Return bars, the later series before the earlier ones, over the frames' numbers.
+    """Return bars over the frame numbers, later series in front of earlier ones.
 
-    ``top`` is the upper end of the axis, that of the values unless given.
+    ``top`` is the upper end of the axis, by default the greatest value.
     """
     drawn = [(each, columns(each.values)) for each in series]
     high = top or max([float(np.nanmax(v)) for _, v in drawn if np.isfinite(v).any()] or [0.0])
@@ -61,7 +61,7 @@ def over_frames(series: Sequence[Series], frames: int, *, top: float | None, uni
 
 
 def lines(series: Sequence[Series], frames: int, *, top: float, unit: str) -> str:
-    """Return a line for each series over the frames' numbers, broken where there is no value."""
+    """Return a line for each series over the frame numbers, interrupted at missing values."""
     parts = _axes(top, frames, unit)
     for each in series:
         values = columns(each.values)
@@ -74,7 +74,7 @@ def lines(series: Sequence[Series], frames: int, *, top: float, unit: str) -> st
             x, y = LEFT + (n + 0.5) * step, HEIGHT - BOTTOM - _tall(value, top)
             path += f"{pen}{x:.1f} {y:.1f}"
             if pen == "M":
-                path += "h0.1"  # a point alone shows too
+                path += "h0.1"  # a single point is visible too
             pen = "L"
         parts += (
             f'<path d="{path}" fill="none" stroke="{each.color}" stroke-width="2" '
@@ -84,7 +84,7 @@ def lines(series: Sequence[Series], frames: int, *, top: float, unit: str) -> st
 
 
 def named_bars(rows: Sequence[tuple[str, str, float, str]]) -> str:
-    """Return a bar for each (name, colour, value, value in words), the longest as wide as all."""
+    """Return a bar for each (name, colour, value, text), scaled to the longest."""
     most = max([value for _, _, value, _ in rows] or [0.0]) or 1.0
     parts = ""
     for n, (name, color, value, told) in enumerate(rows):
@@ -99,7 +99,7 @@ def named_bars(rows: Sequence[tuple[str, str, float, str]]) -> str:
 
 
 def strip(colors: Sequence[str], titles: Sequence[str]) -> str:
-    """Return a strip of a colour for each frame, equal ones joined; ``titles`` by hovering."""
+    """Return a strip of a colour per frame, equal ones joined; ``titles`` are shown on hover."""
     step = (WIDTH - LEFT) / max(1, len(colors))
     starts = [n for n, color in enumerate(colors) if n == 0 or color != colors[n - 1]]
     parts = "".join(
